@@ -1,0 +1,1 @@
+"""The cleaning world, its mission and its RL borders (knows selforg and selector)."""

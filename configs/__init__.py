@@ -1,0 +1,1 @@
+"""Worlds, missions, mechanism configurations, expert knowledge and experiments, shipped as data."""

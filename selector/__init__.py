@@ -1,0 +1,1 @@
+"""Which mechanism serves a self-organisation goal now (knows selforg)."""

@@ -1,0 +1,1 @@
+"""Mechanisms: one short formula and one registered class each."""

@@ -1,0 +1,1 @@
+"""The behaviour network: conditions, activation, arbitration and plan, for rows of robots."""

@@ -1,0 +1,1 @@
+"""Command line, evaluation, training and reports (knows all)."""
