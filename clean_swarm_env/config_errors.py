@@ -1,0 +1,75 @@
+"""One line for whatever is wrong with a configuration: file, key, what was expected and what was given."""
+
+import difflib
+from collections.abc import Sequence
+from typing import get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+MAX_SHOWN = 60
+"""Characters of a given value that an error shows."""
+
+
+class ConfigurationError(ValueError):
+    """A configuration, a file or a name that cannot be used; its message is one line for the user."""
+
+
+def one_line(error: ValidationError, file: str, model: type[BaseModel]) -> str:
+    """Return `file: key: what is wrong` for the first mistake of `error`, raised when validating `model`."""
+    details = error.errors(include_url=False)
+    # an unknown key often makes another one missing: it is the one to name
+    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+    key = ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)])
+    more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+    return f"{file}: {f'{key}: ' if key else ''}{_what(first, model)}{more}"
+
+
+def unknown(what: str, name: str, known: Sequence[str]) -> str:
+    """Return the line for an unknown `name`: what there is, and the nearest of it."""
+    listed = ", ".join(known) or "none"
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"unknown {what} {name!r} (known: {listed}{f'; did you mean {near[0]!r}?' if near else ''})"
+
+
+def _key_of_context(details: ErrorDetails) -> list[str]:
+    return [str(details["ctx"]["key"])] if details["type"] == "impossible" else []
+
+
+def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
+    kind, given = details["type"], details["input"]
+    if kind == "extra_forbidden":
+        known = _known_keys(model, details["loc"][:-1])
+        return unknown("key", str(details["loc"][-1]), known) if known else "unknown key"
+    if kind == "missing":
+        return "missing key"
+    if kind == "json_invalid":
+        return f"expected JSON: {details['ctx']['error']}"
+    message = details["msg"].replace("Input should be", "expected").replace("Value error, ", "")
+    if kind == "impossible":
+        return message
+    return f"{message}, got {_shown(given)}"
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= MAX_SHOWN else text[:MAX_SHOWN] + "..."
+
+
+def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
+    """Return the keys of the model that lies at `location` below `model`; empty if the types do not tell."""
+    here: type[BaseModel] | None = model
+    for part in location:
+        if isinstance(part, int):
+            continue
+        if here is None or part not in here.model_fields:
+            return []
+        here = _model_in(here.model_fields[part].annotation)
+    return sorted(here.model_fields) if here is not None else []
+
+
+def _model_in(annotation: object) -> type[BaseModel] | None:
+    """Return the model that an annotation is, or that its tuple or union holds; None without any."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for part in get_args(annotation) if (found := _model_in(part)) is not None), None)
