@@ -1,6 +1,7 @@
 """One line for whatever is wrong with a configuration: file, key, what was expected and what was given."""
 
 import difflib
+import re
 from collections.abc import Sequence
 from typing import get_args
 
@@ -21,8 +22,7 @@ def one_line(error: ValidationError, file: str, model: type[BaseModel]) -> str:
     # an unknown key often makes another one missing: it is the one to name
     first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
     key = ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)])
-    more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-    return f"{file}: {f'{key}: ' if key else ''}{_what(first, model)}{more}"
+    return f"{file}: {f'{key}: ' if key else ''}{_what(first, model)}"
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
@@ -42,10 +42,12 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
         known = _known_keys(model, details["loc"][:-1])
         return unknown("key", str(details["loc"][-1]), known) if known else "unknown key"
     if kind == "missing":
-        return "missing key"
+        return "missing key" if isinstance(details["loc"][-1], str) else "missing value"
     if kind == "json_invalid":
         return f"expected JSON: {details['ctx']['error']}"
-    message = details["msg"].replace("Input should be", "expected").replace("Value error, ", "")
+    message = re.sub(r"^(Input should be|\w+ should have)", "expected", details["msg"]).removesuffix(
+        " after validation, not 0"
+    )
     if kind == "impossible":
         return message
     return f"{message}, got {_shown(given)}"

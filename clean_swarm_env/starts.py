@@ -7,13 +7,13 @@ the items, so that it stays the same whatever the number of scenarios or workers
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
-from clean_swarm_env.config import Closed, MissionConfig, Point, Positive, StartConfiguration
+from clean_swarm_env.config import Closed, MissionConfig, Point, Positive, StartConfiguration, impossible
 from clean_swarm_env.config_errors import ConfigurationError, one_line
 
 START_GAP = 0.01
@@ -88,6 +88,13 @@ class StartsFile(Closed, extra="ignore"):
     """Position of the dump station [m]."""
     cases: Annotated[tuple[StartsCase, ...], Field(min_length=1)]
     """The start configurations, each with what was measured on it."""
+
+    @model_validator(mode="after")
+    def _unique_ids(self) -> Self:
+        ids = [case.id for case in self.cases]
+        for twice in (one for one in ids if ids.count(one) > 1):
+            raise impossible("cases", "unique ids", f"{twice!r} twice")
+        return self
 
     @property
     def starts(self) -> tuple[StartConfiguration, ...]:

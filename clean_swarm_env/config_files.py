@@ -1,0 +1,134 @@
+"""Read missions and experiments from YAML files, by name or by path.
+
+A directory of configurations holds `experiments/`, `missions/` and `starts/`; the given directories are searched in
+order, the shipped one last. Whatever is wrong raises ConfigurationError: one line with file, key, expected and given.
+"""
+
+import os
+import re
+from collections.abc import Hashable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+import configs
+from clean_swarm_env.config import MissionConfig
+from clean_swarm_env.config_errors import ConfigurationError, one_line, unknown
+from clean_swarm_env.experiment import ExperimentConfig
+
+Content = dict[str, Any]
+M = TypeVar("M", bound=BaseModel)
+SINGULAR = {"experiments": "experiment", "missions": "mission", "starts": "set of start configurations"}
+SUFFIXES = (".yaml", ".yml")
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML 1.1 without two of its traps: `1e-9` is a number, and a key given twice is an error."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        """Return the mapping of `node`; a key given twice raises ConstructorError."""
+        seen = set()
+        for key_node, _ in node.value:
+            if key_node.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {key_node.value!r} twice", key_node.start_mark
+                )
+            seen.add(key_node.value)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
+)
+
+
+def load_experiment(name_or_path: str, directories: Sequence[Path] = ()) -> ExperimentConfig:
+    """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
+    path = _find("experiments", name_or_path, directories)
+    content = read_mapping(path)
+    content["mission"] = _mission_of(content.get("mission", {}), path, directories)
+    if isinstance(content.get("starts"), str):
+        starts = read_mapping(_find("starts", content["starts"], directories, f"{shown(path)}: starts: "))
+        content["starts"] = starts.get("starts")
+    return _validated(ExperimentConfig, content, path)
+
+
+def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> MissionConfig:
+    """Return the mission of a name or of a path to a YAML file; `where` starts the line of an unknown one."""
+    path = _find("missions", name_or_path, directories, where)
+    return _validated(MissionConfig, read_mapping(path), path)
+
+
+def names(kind: str, directories: Sequence[Path] = ()) -> list[str]:
+    """Return the sorted names of all files of a kind: "experiments", "missions" or "starts"."""
+    return sorted({path.stem for root in _roots(directories) for path in (root / kind).glob("*.yaml")})
+
+
+def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:
+    """Return `base` with `changes` in its place, mapping by mapping."""
+    merged = dict(base)
+    for key, value in changes.items():
+        below = merged.get(key)
+        merged[key] = laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
+    return merged
+
+
+def read_mapping(path: Path) -> Content:
+    """Return the mapping that a YAML file holds."""
+    try:
+        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigurationError(f"{shown(path)}: cannot be read ({error})") from error
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else 1
+        raise ConfigurationError(f"{shown(path)}: line {line}: {error.problem}") from error
+    except yaml.YAMLError as error:
+        raise ConfigurationError(f"{shown(path)}: {' '.join(str(error).split())}") from error
+    if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
+        raise ConfigurationError(f"{shown(path)}: expected a mapping of keys, got {type(content).__name__}")
+    return content
+
+
+def shown(path: Path) -> str:
+    """Return `path` as a user in the working directory would write it."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
+
+
+def _mission_of(given: object, path: Path, directories: Sequence[Path]) -> object:
+    """Return the content of an experiment's mission: a name, or changes laid over the mission named `base`."""
+    if isinstance(given, str):
+        return load_mission(given, directories, f"{shown(path)}: mission: ").model_dump()
+    if isinstance(given, dict) and "base" in given:
+        base = given["base"]
+        if not isinstance(base, str):
+            raise ConfigurationError(f"{shown(path)}: mission.base: expected the name of a mission, got {base!r}")
+        changes = {key: value for key, value in given.items() if key != "base"}
+        return laid_over(load_mission(base, directories, f"{shown(path)}: mission.base: ").model_dump(), changes)
+    return given
+
+
+def _find(kind: str, name: str, directories: Sequence[Path], where: str = "") -> Path:
+    """Return the file of a name, or the path itself where `name` is one."""
+    if name.endswith(SUFFIXES) or os.sep in name:
+        path = Path(name)
+        if not path.is_file():
+            raise ConfigurationError(f"{where}{name}: no such file")
+        return path
+    found = [path for root in _roots(directories) if (path := root / kind / f"{name}.yaml").is_file()]
+    if not found:
+        raise ConfigurationError(where + unknown(SINGULAR[kind], name, names(kind, directories)))
+    return found[0]
+
+
+def _roots(directories: Sequence[Path]) -> list[Path]:
+    return [*directories, configs.directory()]
+
+
+def _validated(model: type[M], content: Content, path: Path) -> M:
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        raise ConfigurationError(one_line(error, shown(path), model)) from error
