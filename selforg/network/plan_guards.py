@@ -54,7 +54,10 @@ class Guard(NamedTuple):
 
 
 class Step(NamedTuple):
-    """An action (number `action` of the problem): allowed where `guard` holds, then bits = bits & keep | gain and each number of `changes` moves."""
+    """An action of the problem, allowed where `guard` holds.
+
+    Afterwards bits = bits & keep | gain, and every (slot, change) of `changes` is added to the numbers.
+    """
 
     action: int
     cost: int

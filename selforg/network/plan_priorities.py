@@ -34,8 +34,8 @@ def plan_by_priority(
     """Return a plan for all goals together, else for the best set of goals that has one.
 
     After the whole set, sets are tried by falling sum of priorities, then falling size, then in the order in which the
-    goals are registered: the goals with the lowest priorities are given up first. Goals that hold already cost nothing by
-    themselves and stay in the set, so that a plan does not destroy them. A set that contains one already proved
+    goals are registered: the goals with the lowest priorities are given up first. Goals that hold already cost nothing
+    by themselves and stay in the set, so that a plan does not destroy them. A set that contains one already proved
     unsolvable is not searched again.
 
     Args:

@@ -1,7 +1,7 @@
 """What a planner is asked: facts and numbers, actions that change them, goals over them.
 
-A problem is plain, frozen data and knows no behaviour network: behaviours become actions (effects on Boolean sensors set
-facts, effects on numeric sensors change numbers), goals become conditions. The state it is asked for is two arrays,
+A problem is plain, frozen data and knows no behaviour network: behaviours become actions (effects on facts set them,
+effects on numbers change them), goals become conditions. The state it is asked for is two arrays,
 `facts` (F,) bool and `numbers` (K,) float in the order of the names given here.
 
 Expressions are small trees: `FactIs` and `NumberIs` are the leaves, `AllOf`, `AnyOf` and `Not` the branches. An empty
