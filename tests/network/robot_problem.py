@@ -12,7 +12,10 @@ from selforg.network.planning_problem import (
     SetFact,
 )
 
-FACTS = tuple("garbage_seen garbage_at carrying recycled garbage_found at_recycling at_dump patrolled rep_bool".split())
+FACTS = (
+    *("garbage_seen", "garbage_at", "carrying", "recycled", "garbage_found"),
+    *("at_recycling", "at_dump", "patrolled", "rep_bool"),
+)
 NUMBERS = ("dist_recycling", "dist_dump", "rep_len")
 
 # name: (preconditions, effects); a number as precondition means that the linear condition is worth the threshold 0.05
