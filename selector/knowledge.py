@@ -1,0 +1,123 @@
+"""Expert knowledge: which options serve a goal, and how well an expert thinks they do."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
+
+from selector.documents import Closed, DocumentError, Name, Number, read_mapping, roots, shown, unknown, validated
+
+KIND = "knowledge"
+
+
+class Option(Closed):
+    """One way to serve a goal: a configuration with parameters laid over it."""
+
+    configuration: Name
+    """Key of the configuration in the library."""
+    score: Number
+    """How well it serves the goal, by the expert [-]; the highest is taken."""
+    parameters: dict[Name, Any] = Field(default_factory=dict)
+    """Values laid over the parameters of the configuration."""
+    name: Name = ""
+    """Unique among the options of a goal; the configuration's key unless given."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named_by_configuration(cls, given: Any) -> Any:  # noqa: ANN401  (whatever YAML holds)
+        if isinstance(given, Mapping) and "name" not in given and "configuration" in given:
+            return {**given, "name": given["configuration"]}
+        return given
+
+
+class _KnowledgeFile(Closed):
+    """What a knowledge file holds."""
+
+    description: str = ""
+    """What the knowledge is for."""
+    goals: dict[Name, Annotated[tuple[Option, ...], Field(min_length=1)]]
+    """Options by goal."""
+
+    @model_validator(mode="after")
+    def _unique_names(self) -> Self:
+        for goal, options in self.goals.items():
+            names = [option.name for option in options]
+            for name in names:
+                if names.count(name) > 1:
+                    raise ValueError(f"goals.{goal}: option {name!r} is given twice")
+        return self
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """Goal -> options, in the order of the file.
+
+    Attributes:
+        table: options by goal, each goal with at least one.
+        source: the file it was read from, for error messages.
+
+    """
+
+    table: Mapping[str, tuple[Option, ...]]
+    source: str = "knowledge"
+
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """Names of the goals that the knowledge covers."""
+        return tuple(self.table)
+
+    def options(self, goal: str) -> tuple[Option, ...]:
+        """Return the options of a goal, O of them."""
+        if goal not in self.table:
+            raise DocumentError(f"{self.source}: {unknown('goal', goal, self.goals)}")
+        return self.table[goal]
+
+    def scores(self, goal: str) -> npt.NDArray[np.float64]:
+        """Return the scores (O,) of the options of a goal."""
+        return np.array([option.score for option in self.options(goal)], dtype=np.float64)
+
+    def with_scores(self, scores: Mapping[str, Mapping[str, float]]) -> "Knowledge":
+        """Return the knowledge with other scores laid over it: goal -> option name -> score.
+
+        Raises:
+            DocumentError: an unknown goal or option, or a score that is not a finite number.
+
+        """
+        table = dict(self.table)
+        for goal, changes in scores.items():
+            names = [option.name for option in self.options(goal)]
+            for name, score in changes.items():
+                if name not in names:
+                    raise DocumentError(f"{self.source}: goals.{goal}: {unknown('option', name, names)}")
+                if not np.isfinite(score):
+                    raise DocumentError(f"{self.source}: goals.{goal}.{name}: expected a finite score, got {score}")
+            table[goal] = tuple(
+                option.model_copy(update={"score": float(changes.get(option.name, option.score))})
+                for option in table[goal]
+            )
+        return replace(self, table=table)
+
+
+def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
+    """Return the knowledge that a mapping of the form of a knowledge file holds."""
+    return Knowledge(validated(_KnowledgeFile, content, source).goals, source)
+
+
+def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:
+    """Return the knowledge of a name, from the first directory that holds `knowledge/NAME.yaml`.
+
+    Raises:
+        DocumentError: no such file, or a mistake in it.
+
+    """
+    searched = roots(directories)
+    for root in searched:
+        path = root / KIND / f"{name}.yaml"
+        if path.is_file():
+            return knowledge_from(read_mapping(path), shown(path))
+    known = sorted({path.stem for root in searched for path in (root / KIND).glob("*.yaml")})
+    raise DocumentError(unknown("expert knowledge", name, known))
