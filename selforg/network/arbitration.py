@@ -1,0 +1,172 @@
+"""Which behaviours run after this step (compiled)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from selforg.compiled import kernel
+from selforg.network import state as st
+from selforg.network import tables as t
+from selforg.network.activation import operational
+from selforg.network.tables import Floats, Ints, floats_of, ints_of
+
+
+@kernel
+def order_by_activation(activation: Floats, order: Ints) -> None:
+    """Fill `order` (B,) with the behaviours in falling activation; ties keep the order of registration."""
+    for b in range(activation.shape[0]):
+        k = b
+        while k > 0 and activation[order[k - 1]] < activation[b]:
+            order[k] = order[k - 1]
+            k -= 1
+        order[k] = b
+
+
+@kernel
+def stop(row: int, b: int, marks: Ints) -> None:
+    """Stop behaviour `b`; it keeps its activation."""
+    marks[st.EXECUTING, row, b] = 0
+    marks[st.EXECUTION_TIME, row, b] = -1
+    if marks[st.STARTED, row, b]:
+        marks[st.STARTED, row, b] = 0
+    else:
+        marks[st.STOPPED, row, b] = 1
+
+
+@kernel
+def influences_same(row: int, b: int, other: int, ints: Ints, marks: Ints) -> bool:
+    """Whether the two behaviours have effects on one sensor."""
+    first, sensor, tag = ints_of(ints, t.EFFECT_FIRST), ints_of(ints, t.EFFECT_SENSOR), ints_of(ints, t.EFFECT_TAG)
+    alternative = marks[st.ALTERNATIVE, row]
+    for k in range(first[b], first[b + 1]):
+        if tag[k] >= 0 and tag[k] != alternative[b]:
+            continue
+        for j in range(first[other], first[other + 1]):
+            if sensor[j] == sensor[k] and (tag[j] < 0 or tag[j] == alternative[other]):
+                return True
+    return False
+
+
+@kernel
+def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted: Ints) -> bool:
+    """Stop the running behaviours that influence a sensor of `b`, if every one of them yields; else leave all."""
+    interruptable = ints_of(ints, t.INTERRUPTABLE)
+    priority, activation = marks[st.PRIORITY, row], values[st.ACTIVATION, row]
+    clashes = False
+    for other in range(counted.shape[0]):
+        if other == b or not marks[st.EXECUTING, row, other] or not influences_same(row, b, other, ints, marks):
+            continue
+        clashes = True
+        weaker = priority[other] == priority[b] and activation[other] < activation[b]
+        if not (interruptable[other] and (priority[other] < priority[b] or weaker)):
+            return False
+    if clashes:
+        for other in range(counted.shape[0]):
+            if other != b and marks[st.EXECUTING, row, other] and influences_same(row, b, other, ints, marks):
+                stop(row, other, marks)
+                counted[other] = 0
+    return True
+
+
+@kernel
+def is_timed_out(row: int, b: int, ints: Ints, marks: Ints) -> bool:
+    """Whether a running behaviour has used up its time."""
+    timeout = ints_of(ints, t.TIMEOUT)[b]
+    return timeout >= 0 and marks[st.EXECUTION_TIME, row, b] >= timeout
+
+
+@kernel
+def keeps_running(row: int, b: int, ints: Ints, values: Floats, marks: Ints, threshold: float, selected: int) -> bool:
+    """Whether a running behaviour goes on."""
+    limit = ints_of(ints, t.OPTIONS)[1]
+    if marks[st.MANUAL, row, b] or not ints_of(ints, t.INTERRUPTABLE)[b]:
+        return True
+    if is_timed_out(row, b, ints, marks) or not marks[st.READY, row, b]:
+        return False
+    return bool(values[st.ACTIVATION, row, b] >= threshold and not (limit > 0 and selected >= limit))
+
+
+@kernel
+def select_row(
+    row: int, ints: Ints, floats: Floats, values: Floats, marks: Ints, row_values: Floats, advance: bool, counted: Ints,
+    order: Ints,
+) -> bool:  # fmt: skip
+    """One pass of selection for `row`, in falling activation; returns whether anything runs afterwards.
+
+    `counted` and `order` are scratch (B,). With `advance` the time of what keeps running goes on.
+    """
+    threshold, limit = row_values[st.THRESHOLD, row], ints_of(ints, t.OPTIONS)[1]
+    behaviours = counted.shape[0]
+    order_by_activation(values[st.ACTIVATION, row], order)
+    counted[:] = 0
+    any_started, any_running, any_operational = False, False, False
+    for k in range(behaviours):
+        b = order[k]
+        if not marks[st.PRESENT, row, b]:
+            continue
+        any_operational = any_operational or operational(marks, row, b)
+        manual = marks[st.MANUAL, row, b] == 1
+        selected = int(np.sum(counted))
+        if marks[st.EXECUTING, row, b]:
+            if keeps_running(row, b, ints, values, marks, threshold, selected):
+                counted[b] = 1
+                marks[st.EXECUTION_TIME, row, b] += 1 if advance else 0
+            else:
+                stop(row, b, marks)
+            continue
+        if not manual:
+            if (
+                not marks[st.ENABLED, row, b]
+                or not marks[st.READY, row, b]
+                or values[st.ACTIVATION, row, b] < threshold
+            ):
+                continue
+            if not make_room(row, b, ints, values, marks, counted):
+                continue
+            waiting = 0
+            for other in range(behaviours):
+                waiting += 1 if marks[st.MANUAL, row, other] and not counted[other] else 0
+            if limit > 0 and int(np.sum(counted)) + waiting >= limit:
+                continue
+        marks[st.EXECUTING, row, b] = 1
+        marks[st.EXECUTION_TIME, row, b] = 0
+        marks[st.STARTED, row, b] = 1
+        counted[b] = 1
+        any_started = True
+    for b in range(behaviours):
+        any_running = any_running or marks[st.EXECUTING, row, b] == 1
+    decay = floats_of(floats, t.DYNAMICS)[1]
+    if any_started:
+        row_values[st.THRESHOLD, row] = threshold / decay
+    elif not any_running and any_operational:
+        row_values[st.THRESHOLD, row] = threshold * decay
+    return any_running
+
+
+@kernel
+def anything_eligible(row: int, values: Floats, marks: Ints) -> bool:
+    """Whether a behaviour could start if only the threshold were low enough."""
+    for b in range(values.shape[2]):
+        if operational(marks, row, b) and marks[st.READY, row, b] and values[st.ACTIVATION, row, b] > 0.0:
+            return True
+    return False
+
+
+@kernel
+def arbitrate_row(
+    row: int, ints: Ints, floats: Floats, values: Floats, marks: Ints, row_values: Floats, guarantee: bool,
+    counted: Ints, order: Ints,
+) -> bool:  # fmt: skip
+    """Stop and start behaviours of `row`; with `guarantee`, again until something runs or nothing could.
+
+    Returns whether a behaviour had used up its time.
+    """
+    timed_out = False
+    for b in range(counted.shape[0]):
+        timed_out = timed_out or (marks[st.EXECUTING, row, b] == 1 and is_timed_out(row, b, ints, marks))
+        marks[st.STARTED, row, b] = 0
+        marks[st.STOPPED, row, b] = 0
+    running = select_row(row, ints, floats, values, marks, row_values, True, counted, order)
+    while guarantee and not running and anything_eligible(row, values, marks):
+        running = select_row(row, ints, floats, values, marks, row_values, False, counted, order)
+    return timed_out

@@ -1,0 +1,175 @@
+"""The behaviour network at work: one model, any number of rows, one compiled step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from selforg.compiled import kernel
+from selforg.network import plan_watch as pw
+from selforg.network import state as st
+from selforg.network import tables as t
+from selforg.network.activation import activate_row
+from selforg.network.arbitration import arbitrate_row
+from selforg.network.evaluation import evaluate_row
+from selforg.network.model import NetworkModel
+from selforg.network.plan_memory import PlanMemory, recall, write_key
+from selforg.network.plan_watch import PlanState, watch_plan
+from selforg.network.planning import Planner
+from selforg.network.state import NetworkState
+from selforg.network.tables import Floats, Ints, ints_of
+
+SENSE_AND_DECIDE, DECIDE = range(2)
+
+
+class BehaviourNetwork:
+    """R rows (robots) that decide by one model.
+
+    Every decision period: fill `readings` (R, S), call `step()`, then act on what runs (`started`, `executing`).
+    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` or not at all.
+    """
+
+    def __init__(self, model: NetworkModel, rows: int, planner: Planner | None = None) -> None:
+        self.model = model
+        self.rows = rows
+        self.planner = planner
+        sizes = ints_of(model.ints, t.SIZES)
+        self.state = NetworkState(rows, int(sizes[1]), int(sizes[2]), int(sizes[4]))
+        self.readings: NDArray[np.float64] = np.zeros((rows, int(sizes[0])))
+        self.plans = PlanState(rows, int(sizes[0]))
+        self._memory = planner.memory if planner else PlanMemory([], [], [], 0)
+        self._keys: NDArray[np.int64] = np.zeros((rows, self._memory.key_words), dtype=np.int64)
+        self._priorities = np.array([b.priority for b in model.behaviours], dtype=np.int64)
+        self._all = np.arange(rows)
+        self.reset()
+
+    @property
+    def executing(self) -> NDArray[np.int64]:
+        """(R, B) 1 where a behaviour runs after the last step."""
+        return self.state.marks[st.EXECUTING]
+
+    @property
+    def started(self) -> NDArray[np.int64]:
+        """(R, B) 1 where a behaviour was started in the last step."""
+        return self.state.marks[st.STARTED]
+
+    def reset(self, rows: NDArray[np.int64] | None = None) -> None:
+        """Back to the first step, for all rows or `rows` (K,)."""
+        chosen = self._all if rows is None else rows
+        self.state.reset(chosen, self._priorities, self.model.settings.activation_threshold)
+        self.plans.reset(chosen)
+        self.readings[chosen] = 0.0
+
+    def hold(self, rows: NDArray[np.int64], behaviour: int, alternative: int | NDArray[np.int64]) -> None:
+        """Let `behaviour` show another of its alternatives in `rows` (K,); what changes asks for a new plan."""
+        held = self.state.marks[st.ALTERNATIVE]
+        changed = rows[held[rows, behaviour] != alternative]
+        held[rows, behaviour] = alternative
+        self.plans.marks[pw.ALARM, changed] = 1
+
+    def set_plan(self, row: int, behaviours: Sequence[int] | None, index: int = 0) -> None:
+        """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due."""
+        steps = behaviours or ()
+        if len(steps) > pw.MAX_PLAN:
+            raise ValueError(f"a plan holds at most {pw.MAX_PLAN} steps, got {len(steps)}")
+        self.plans.steps[row, : len(steps)] = steps
+        self.plans.marks[pw.INDEX, row] = index
+        self.plans.marks[pw.LENGTH, row] = len(steps)
+        self.plans.marks[pw.KNOWN, row] = int(behaviours is not None)
+
+    def finish(self, rows: NDArray[np.int64], behaviour: int) -> None:
+        """The behaviour ends itself in `rows` (K,) where it runs: it stops and loses its activation in the next step."""
+        running = rows[self.state.marks[st.EXECUTING, rows, behaviour] == 1]
+        self.state.marks[st.EXECUTING, running, behaviour] = 0
+        self.state.marks[st.EXECUTION_TIME, running, behaviour] = -1
+        self.state.marks[st.FINISHED, running, behaviour] = 1
+
+    def enable(self, rows: NDArray[np.int64], behaviour: int, enabled: bool) -> None:
+        """Switch a behaviour on or off in `rows` (K,); what is switched off ends itself."""
+        self.state.marks[st.ENABLED, rows, behaviour] = int(enabled)
+        self.plans.marks[pw.ALARM, rows] = 1
+        if not enabled:
+            self.finish(rows, behaviour)
+
+    def remove(self, rows: NDArray[np.int64], behaviour: int) -> None:
+        """Take a behaviour out of the network of `rows` (K,)."""
+        self.state.marks[st.PRESENT, rows, behaviour] = 0
+        self.state.marks[st.EXECUTING, rows, behaviour] = 0
+        self.plans.marks[pw.ALARM, rows] = 1
+
+    def step(self, rows: NDArray[np.int64] | None = None, guarantee: bool = False) -> None:
+        """One decision of `rows` (K,) or all, from the present `readings`.
+
+        With `guarantee`, selection is repeated until something runs or nothing could.
+        """
+        chosen = self._all if rows is None else rows
+        missing = self._run(chosen, SENSE_AND_DECIDE, guarantee)
+        if missing and self.planner is not None:
+            waiting = chosen[self.plans.marks[pw.NEEDED, chosen] == 1]
+            for row in waiting.tolist():
+                self._plan(self.planner, row)
+            self._run(waiting, DECIDE, guarantee)
+
+    def _plan(self, planner: Planner, row: int) -> None:
+        s = self.state
+        steps = planner.plan(self.readings[row], s.marks[st.ALTERNATIVE, row], s.goal_enabled[row])
+        self._memory.insert(self._keys[row], steps)
+        self.set_plan(row, steps)
+        self.plans.marks[pw.NEEDED, row] = 0
+
+    def _run(self, rows: NDArray[np.int64], phase: int, guarantee: bool) -> int:
+        s, p, memory = self.state, self.plans, self._memory
+        return _step(
+            rows, self.model.ints, self.model.floats, self.readings, s.values, s.marks, s.row_values,
+            s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.marks, p.readings, memory.layout,
+            memory.entries, self._keys, phase, self.planner is not None, guarantee,
+        )  # fmt: skip
+
+
+@kernel
+def _step(
+    rows: Ints, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints, row_values: Floats,
+    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan: Ints, plan_marks: Ints,
+    plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, phase: int, planning: bool, guarantee: bool,
+) -> int:  # fmt: skip
+    """One step of `rows` (K,); returns how many of them need a plan that is not remembered and have not decided yet."""
+    behaviours, nodes = ints_of(ints, t.SIZES)[1], ints_of(ints, t.SIZES)[3]
+    leaf_scratch = np.empty((2, ints_of(ints, t.LEAF_SENSOR).shape[0]))
+    node_scratch = np.empty(nodes)
+    goal_weight = np.empty(goal_satisfaction.shape[1])
+    counted, order = np.empty(behaviours, np.int64), np.empty(behaviours, np.int64)
+    missing = 0
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        if phase == SENSE_AND_DECIDE:
+            evaluate_row(
+                row, ints, floats, readings, values, marks, goal_satisfaction, goal_enabled, wishes, kept,
+                leaf_scratch, node_scratch,
+            )  # fmt: skip
+            if planning:
+                watch_plan(row, ints, floats, readings, marks, goal_enabled, plan, plan_marks, plan_readings)
+            forget_finished(row, values, marks)
+            if planning and plan_marks[pw.NEEDED, row]:
+                write_key(row, key_layout, readings, marks, goal_enabled, keys[row])
+                if not recall(row, keys[row], remembered, plan, plan_marks):
+                    missing += 1
+                    continue
+                plan_marks[pw.NEEDED, row] = 0
+        activate_row(
+            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, goal_weight, plan, plan_marks
+        )
+        timed_out = arbitrate_row(row, ints, floats, values, marks, row_values, guarantee, counted, order)
+        if timed_out:
+            plan_marks[pw.ALARM, row] = 1
+    return missing
+
+
+@kernel
+def forget_finished(row: int, values: Floats, marks: Ints) -> None:
+    """What ended itself loses its activation; what was stopped keeps it (Q15)."""
+    for b in range(values.shape[2]):
+        if marks[st.FINISHED, row, b]:
+            marks[st.FINISHED, row, b] = 0
+            values[st.ACTIVATION, row, b] = 0.0

@@ -1,0 +1,131 @@
+"""Plans found before, looked up by compiled code, so that a swarm that replans all the time seldom leaves the kernel.
+
+A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how many
+steps of its grid it is away from each of its bounds (see `PlanTask.signature`). Equal keys have equal plans; the memory therefore changes
+speed only, never an answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from selforg.compiled import kernel
+from selforg.network import state as st
+from selforg.network.plan_guards import STEPS_PER_UNIT
+from selforg.network.plan_task import Scale
+from selforg.network.plan_watch import INDEX, KNOWN, LENGTH, MAX_PLAN
+from selforg.network.tables import Floats, Ints
+
+BITS_PER_WORD = 60
+LARGEST = 1 << 62  # stands for "no clamp"
+
+
+class PlanMemory:
+    """Open-addressing table of plans; `entries` rows are [used, length or -1 (no plan), steps (P), key (K)].
+
+    Args:
+        facts: sensors (columns of the readings) of the facts a plan can depend on.
+        scales: for each number a plan can depend on, its sensor and its scale.
+        coordinators: behaviours that hold one of several alternatives.
+        goals: number of goals.
+
+    """
+
+    def __init__(
+        self, facts: Sequence[int], scales: Sequence[tuple[int, Scale]], coordinators: Sequence[int], goals: int
+    ) -> None:
+        words = [
+            (sensor, crossing, scale.grid, _or(scale.low, -LARGEST), _or(scale.high, LARGEST))
+            for sensor, scale in scales
+            for crossing in scale.crossings
+        ]
+        self.layout: Ints = np.array(
+            [len(facts), len(words), len(coordinators), goals, *facts, *sum(words, ()), *coordinators], dtype=np.int64
+        )
+        bits = len(facts) + goals
+        self.key_words = -(-bits // BITS_PER_WORD) + len(words) + len(coordinators)
+        self.entries: Ints = self._empty(256)
+        self.count = 0
+
+    def insert(self, key: Ints, behaviours: Sequence[int] | None) -> None:
+        """Remember the plan (None: there is none) for `key` (K,)."""
+        if 2 * (self.count + 1) > len(self.entries):
+            old = self.entries[self.entries[:, 0] == 1]
+            self.entries = self._empty(2 * len(self.entries))
+            for entry in old:
+                self.entries[self._free_slot(entry[2 + MAX_PLAN :])] = entry
+        entry = self.entries[self._free_slot(key)]
+        entry[0] = 1
+        entry[1] = -1 if behaviours is None else len(behaviours)
+        if behaviours is not None:
+            entry[2 : 2 + len(behaviours)] = behaviours
+        entry[2 + MAX_PLAN :] = key
+        self.count += 1
+
+    def _empty(self, size: int) -> Ints:
+        return np.zeros((size, 2 + MAX_PLAN + self.key_words), dtype=np.int64)
+
+    def _free_slot(self, key: Ints) -> int:
+        slot = int(hashed(key)) & (len(self.entries) - 1)
+        while self.entries[slot, 0]:
+            slot = (slot + 1) & (len(self.entries) - 1)
+        return slot
+
+
+def _or(value: int | None, otherwise: int) -> int:
+    return otherwise if value is None else value
+
+
+@kernel
+def hashed(key: Ints) -> int:
+    """A non-negative hash of the key's words (FNV-1a with a final mix)."""
+    value = np.uint64(14695981039346656037)
+    for word in key:
+        value = (value ^ np.uint64(word)) * np.uint64(1099511628211)
+        value = value ^ (value >> np.uint64(29))
+    return np.int64(value >> np.uint64(1))
+
+
+@kernel
+def write_key(row: int, layout: Ints, readings: Floats, marks: Ints, goal_enabled: Ints, key: Ints) -> None:
+    """Fill `key` (K,) for `row`."""
+    facts, words, coordinators, goals = layout[0], layout[1], layout[2], layout[3]
+    key[:] = 0
+    for k in range(facts + goals):
+        bit = readings[row, layout[4 + k]] > 0.5 if k < facts else goal_enabled[row, k - facts] == 1
+        if bit:
+            key[k // BITS_PER_WORD] |= np.int64(1) << np.int64(k % BITS_PER_WORD)
+    at = (facts + goals + BITS_PER_WORD - 1) // BITS_PER_WORD
+    for k in range(words):
+        begin = 4 + facts + 5 * k
+        value = np.int64(np.rint(readings[row, layout[begin]] * STEPS_PER_UNIT))
+        value = min(max(value, layout[begin + 3]), layout[begin + 4])
+        gap, grid = value - layout[begin + 1], layout[begin + 2]
+        key[at + k] = -(gap // grid) if grid else (1 if gap >= 0 else 0)
+    begin = 4 + facts + 5 * words
+    for k in range(coordinators):
+        key[at + words + k] = marks[st.ALTERNATIVE, row, layout[begin + k]]
+
+
+@kernel
+def recall(row: int, key: Ints, entries: Ints, plan: Ints, plan_marks: Ints) -> bool:
+    """Give `row` the plan remembered for `key`; False if there is none."""
+    mask = entries.shape[0] - 1
+    slot = hashed(key) & mask
+    while entries[slot, 0]:
+        same = True
+        for k in range(key.shape[0]):
+            same = same and entries[slot, 2 + MAX_PLAN + k] == key[k]
+        if same:
+            length = entries[slot, 1]
+            plan_marks[KNOWN, row] = 1 if length >= 0 else 0
+            plan_marks[INDEX, row] = 0
+            plan_marks[LENGTH, row] = max(length, 0)
+            for k in range(length):
+                plan[row, k] = entries[slot, 2 + k]
+            return True
+        slot = (slot + 1) & mask
+    return False

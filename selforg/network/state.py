@@ -1,0 +1,84 @@
+"""What a network remembers of its rows: layers of arrays, each (R, B) or (R, G), packed so that kernels get few arguments.
+
+`VALUES` layers are float64, `MARKS` layers int64. The names below are the layers' indices.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+# values (VALUE_LAYERS, R, B)
+(
+    ACTIVATION,
+    SATISFACTION,
+    PRECONDITIONS,  # from here on: the components of the last step's activation
+    GOALS,
+    INHIBITION,
+    PREDECESSORS,
+    SUCCESSORS,
+    CONFLICTORS,
+    PLAN,
+    VALUE_LAYERS,
+) = range(10)
+
+COMPONENTS = {
+    "preconditions": PRECONDITIONS,
+    "goals": GOALS,
+    "goal_inhibition": INHIBITION,
+    "predecessors": PREDECESSORS,
+    "successors": SUCCESSORS,
+    "conflictors": CONFLICTORS,
+    "plan": PLAN,
+}
+
+# marks (MARK_LAYERS, R, B)
+(
+    PRESENT,  # part of the network at all
+    ENABLED,
+    EXECUTING,
+    EXECUTION_TIME,  # steps since it started, -1: not running
+    READY,
+    STARTED,  # in the last step
+    STOPPED,  # in the last step
+    FINISHED,  # ended itself since the last step
+    MANUAL,  # started by hand: skips the checks and is never stopped
+    PRIORITY,
+    ALTERNATIVE,  # which of its alternatives it holds, -1: none
+    MARK_LAYERS,
+) = range(12)
+
+# row_values (ROW_LAYERS, R)
+(
+    THRESHOLD,
+    TOTAL,  # activation of all operational behaviours before the last step
+    ROW_LAYERS,
+) = range(3)
+
+
+class NetworkState:
+    """State arrays of R rows of a network with B behaviours, G goals and U wishes."""
+
+    def __init__(self, rows: int, behaviours: int, goals: int, wishes: int) -> None:
+        self.values: NDArray[np.float64] = np.zeros((VALUE_LAYERS, rows, behaviours))
+        self.marks: NDArray[np.int64] = np.zeros((MARK_LAYERS, rows, behaviours), dtype=np.int64)
+        self.row_values: NDArray[np.float64] = np.zeros((ROW_LAYERS, rows))
+        self.goal_satisfaction: NDArray[np.float64] = np.zeros((rows, goals))
+        self.goal_enabled: NDArray[np.int64] = np.ones((rows, goals), dtype=np.int64)
+        self.wishes: NDArray[np.float64] = np.zeros((rows, wishes))
+        self.wish_kept: NDArray[np.int64] = np.zeros((rows, wishes), dtype=np.int64)
+
+    def reset(self, rows: NDArray[np.int64], priorities: NDArray[np.int64], threshold: float) -> None:
+        """Back to the first step for `rows` (K,): nothing runs, nothing is activated, all goals are on."""
+        self.values[:, rows] = 0.0
+        self.marks[:, rows] = 0
+        self.marks[PRESENT, rows] = 1
+        self.marks[ENABLED, rows] = 1
+        self.marks[EXECUTION_TIME, rows] = -1
+        self.marks[PRIORITY, rows] = priorities
+        self.row_values[THRESHOLD, rows] = threshold
+        self.row_values[TOTAL, rows] = 0.0
+        self.goal_enabled[rows] = 1
+        self.goal_satisfaction[rows] = 0.0
+        self.wishes[rows] = 0.0
+        self.wish_kept[rows] = 0
