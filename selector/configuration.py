@@ -5,7 +5,7 @@ Mechanisms, sensors over them, behaviours and goals have names, by which they re
 of a value stands for the parameter of that name.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
@@ -122,21 +122,27 @@ def resolved(content: Content, parameters: Mapping[str, Any]) -> Content:
     """Return a configuration's content with `parameters` laid over its own and every `$name` replaced.
 
     Raises:
-        DocumentError: a parameter that the configuration does not have, a `$name` that it does not declare, or a
-            parameter that nothing uses.
+        DocumentError: a parameter that the configuration does not have, or a `$name` that it does not declare.
 
     """
+    values = laid_over(declared_parameters(content), parameters, "parameters")
+    return {key: _filled(value, values, key) for key, value in content.items() if key != "parameters"}
+
+
+def declared_parameters(content: Content) -> Content:
+    """Return what an option may lay over."""
     declared = content.get("parameters", {})
     if not isinstance(declared, dict):
         raise DocumentError(f"parameters: expected a mapping, got {declared!r}")
-    values = laid_over(declared, parameters, "parameters")
-    used: set[str] = set()
-    rest = {key: value for key, value in content.items() if key != "parameters"}
-    filled: Content = {key: _filled(value, values, used, key) for key, value in rest.items()}
-    for name in declared:
+    return declared
+
+
+def check_parameters_used(content: Content) -> None:
+    """Raise DocumentError for a declared parameter that nothing in the configuration refers to."""
+    used = set(_references([value for key, value in content.items() if key != "parameters"]))
+    for name in declared_parameters(content):
         if name not in used:
-            raise DocumentError(f"parameters.{name}: nothing in the configuration uses ${name}")
-    return filled
+            raise DocumentError(f"parameters.{name}: nothing in the configuration uses {REFERENCE}{name}")
 
 
 def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -> Content:
@@ -154,18 +160,25 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -
     return merged
 
 
-def _filled(value: Any, values: Mapping[str, Any], used: set[str], where: str) -> Any:  # noqa: ANN401  (YAML)
+def _filled(value: Any, values: Mapping[str, Any], where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
     if isinstance(value, dict):
-        return {key: _filled(below, values, used, f"{where}.{key}") for key, below in value.items()}
+        return {key: _filled(below, values, f"{where}.{key}") for key, below in value.items()}
     if isinstance(value, list):
-        return [_filled(below, values, used, f"{where}.{index}") for index, below in enumerate(value)]
-    if isinstance(value, str) and value.startswith(REFERENCE):
-        name = value.removeprefix(REFERENCE)
+        return [_filled(below, values, f"{where}.{index}") for index, below in enumerate(value)]
+    for name in _references(value):
         if name not in values:
             raise DocumentError(f"{where}: {unknown('parameter', name, sorted(values))}")
-        used.add(name)
         return values[name]
     return value
+
+
+def _references(value: Any) -> Iterator[str]:  # noqa: ANN401  (whatever YAML holds)
+    """Yield the names of the parameters that a value refers to."""
+    if isinstance(value, str) and value.startswith(REFERENCE):
+        yield value.removeprefix(REFERENCE)
+    elif isinstance(value, dict | list):
+        for below in value.values() if isinstance(value, dict) else value:
+            yield from _references(below)
 
 
 def _must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:

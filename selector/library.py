@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from selector.configuration import ConfigurationSpec, Content, resolved
+from selector.configuration import ConfigurationSpec, Content, check_parameters_used, resolved
 from selector.documents import DocumentError, read_mapping, roots, shown, unknown, validated
 from selector.knowledge import Knowledge, Option
 
@@ -33,8 +33,12 @@ class Library:
             for path in sorted((root / KIND).glob("*.yaml")):
                 self._paths.setdefault(path.stem, path)
         self._contents: dict[str, Content] = {key: read_mapping(path) for key, path in self._paths.items()}
-        for key in self.keys:
+        for key, path in self._paths.items():
             self.configuration(key)
+            try:
+                check_parameters_used(self._contents[key])
+            except DocumentError as error:
+                raise DocumentError(f"{shown(path)}: {error}") from error
 
     @property
     def keys(self) -> tuple[str, ...]:

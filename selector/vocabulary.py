@@ -1,4 +1,4 @@
-"""The words in which YAML declares activators, conditions, behaviours and goals.
+"""The words in which YAML declares conditions, behaviours and goals.
 
 They are the names and parameters of the classes in `selforg.network`, so that a model reads the same in YAML and in
 Python. What has kinds names its kind by `type`; a condition without `type` is a plain `Condition`, and `optional: true`
@@ -15,70 +15,9 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
-from selector.documents import Closed, Flag, Name, Number, Positive, Share
-from selforg.network import activators, behaviours, conditions
-
-
-class ActivatorSpec(Closed):
-    """What every activator has."""
-
-    low: Share = 0.0
-    """Satisfaction while nothing is fulfilled [-]."""
-    high: Share = 1.0
-    """Satisfaction while all is fulfilled [-]."""
-
-
-class BooleanSpec(ActivatorSpec):
-    """Fulfilled while a fact is as desired."""
-
-    type: Literal["Boolean"]
-    desired: Flag = True
-    """The value that is wanted."""
-
-
-class ThresholdSpec(ActivatorSpec):
-    """Fulfilled at or above a reading (at or below it, if not `minimum`)."""
-
-    type: Literal["Threshold"]
-    threshold: Number
-    """Reading at which it is fulfilled, in the sensor's unit."""
-    minimum: Flag = True
-    """Whether readings above are fulfilled, not those below."""
-    value_range: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)] = 0.0
-    """What is missing when the wish is full, in the sensor's unit; 0: every wish is full."""
-
-
-class LinearSpec(ActivatorSpec):
-    """Satisfaction rises from one reading to another."""
-
-    type: Literal["Linear"]
-    zero: Number
-    """Reading of no satisfaction, in the sensor's unit."""
-    full: Number
-    """Reading of full satisfaction, in the sensor's unit; may lie below `zero`."""
-
-
-class GreedySpec(ActivatorSpec):
-    """Never fulfilled, always wishes on."""
-
-    type: Literal["Greedy"]
-    maximise: Flag = True
-    """Whether more is wished for, not less."""
-    step_size: Number = 1.0
-    """0 makes it fulfilled as well [-]."""
-
-
-class EqualSpec(ActivatorSpec):
-    """Fulfilled while a reading is exactly one value."""
-
-    type: Literal["Equal"]
-    value: Number
-    """That value, in the sensor's unit."""
-
-
-AnyActivator: TypeAlias = Annotated[
-    BooleanSpec | ThresholdSpec | LinearSpec | GreedySpec | EqualSpec, Field(discriminator="type")
-]
+from selector.documents import Closed, Flag, Name, Positive, Share
+from selector.vocabulary_activators import AnyActivator, activator
+from selforg.network import behaviours, conditions
 
 
 class ConditionSpec(Closed):
@@ -212,20 +151,6 @@ def tree(spec: AnyCondition) -> conditions.Tree:
 def precondition(spec: AnyCondition) -> conditions.Tree | conditions.Optional:
     """Return the precondition that a specification declares."""
     return conditions.Optional(tree(spec)) if spec.optional else tree(spec)
-
-
-def activator(spec: AnyActivator) -> activators.Activator:
-    """Return the activator that a specification declares."""
-    return KINDS[spec.type](**spec.model_dump(exclude={"type"}))
-
-
-KINDS: dict[str, type[activators.Activator]] = {
-    "Boolean": activators.Boolean,
-    "Threshold": activators.Threshold,
-    "Linear": activators.Linear,
-    "Greedy": activators.Greedy,
-    "Equal": activators.Equal,
-}
 
 
 def plain_conditions(spec: AnyCondition) -> Iterator[ConditionSpec]:

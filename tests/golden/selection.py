@@ -1,0 +1,37 @@
+"""Replays the cases of selection.json: the choice of an option by the expert's scores."""
+
+from typing import Any
+
+import numpy as np
+
+import selector.strategies  # noqa: F401  (registers the strategies that ship)
+from selector.documents import DocumentError
+from selector.knowledge import knowledge_from
+from selector.strategy import create
+
+
+def replay(case: dict[str, Any]) -> str | None:
+    """Return None if the case comes out as recorded, else what differs."""
+    inputs, expected = case["inputs"], case["expected"]
+    try:
+        given = choose(inputs["expert_knowledge"], inputs["so_goal"])
+    except DocumentError as error:
+        return None if "error" in expected else f"refused: {error}"
+    return None if given == expected else f"expected {expected}, got {given}"
+
+
+def choose(table: dict[str, list[Any]], goal: str) -> dict[str, Any]:
+    """Return configuration key and parameters of the option that max-score takes for a goal."""
+    # Two options of one configuration need names of their own here, so each gets its position.
+    goals = {goal: [_option(entry, index) for index, entry in enumerate(entries)] for goal, entries in table.items()}
+    knowledge = knowledge_from({"goals": goals})
+    strategy = create("MaxScore", knowledge.scores(goal), [np.random.default_rng(0)])
+    option = knowledge.options(goal)[int(strategy.select(np.zeros((1, 0)))[0])]
+    return {"config_key": option.configuration, "params": option.parameters}
+
+
+def _option(entry: Any, index: int) -> Any:
+    if not (isinstance(entry, list) and len(entry) == 3):
+        return entry
+    configuration, score, parameters = entry
+    return {"name": f"option {index}", "configuration": configuration, "score": score, "parameters": parameters}

@@ -1,0 +1,109 @@
+import pytest
+
+from selector.documents import DocumentError
+from selector.knowledge import Option, knowledge_from, load_knowledge
+from selector.library import Library
+
+OPTIONS = [
+    {"configuration": "A", "score": 1},
+    {"configuration": "A", "name": "A-far", "score": 0.5, "parameters": {"view_distance": 9.0}},
+    {"configuration": "B", "score": -2.0},
+]
+
+
+def test_options_keep_their_order_and_are_named_by_their_configuration():
+    knowledge = knowledge_from({"goals": {"Avoid": OPTIONS}})
+    assert knowledge.goals == ("Avoid",)
+    assert [option.name for option in knowledge.options("Avoid")] == ["A", "A-far", "B"]
+    assert knowledge.options("Avoid")[1].parameters == {"view_distance": 9.0}
+    assert knowledge.scores("Avoid").tolist() == [1.0, 0.5, -2.0]
+
+
+def test_scores_are_laid_over_and_the_rest_stays():
+    knowledge = knowledge_from({"goals": {"Avoid": OPTIONS, "Reach": OPTIONS[:1]}})
+    forced = knowledge.with_scores({"Avoid": {"B": 3, "A": 0.0}})
+    assert forced.scores("Avoid").tolist() == [0.0, 0.5, 3.0]
+    assert forced.options("Avoid")[1] == knowledge.options("Avoid")[1]
+    assert forced.scores("Reach").tolist() == [1.0]
+    assert knowledge.scores("Avoid").tolist() == [1.0, 0.5, -2.0]
+
+
+@pytest.mark.parametrize(
+    ("scores", "message"),
+    [
+        ({"Avoid": {"C": 1.0}}, r"k\.yaml: goals\.Avoid: unknown option 'C' \(known: A, A-far, B"),
+        ({"Avid": {"A": 1.0}}, r"k\.yaml: unknown goal 'Avid' \(known: Avoid; did you mean 'Avoid'\?\)"),
+        ({"Avoid": {"A": float("nan")}}, r"goals\.Avoid\.A: expected a finite score, got nan"),
+    ],
+)
+def test_scores_for_what_does_not_exist_are_refused(scores, message):
+    with pytest.raises(DocumentError, match=message):
+        knowledge_from({"goals": {"Avoid": OPTIONS}}, "k.yaml").with_scores(scores)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({"goal": {}}, "k.yaml: goal: unknown key"),
+        ({"goals": {"G": []}}, r"goals\.G: .*at least 1 item.*got \[\]"),
+        ({"goals": {"G": [["A", 1.0, {}]]}}, r"goals\.G\.0: expected a valid dictionary"),
+        ({"goals": {"G": [{"configuration": "A"}]}}, r"goals\.G\.0\.score: missing key"),
+        ({"goals": {"G": [{"configuration": "A", "score": "1"}]}}, r"goals\.G\.0\.score: expected .*number, got '1'"),
+        ({"goals": {"G": [{"configuration": "A", "score": True}]}}, r"goals\.G\.0\.score: expected .*number, got True"),
+        ({"goals": {"G": [{"configuration": "A", "score": 1.0, "scroe": 2.0}]}}, r"goals\.G\.0\.scroe: unknown key"),
+        ({"goals": {"G": [OPTIONS[0], OPTIONS[0]]}}, r"k\.yaml: goals\.G: option 'A' is given twice"),
+        ({}, "goals: missing key"),
+    ],
+)
+def test_mistakes_name_file_and_key_in_one_line(content, message):
+    with pytest.raises(DocumentError, match=message) as error:
+        knowledge_from(content, "k.yaml")
+    assert "\n" not in str(error.value)
+
+
+def test_the_nearest_directory_wins_and_names_are_listed(tmp_path):
+    (tmp_path / "knowledge").mkdir()
+    (tmp_path / "knowledge" / "mine.yaml").write_text("goals: {G: [{configuration: RepulsionGradient, score: 1e-9}]}")
+    assert load_knowledge("mine", [tmp_path]).scores("G").tolist() == [1e-9]
+    assert "AvoidCollision" in load_knowledge("cleaning", [tmp_path]).goals
+    with pytest.raises(DocumentError, match=r"unknown expert knowledge 'mien' \(known: cleaning, mine; did you mean"):
+        load_knowledge("mien", [tmp_path])
+    with pytest.raises(DocumentError, match="nowhere: no such directory"):
+        load_knowledge("cleaning", [tmp_path / "nowhere"])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("goals: {G: [\n", "k.yaml: line 2: "),
+        ("goals: {}\ngoals: {}\n", "k.yaml: line 2: key 'goals' twice"),
+        ("- a\n", "expected a mapping of keys, got list"),
+        ("1: {}\n", "expected a mapping of keys, got dict"),
+    ],
+)
+def test_broken_files_are_named(tmp_path, text, message):
+    (tmp_path / "knowledge").mkdir()
+    (tmp_path / "knowledge" / "k.yaml").write_text(text)
+    with pytest.raises(DocumentError, match=message):
+        load_knowledge("k", [tmp_path])
+
+
+def test_cleaning_knowledge_holds_the_papers_options():
+    knowledge = load_knowledge("cleaning")
+    Library().check(knowledge)
+    assert knowledge.options("AvoidCollision") == (
+        Option(configuration="RepulsionFernandez", score=1.0, parameters={"view_distance": 2.0}),
+        Option(
+            configuration="RepulsionFernandez",
+            name="RepulsionFernandez-view1.5",
+            score=0.0,
+            parameters={"view_distance": 1.5},
+        ),
+        Option(configuration="RepulsionGradient", score=0.5, parameters={"view_distance": 1.5}),
+    )
+
+
+def test_knowledge_that_the_library_cannot_build_names_goal_and_option():
+    option = {"configuration": "RepulsionGradient", "name": "near", "score": 1.0, "parameters": {"view": 1.0}}
+    with pytest.raises(DocumentError, match=r"k\.yaml: goals\.G\.near: .*RepulsionGradient\.yaml: .*parameter 'view'"):
+        Library().check(knowledge_from({"goals": {"G": [option]}}, "k.yaml"))
