@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 from pydantic import Field, model_validator
 
 from selector.documents import Closed, DocumentError, Name, NonNegative, unknown
-from selector.vocabulary import AnyCondition, BehaviourSpec, BooleanSpec, GoalSpec, plain_conditions
+from selector.vocabulary import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
+from selector.vocabulary_activators import BooleanSpec
 from selforg.network.behaviours import Behaviour, Goal, Interface, Sensor, SensorKind
 
 Content: TypeAlias = dict[str, Any]
