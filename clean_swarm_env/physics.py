@@ -1,0 +1,274 @@
+"""Robots as discs on a torus: W worlds of N robots, driven by speed and turn rate (the only file that knows pymunk).
+
+Pymunk decides what happens while robots touch; a world in which nobody touches needs no solver and moves by
+position += velocity * timestep, in compiled code (physics_motion.py). Both are one integrator, read at one point:
+Chipmunk's step moves by the velocity of the step before, finds contacts, then lets forces and contacts change the
+velocity; here a substep finds contacts, changes velocities and then moves by them. So a world may change between the
+two at any substep, and a command shows at once. A world is given back to free motion when its last contact is so
+long gone that Chipmunk has forgotten it.
+
+The seams are closed by copies of a disc on the same body, one world size away, for the bodies near the left and the
+lower seam; copies meet originals only, so each pair meets exactly once. Bodies do not rotate: headings are ours.
+"""
+
+from math import inf
+from typing import Any, Final
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+
+from clean_swarm_env import physics_motion as motion
+from clean_swarm_env.physics_settings import Contacts, PhysicsSettings
+
+try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
+    from pymunk._chipmunk_cffi import ffi, lib
+except ImportError:  # A pymunk without them: same bits by its public interface, slower.
+    ffi = lib = None
+
+SHARED_MEMORY: Final = hasattr(lib, "pmSpaceBodySetIteratorFuncBatched")
+COLLISION_SLOP: Final = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25 m sink in visibly
+SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch, whatever the last bit says
+PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
+PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds somebody touches nearly always, and all pairs cost more
+COPY_OFFSETS: Final = {
+    motion.COPY_RIGHT: (1, 0),
+    motion.COPY_ABOVE: (0, 1),
+    motion.COPY_RIGHT_ABOVE: (1, 1),
+    motion.COPY_RIGHT_BELOW: (1, -1),
+}  # copy bit -> offset in world sizes
+
+
+class ContactSpace:
+    """One world in pymunk: N discs without rotation, and their seam copies.
+
+    `bodies` (N, 4) float64 x, y, vx, vy [m, m/s] goes to pymunk by `load` and comes back by `step`, which drives with
+    `forces` (N, 2) float64 [N]; both C-contiguous and kept. With `shared_memory` pymunk reads and writes the arrays
+    itself; without, each attribute goes through its public interface: the same bits, slower.
+    """
+
+    def __init__(
+        self,
+        settings: PhysicsSettings,
+        bodies: NDArray[np.float64],
+        forces: NDArray[np.float64],
+        shared_memory: bool = SHARED_MEMORY,
+    ) -> None:
+        self._bodies, self._forces = bodies, forces
+        self._settings = settings
+        self._radius = settings.radius * (1.0 + SKIN)
+        self._present = bytes(settings.robots)  # (N,) copy bits each body has now
+        self._space = pymunk.Space()
+        self._space.collision_slop = COLLISION_SLOP
+        self._space.collision_persistence = PERSISTENCE
+        self._discs = [pymunk.Body(settings.mass, inf) for _ in range(settings.robots)]
+        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy
+        originals = pymunk.ShapeFilter(categories=0b01, mask=0b11)
+        for disc in self._discs:
+            circle = pymunk.Circle(disc, self._radius)
+            circle.filter = originals
+            self._space.add(disc, circle)
+        self._shared_memory = shared_memory
+        if shared_memory:
+            self._write = ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")
+            self._read = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
+            self._whole = _channel(bodies, lib.POSITION | lib.VELOCITY)
+            self._force = _channel(forces, lib.FORCE)
+
+    def load(self) -> None:
+        """Take positions and velocities from the array `bodies`."""
+        if self._shared_memory:
+            self._exchange(self._write, self._whole)
+            return
+        for disc, (x, y, vx, vy) in zip(self._discs, self._bodies.tolist(), strict=True):
+            disc.position, disc.velocity = (x, y), (vx, vy)
+
+    def step(self, timestep: float) -> None:
+        """Move by the present velocities, then change them by forces and contacts; leaves both in `bodies`."""
+        if self._shared_memory:
+            self._exchange(self._write, self._force)
+            lib.cpSpaceStep(self._space._space, timestep)
+            self._exchange(self._read, self._whole)
+            return
+        for disc, (fx, fy) in zip(self._discs, self._forces.tolist(), strict=True):
+            disc.force = (fx, fy)
+        self._space.step(timestep)
+        for row, disc in enumerate(self._discs):
+            self._bodies[row] = (*disc.position, *disc.velocity)
+
+    def set_copies(self, copies: NDArray[np.uint8]) -> None:
+        """Add and remove seam copies until each body has those that `copies` (N,) names."""
+        needed = copies.tobytes()
+        if needed == self._present:
+            return
+        changed = np.flatnonzero(copies != np.frombuffer(self._present, np.uint8)).tolist()
+        for row in changed:
+            for bit in COPY_OFFSETS:
+                if needed[row] & ~self._present[row] & bit:
+                    self._shapes[row, bit] = self._add_copy(row, bit)
+                elif self._present[row] & ~needed[row] & bit:
+                    self._space.remove(self._shapes.pop((row, bit)))
+        self._present = needed
+
+    def _add_copy(self, row: int, bit: int) -> pymunk.Circle:
+        right, up = COPY_OFFSETS[bit]
+        offset = (right * self._settings.width, up * self._settings.height)
+        circle = pymunk.Circle(self._discs[row], self._radius, offset)
+        circle.filter = pymunk.ShapeFilter(categories=0b10, mask=0b01)
+        self._space.add(circle)
+        return circle
+
+    def _exchange(self, direction: object, channel: tuple[Any, Any]) -> None:
+        buffer, request = channel
+        buffer.num = 0
+        lib.cpSpaceEachBody(self._space._space, direction, request)
+
+
+def _channel(array: NDArray[np.float64], fields: int) -> tuple[Any, Any]:
+    """View of a C-contiguous float64 array as pymunk's batch buffer, and the request that names its fields."""
+    buffer = ffi.new("pmFloatArray *")
+    buffer.arr = ffi.cast("cpFloat *", array.ctypes.data)
+    # Room beyond the end, which is never written: a full buffer would be reallocated, and NumPy owns this one.
+    buffer.max = array.size + 16
+    request = ffi.new("pmBatchedData *")
+    request.fields, request.floatArray, request.intArray = fields, buffer, ffi.NULL
+    return buffer, request
+
+
+class Physics:
+    """W worlds of N robots; rows w*N .. (w+1)*N - 1 of every array are the robots of world w (R = W * N rows).
+
+    Starts with all robots at the origin: `place` each world first. Same calls, same bits; a world of a batch has the
+    bits it would have alone.
+
+    settings: sizes of worlds and robots.
+    positions: (R, 2) float64 [m] in [0, width) x [0, height); the same C-contiguous array all the time.
+    headings: (R,) float64 [rad] in (-pi, pi]; the same array all the time.
+    velocities: (R, 2) float64 [m/s] of the last substep, after contacts (a strided view).
+
+    Impossible settings raise ValueError (see PhysicsSettings).
+
+    >>> physics = Physics(worlds=1, robots=2)
+    >>> physics.place(0, np.array([[1.0, 5.0], [9.0, 5.0]]), np.zeros(2))
+    >>> for _ in range(20):
+    ...     physics.substep(speed=np.ones(2), turn_rate=np.zeros(2))
+    >>> physics.positions.round(6).tolist()
+    [[2.0, 5.0], [10.0, 5.0]]
+    """
+
+    def __init__(
+        self,
+        worlds: int,
+        robots: int,
+        width: float = 11.0,
+        height: float = 11.0,
+        radius: float = 0.25,
+        contacts: Contacts = "solid",
+        timestep: float = 0.05,
+        mass: float = 1.0,
+    ) -> None:
+        self.settings = PhysicsSettings(worlds, robots, width, height, radius, contacts, timestep, mass)
+        rows = worlds * robots
+        self.positions = np.zeros((rows, 2))
+        self.headings = np.zeros(rows)
+        self._bodies = np.zeros((rows, 4))  # see physics_motion.py
+        self.velocities = self._bodies[:, 2:]
+        self._wanted = np.zeros((rows, 2))  # [m/s]
+        self._forces = np.zeros((rows, 2))  # [N]
+        self._copies = np.zeros(rows, np.uint8)
+        self._patience = np.zeros(worlds, np.int64)  # (W,) substeps until a world is free of contacts
+        self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
+        self._current = [False] * worlds  # does pymunk hold the rows of `_bodies` as they are?
+        self._search = motion.ALONE
+        if contacts == "solid" and robots > 1:
+            self._search = motion.PAIRS if robots <= PAIR_SEARCH_LIMIT else motion.ALWAYS
+
+    def place(self, world: int, positions: NDArray[np.float64], headings: NDArray[np.float64]) -> None:
+        """Put the robots of one world, at rest; nothing of what was before is left.
+
+        positions (N, 2) [m] and headings (N,) [rad] are wrapped. Raises ValueError for a world that does not exist,
+        another shape or a value that is not finite.
+        """
+        settings = self.settings
+        if not 0 <= world < settings.worlds:
+            raise ValueError(f"world: expected 0 to {settings.worlds - 1}, got {world}")
+        robots = settings.robots
+        for name, array, shape in (("positions", positions, (robots, 2)), ("headings", headings, (robots,))):
+            if np.shape(array) != shape or not np.isfinite(array).all():
+                raise ValueError(f"{name} of world {world}: expected finite numbers of shape {shape}, got {array!r}")
+        for offset in range(settings.robots):
+            row = world * settings.robots + offset
+            self.positions[row, 0] = motion.wrapped(float(positions[offset, 0]), settings.width)
+            self.positions[row, 1] = motion.wrapped(float(positions[offset, 1]), settings.height)
+            self.headings[row] = motion.wrapped_angle(float(headings[offset]))
+        rows = self._rows(world)
+        self._bodies[rows, :2] = self.positions[rows]
+        self._bodies[rows, 2:] = 0.0
+        self._patience[world] = 0
+        self._spaces[world] = None
+        self._current[world] = False
+
+    def substep(self, speed: NDArray[np.float64], turn_rate: NDArray[np.float64]) -> None:
+        """Advance all worlds by one timestep.
+
+        Each robot wants to move at `speed` (R,) [m/s] along the heading it has at the beginning of the substep, and
+        does unless contacts prevent it; then its heading advances by `turn_rate` (R,) [rad/s] * timestep.
+        """
+        settings = self.settings
+        engaged = motion.fly(
+            self.positions,
+            self.headings,
+            self._bodies,
+            self._wanted,
+            self._patience,
+            speed,
+            turn_rate,
+            self._search,
+            settings.width,
+            settings.height,
+            2.0 * settings.radius * (1.0 + SKIN),
+            settings.timestep,
+            PERSISTENCE + 1,
+        )
+        if engaged:
+            for world in np.flatnonzero(self._patience).tolist():
+                self._substep_in_contact(world)
+
+    def _substep_in_contact(self, world: int) -> None:
+        settings = self.settings
+        rows = self._rows(world)
+        space = self._spaces[world]
+        if space is None:
+            space = ContactSpace(settings, self._bodies[rows], self._forces[rows])
+            self._spaces[world] = space
+        motion.push(
+            self._forces,
+            self._copies,
+            self.positions,
+            self._bodies,
+            self._wanted,
+            rows.start,
+            rows.stop,
+            settings.height,
+            4.0 * settings.radius,
+            settings.mass / settings.timestep,
+        )
+        if not self._current[world]:
+            space.load()
+        space.set_copies(self._copies[rows])
+        space.step(settings.timestep)
+        crossed = motion.land(
+            self.positions,
+            self._bodies,
+            rows.start,
+            rows.stop,
+            settings.width,
+            settings.height,
+            settings.timestep,
+        )
+        # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
+        self._current[world] = not crossed and self._patience[world] > 1
+
+    def _rows(self, world: int) -> slice:
+        robots = self.settings.robots
+        return slice(world * robots, (world + 1) * robots)
