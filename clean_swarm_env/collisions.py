@@ -1,0 +1,188 @@
+"""Counting collisions: how often robots are too close to each other, and how often they come too close.
+
+A *sample* is a pair of robots closer than a collision distance at one count; an *event* is a pair that is closer now
+and was not at the count before. The paper's collisions are samples; events do not depend on the sampling rate.
+Shapes: W worlds, N robots a world, R = W * N rows (world w has the rows w*N .. (w+1)*N - 1), K distances.
+"""
+
+from math import ceil, isfinite, sqrt
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.physics_motion import shorter_way
+from selforg.compiled import kernel
+
+ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than filling cells
+NOBODY: Final = -1  # end of a cell's list
+
+
+class CollisionCounter:
+    """Collision samples and events of W worlds of N robots, for K distances at once.
+
+    samples: (W, K) int64, pairs closer than distance k, summed over all counts since the reset.
+    events: (W, K) int64, pairs closer than distance k that were not closer at the count before, summed likewise.
+    in_contact: (R,) bool, of the last count: somebody closer than the first distance.
+    entered: (R,) int64, of the last count: events of the first distance in which the robot took part.
+    All four are the same arrays all the time.
+
+    Raises ValueError for sizes below 1, a torus without extent and distances that are not positive.
+
+    >>> counter = CollisionCounter(worlds=1, robots=2, width=11.0, height=11.0)
+    >>> for x in (0.3, 0.2, 0.2):
+    ...     counter.count(np.array([[x, 5.0], [10.75, 5.0]]))
+    >>> counter.samples.tolist(), counter.events.tolist()
+    ([[2, 3]], [[1, 1]])
+    """
+
+    def __init__(
+        self, worlds: int, robots: int, width: float, height: float, distances: tuple[float, ...] = (0.5, 1.0)
+    ) -> None:
+        for name, number in (("worlds", worlds), ("robots", robots), ("distances", len(distances))):
+            if number < 1:
+                raise ValueError(f"{name}: expected at least 1, got {number}")
+        lengths = [("width", width), ("height", height)]
+        lengths += [(f"distances[{k}]", distance) for k, distance in enumerate(distances)]
+        for name, length in lengths:
+            if not (length > 0.0 and isfinite(length)):
+                raise ValueError(f"{name}: expected a positive number of metres, got {length}")
+        rows, reach = worlds * robots, max(distances)
+        self.distances = tuple(float(distance) for distance in distances)
+        self.samples = np.zeros((worlds, len(distances)), np.int64)
+        self.events = np.zeros((worlds, len(distances)), np.int64)
+        self.in_contact = np.zeros(rows, np.bool_)
+        self.entered = np.zeros(rows, np.int64)
+        self._width, self._height = float(width), float(height)
+        self._squares = np.square(self.distances)  # (K,) [m^2]
+        self._furthest = float(self._squares.max())  # [m^2]
+        self._robots = robots
+        self._before = np.zeros((rows, 2))  # [m] positions at the last count, of no meaning before the first
+        self._counted = np.zeros(worlds, np.bool_)  # has this world been counted since its reset?
+        # Cells at least `reach` wide, so that close pairs lie in the same or in adjacent cells, and about one a robot.
+        side = ceil(sqrt(robots))
+        self._columns, self._lines = min(int(width // reach), side), min(int(height // reach), side)
+        if robots <= ALL_PAIRS_LIMIT or self._columns < 3 or self._lines < 3:
+            self._columns = self._lines = 1
+
+    def reset(self, world: int) -> None:
+        """Forget what this world has counted; a pair that is close at its next count is an event again."""
+        rows = slice(world * self._robots, (world + 1) * self._robots)
+        self.samples[world] = 0
+        self.events[world] = 0
+        self.in_contact[rows] = False
+        self.entered[rows] = 0
+        self._counted[world] = False
+
+    def count(self, positions: NDArray[np.float64]) -> None:
+        """Count all worlds once; positions (R, 2) [m] in [0, width) x [0, height)."""
+        count_pairs(
+            positions,
+            self._before,
+            self._counted,
+            self._squares,
+            self.samples,
+            self.events,
+            self.in_contact,
+            self.entered,
+            self._lines,
+            self._columns,
+            self._width,
+            self._height,
+            self._furthest,
+        )
+
+
+@kernel
+def square_distance(positions: NDArray[np.float64], first: int, second: int, width: float, height: float) -> float:
+    """Square of the shorter way between two rows of positions (R, 2) on the torus [m^2]."""
+    dx = shorter_way(positions[first, 0] - positions[second, 0], width)
+    dy = shorter_way(positions[first, 1] - positions[second, 1], height)
+    return dx * dx + dy * dy
+
+
+@kernel
+def enter_cell(
+    row: int,
+    positions: NDArray[np.float64],
+    cells: NDArray[np.int64],
+    following: NDArray[np.int64],
+    near: NDArray[np.int64],
+    width: float,
+    height: float,
+) -> int:
+    """Put a row into its cell, after listing all rows that are in this or an adjacent cell already.
+
+    positions (N, 2) [m] of one world; cells (lines, columns): the last row in each cell; following (N,): the row
+    before it in the same cell; near (N,): gets the rows found, whose number is returned.
+    """
+    lines, columns = cells.shape
+    line = min(int(positions[row, 1] * (lines / height)), lines - 1)
+    column = min(int(positions[row, 0] * (columns / width)), columns - 1)
+    found = 0
+    for up in range(line - 1, line + 2):
+        beside_line = up + lines if up < 0 else (up - lines if up >= lines else up)
+        for right in range(column - 1, column + 2):
+            beside = right + columns if right < 0 else (right - columns if right >= columns else right)
+            other = cells[beside_line, beside]
+            while other != NOBODY:
+                near[found] = other
+                found += 1
+                other = following[other]
+    following[row] = cells[line, column]
+    cells[line, column] = row
+    return found
+
+
+@kernel
+def count_pairs(
+    positions: NDArray[np.float64],
+    before: NDArray[np.float64],
+    counted: NDArray[np.bool_],
+    squares: NDArray[np.float64],
+    samples: NDArray[np.int64],
+    events: NDArray[np.int64],
+    in_contact: NDArray[np.bool_],
+    entered: NDArray[np.int64],
+    lines: int,
+    columns: int,
+    width: float,
+    height: float,
+    furthest: float,
+) -> None:
+    """Count every world once and remember its positions; see CollisionCounter. Only sums: no order matters."""
+    worlds = samples.shape[0]
+    robots = positions.shape[0] // worlds
+    in_cells = lines * columns > 1
+    scratch = robots if in_cells else 0
+    near, following = np.empty(scratch, np.int64), np.empty(scratch, np.int64)
+    cells = np.empty((lines, columns), np.int64)
+    for world in range(worlds):
+        first, end = world * robots, (world + 1) * robots
+        if in_cells:
+            cells[:] = NOBODY
+        for row in range(first, end):
+            in_contact[row] = False
+            entered[row] = 0
+            if in_cells:
+                found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
+            else:
+                found = row - first
+            for index in range(found):
+                other = first + (near[index] if in_cells else index)
+                now = square_distance(positions, row, other, width, height)
+                if now >= furthest:
+                    continue
+                was = square_distance(before, row, other, width, height) if counted[world] else np.inf
+                for k in range(squares.shape[0]):
+                    samples[world, k] += now < squares[k]
+                    events[world, k] += now < squares[k] <= was
+                if now < squares[0]:
+                    in_contact[row] = in_contact[other] = True
+                    entered[row] += was >= squares[0]
+                    entered[other] += was >= squares[0]
+        counted[world] = True
+    # One by one: assigning whole slices costs more than the pairs of a small world.
+    for row in range(positions.shape[0]):
+        before[row, 0] = positions[row, 0]
+        before[row, 1] = positions[row, 1]
