@@ -1,0 +1,123 @@
+"""Differential drive: a movement vector becomes a speed along the heading and a turn rate towards the vector."""
+
+from dataclasses import dataclass
+from math import isfinite, pi
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.physics_motion import wrapped_angle
+from selforg.compiled import kernel
+
+CLOCK_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
+
+
+@dataclass(frozen=True)
+class DriveSettings:
+    """Limits and gain of the drive; values that make no sense raise ValueError."""
+
+    max_speed: float = 1.0  # [m/s]
+    max_turn_rate: float = 2.0  # [rad/s]
+    turn_gain: float = 2.0  # [1/s], turn rate per heading error
+    turn_in_place_beyond: float = pi / 3.0  # [rad] of heading error from which on the robot only turns
+    command_timeout: float = 1.0  # [s] without a command after which a robot stops
+
+    def __post_init__(self) -> None:
+        for name in ("max_speed", "max_turn_rate", "turn_gain", "turn_in_place_beyond", "command_timeout"):
+            if not (getattr(self, name) > 0.0 and isfinite(getattr(self, name))):
+                raise ValueError(f"{name}: expected a positive number, got {getattr(self, name)}")
+
+
+class DifferentialDrive:
+    """Drives of R robots; a command holds until the next one, or until the robot has waited too long for it.
+
+    speed: (R,) float64 [m/s] along the heading; the same array all the time, as Physics.substep takes it.
+    turn_rate: (R,) float64 [rad/s]; the same array all the time.
+
+    Impossible settings raise ValueError (see DriveSettings).
+
+    >>> drive = DifferentialDrive(rows=2)
+    >>> drive.command(np.array([[0.5, 0.0], [0.0, 2.0]]), np.array([True, True]), headings=np.zeros(2), now=0.0)
+    >>> drive.speed.tolist(), drive.turn_rate.tolist()
+    ([0.5, 0.0], [0.0, 2.0])
+    """
+
+    def __init__(
+        self,
+        rows: int,
+        max_speed: float = 1.0,
+        max_turn_rate: float = 2.0,
+        turn_gain: float = 2.0,
+        turn_in_place_beyond: float = pi / 3.0,
+        command_timeout: float = 1.0,
+    ) -> None:
+        if rows < 1:
+            raise ValueError(f"rows: expected at least 1, got {rows}")
+        self.settings = DriveSettings(max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout)
+        self.speed = np.zeros(rows)
+        self.turn_rate = np.zeros(rows)
+        self._commanded = np.zeros(rows)  # (R,) [s] time of the last command; of no meaning for a robot at rest
+
+    def command(
+        self, vectors: NDArray[np.float64], has_command: NDArray[np.bool_], headings: NDArray[np.float64], now: float
+    ) -> None:
+        """Take the commands of this instant and update `speed` and `turn_rate`.
+
+        vectors (R, 2) [m/s] counts where has_command (R,) is set; headings (R,) [rad] in (-pi, pi]; now [s].
+        A zero vector is a command to stand still. A robot whose last command is `command_timeout` old stops.
+        """
+        settings = self.settings
+        steer(
+            vectors,
+            has_command,
+            headings,
+            self.speed,
+            self.turn_rate,
+            self._commanded,
+            now,
+            settings.max_speed,
+            settings.max_turn_rate,
+            settings.turn_gain,
+            settings.turn_in_place_beyond,
+            settings.command_timeout,
+        )
+
+    def reset(self, rows: NDArray[np.intp] | slice) -> None:
+        """Stop these rows, as at the beginning."""
+        self.speed[rows] = 0.0
+        self.turn_rate[rows] = 0.0
+        self._commanded[rows] = 0.0
+
+
+@kernel
+def steer(
+    vectors: NDArray[np.float64],
+    has_command: NDArray[np.bool_],
+    headings: NDArray[np.float64],
+    speed: NDArray[np.float64],
+    turn_rate: NDArray[np.float64],
+    commanded: NDArray[np.float64],
+    now: float,
+    max_speed: float,
+    max_turn_rate: float,
+    turn_gain: float,
+    turn_in_place_beyond: float,
+    command_timeout: float,
+) -> None:
+    """Update speed (R,), turn_rate (R,) and the time of the last command (R,) in place; see DifferentialDrive."""
+    for row in range(speed.shape[0]):
+        if has_command[row]:
+            x, y = vectors[row, 0], vectors[row, 1]
+            length = np.hypot(x, y)
+            commanded[row] = now
+            if length > 0.0:
+                error = wrapped_angle(np.arctan2(y, x) - headings[row])
+                turn_rate[row] = min(max(turn_gain * error, -max_turn_rate), max_turn_rate)
+                speed[row] = min(length, max_speed) if abs(error) < turn_in_place_beyond else 0.0
+            else:
+                speed[row] = 0.0
+                turn_rate[row] = 0.0
+        elif now - commanded[row] > command_timeout - CLOCK_TOLERANCE:
+            speed[row] = 0.0
+            turn_rate[row] = 0.0
