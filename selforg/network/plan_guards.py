@@ -151,10 +151,3 @@ def serves(step: Step, test: Test) -> bool:
     if isinstance(test, FactTest):
         return bool(step.gain >> test.slot & 1) if test.wanted else not step.keep >> test.slot & 1
     return any(slot == test.slot and (change > 0) is test.above for slot, change in step.changes)
-
-
-def passes(test: Test, bits: int, numbers: tuple[int, ...]) -> bool:
-    """Say whether a single test holds in a state."""
-    if isinstance(test, FactTest):
-        return bool(bits >> test.slot & 1) is test.wanted
-    return (numbers[test.slot] >= test.crossing) is test.above

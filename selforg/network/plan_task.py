@@ -26,7 +26,6 @@ from selforg.network.plan_guards import (
     Test,
     all_tests,
     mandatory_tests,
-    passes,
     serves,
 )
 
@@ -35,9 +34,14 @@ STEP_UNIT = 1 << 20
 
 
 class Landmark(NamedTuple):
-    """A test that may be needed: what each servant costs at least, and what must have held before it."""
+    """A test that may be needed: what each servant costs at least, and what must have held before it.
 
-    test: Test
+    The test is `bits & mask == want` on a fact, or, where `mask` is 0, `bound` on a number.
+    """
+
+    mask: int
+    want: int
+    bound: NumberTest
     solvable: bool
     cost_share: int
     step_share: int
@@ -113,12 +117,18 @@ class PlanTask:
         pending = list(self.roots)
         seen = set(pending)
         while pending:
-            test, solvable, cost_share, step_share, stride, before = landmarks[pending.pop()]
-            if passes(test, bits, numbers):
-                continue
+            mask, want, bound, solvable, cost_share, step_share, stride, before = landmarks[pending.pop()]
+            if mask:
+                if bits & mask == want:
+                    continue
+                times = 1
+            else:
+                gap = _gap(bound, numbers)
+                if gap <= 0:
+                    continue
+                times = -(-gap // stride)
             if not solvable:
                 return None
-            times = _times(test, stride, numbers)
             cost += cost_share * times
             steps += step_share * times
             for needed in before:
@@ -134,12 +144,10 @@ def _clamped(value: int, low: int | None, high: int | None) -> int:
     return low if low is not None and value < low else value
 
 
-def _times(test: Test, stride: int, numbers: tuple[int, ...]) -> int:
-    """Return how many servants a failed test needs at least: one, or for a number its gap over the largest change."""
-    if isinstance(test, FactTest):
-        return 1
-    gap = test.crossing - numbers[test.slot] if test.above else numbers[test.slot] - test.crossing + 1
-    return -(-gap // stride)
+def _gap(bound: NumberTest, numbers: tuple[int, ...]) -> int:
+    """Return by how much a number misses its bound; 0 or less where it holds."""
+    slot, crossing, above = bound
+    return crossing - numbers[slot] if above else numbers[slot] - crossing + 1
 
 
 def _relevant(steps: Sequence[Step], goal: Guard) -> tuple[list[Step], list[Test]]:
@@ -186,7 +194,7 @@ def _landmarks(steps: Sequence[Step], goal: Guard) -> tuple[tuple[Landmark, ...]
     served = {step.action: sum(serves(step, test) for test in tests) for step in steps}
     landmarks = [
         Landmark(
-            test,
+            *_comparison(test),
             bool(serving),
             min((step.cost // served[step.action] for step in serving), default=0),
             min((STEP_UNIT // served[step.action] for step in serving), default=0),
@@ -196,6 +204,13 @@ def _landmarks(steps: Sequence[Step], goal: Guard) -> tuple[tuple[Landmark, ...]
         for test, serving, needed in zip(tests, servants, before, strict=True)
     ]
     return tuple(landmarks), roots
+
+
+def _comparison(test: Test) -> tuple[int, int, NumberTest]:
+    """Return (mask, want, bound) of a landmark; the bound of a fact stands for nothing."""
+    if isinstance(test, FactTest):
+        return 1 << test.slot, test.wanted << test.slot, NumberTest(0, 0, True)
+    return 0, 0, test
 
 
 def _common(steps: Sequence[Step]) -> list[Test]:
