@@ -1,0 +1,114 @@
+"""The command line: `clean-swarm evaluate`, `clean-swarm list`, `clean-swarm --version`.
+
+What is wrong with the input is one line on the standard error and exit code 2; Ctrl-C ends with exit code 130. The
+heavy imports wait until a command needs them, so that help is quick.
+"""
+
+import os
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from clean_swarm_env.config_errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from train.runs import MissionRunner
+
+BAD_INPUT, INTERRUPTED = 2, 130
+TABLE_WIDTH = 140
+"""Least width of the printed tables [characters]: a folded table says less than one cut by a narrow terminal."""
+THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    for name in THREAD_LIMITS:  # runs are parallel as processes; worker processes inherit this
+        os.environ.setdefault(name, "1")
+    try:
+        app()
+    except ValueError as error:
+        if not isinstance(error, _user_errors()):
+            raise
+        Console(stderr=True, soft_wrap=True, highlight=False).print(f"error: {error}", markup=False)
+        sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+
+
+def _user_errors() -> tuple[type[ValueError], ...]:
+    from selector.documents import DocumentError
+
+    return ConfigurationError, DocumentError
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"clean-swarm {version('clean-swarm')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+) -> None:
+    """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
+
+
+@app.command()
+def evaluate(
+    experiment: Annotated[str, typer.Argument(help="Name of an experiment, or path to its YAML file.")] = "table1",
+    scenarios: Annotated[
+        int | None, typer.Option(help="Run on this number of random start configurations drawn from the seed.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    workers: Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,
+    condition: Annotated[list[str] | None, typer.Option(help="Run this condition only; can be repeated.")] = None,
+) -> None:
+    """Run an experiment under all its conditions and print its table; the default is the paper's Table 1."""
+    for name, value, least in (("--scenarios", scenarios, 1), ("--workers", workers, 1), ("--seed", seed, 0)):
+        if value is not None and value < least:
+            raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {value}")
+    from train import evaluation
+    from train.plan import Request
+    from train.runs import usable_cpus
+
+    raise typer.Exit(
+        evaluation.evaluate(
+            Request(experiment, seed, scenarios, starts, tuple(condition or ())),
+            workers=workers or usable_cpus(),
+            output=output,
+            resume=resume,
+            run_mission=mission_runner(),
+            console=Console(width=max(Console().width, TABLE_WIDTH)),
+        )
+    )
+
+
+@app.command("list")
+def list_experiments() -> None:
+    """List the experiments with their conditions."""
+    from clean_swarm_env.config_files import load_experiment, names
+
+    for name in names("experiments"):
+        experiment = load_experiment(name)
+        starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
+        typer.echo(f"{name}: {experiment.description}")
+        typer.echo(f"  {starts} start configurations; conditions: {', '.join(c.name for c in experiment.conditions)}")
+
+
+def mission_runner() -> "MissionRunner":
+    """Return the function that runs a mission."""
+    from clean_swarm_env.mission import run_mission
+
+    return run_mission

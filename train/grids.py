@@ -1,0 +1,85 @@
+"""Tables of text, shown on a terminal or as Markdown."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+MAX_ROWS_SHOWN = 30
+"""Rows above the summary that the terminal lists; Markdown always has all."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns that belong together under one title; without a title, a single column."""
+
+    title: str
+    heads: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A label and, for each group of columns, one cell for each column."""
+
+    label: str
+    groups: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of text; `summary` rows stand apart below `rows`."""
+
+    title: str
+    corner: str
+    columns: tuple[Columns, ...]
+    rows: tuple[Row, ...]
+    summary: tuple[Row, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def flat(title: str, corner: str, heads: Sequence[str], rows: Sequence[tuple[str, ...]]) -> Grid:
+    """Return a grid without groups; each row starts with its label."""
+    columns = tuple(Columns("", (head,)) for head in heads)
+    return Grid(title, corner, columns, tuple(Row(label, tuple((cell,) for cell in cells)) for label, *cells in rows))
+
+
+def markdown(grid: Grid) -> str:
+    """Return a grid as a Markdown table with its numbers to the right."""
+    heads = [f"{group.title} {head}".strip() for group in grid.columns for head in group.heads]
+    lines = [f"## {grid.title}", "", _line([grid.corner, *heads]), f"|---|{'---:|' * len(heads)}"]
+    lines += [_line([row.label, *(cell for group in row.groups for cell in group)]) for row in grid.rows + grid.summary]
+    return "\n".join([*lines, *(f"\n{note}" for note in grid.notes)]) + "\n"
+
+
+def on_terminal(grid: Grid) -> RenderableType:
+    """Return a grid for a rich console; the columns of a group share one cell, so that its title stands above all."""
+    table = Table(title=grid.title, title_justify="left", title_style="bold")
+    table.add_column(grid.corner)
+    widths = [_widths(grid, place) for place in range(len(grid.columns))]
+    for group, width in zip(grid.columns, widths, strict=True):
+        text = Text(f"{group.title}\n" if group.title else "", justify="center")
+        table.add_column(text.append(_joined(group.heads, width)), justify="right", no_wrap=True)
+    hidden = len(grid.rows) > MAX_ROWS_SHOWN
+    for row in () if hidden else grid.rows:
+        table.add_row(row.label, *map(_joined, row.groups, widths))
+    table.add_section()
+    for row in grid.summary:
+        table.add_row(row.label, *map(_joined, row.groups, widths), style="bold")
+    more = [f"{len(grid.rows)} {grid.corner}s, one by one in table.md"] if hidden else []
+    return Group(table, *more, *grid.notes)
+
+
+def _widths(grid: Grid, place: int) -> list[int]:
+    """Return the width of each column of the group at `place`."""
+    texts = [grid.columns[place].heads, *(row.groups[place] for row in grid.rows + grid.summary)]
+    return [max(map(len, column)) for column in zip(*texts, strict=True)]
+
+
+def _joined(cells: Sequence[str], widths: Sequence[int]) -> str:
+    return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"

@@ -1,0 +1,119 @@
+"""What an evaluation is going to run: the experiment with its start configurations, and how to recognise it again."""
+
+import hashlib
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import configs
+from clean_swarm_env.config import StartConfiguration
+from clean_swarm_env.config_errors import ConfigurationError, unknown
+from clean_swarm_env.config_files import load_experiment
+from clean_swarm_env.experiment import ExperimentConfig
+from clean_swarm_env.starts import load_starts, random_start
+from selector.knowledge import load_knowledge
+from train.reference import Measured
+
+PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
+"""Packages whose versions the manifest states."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asked for."""
+
+    experiment: str
+    """Name of an experiment, or path to its YAML file."""
+    seed: int
+    scenarios: int | None = None
+    """Number of random start configurations, in place of the experiment's own."""
+    starts: Path | None = None
+    """File of start configurations, in place of the experiment's own."""
+    conditions: tuple[str, ...] = ()
+    """Names of the conditions to run; empty: all."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is going to run."""
+
+    experiment: ExperimentConfig
+    """The experiment with the start configurations that it runs on."""
+    seed: int
+    measured: Measured
+    own_starts: bool
+    """Whether the start configurations are the experiment's own."""
+    starts_from: str
+    """Where the start configurations come from."""
+    stem: str
+    """Name of the default directory for the results."""
+
+    @property
+    def manifest(self) -> dict[str, Any]:
+        """Content of `manifest.json`: by `identity` the runs are recognised, the rest is for the reader."""
+        return {
+            "identity": {
+                "experiment": self.experiment.name,
+                "seed": self.seed,
+                "configuration": self.experiment.model_dump(mode="json"),
+                "files": _fingerprints(("knowledge", "mechanisms")),
+            },
+            "starts_from": self.starts_from,
+            "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+            "platform": platform.platform(),
+        }
+
+
+def plan_of(request: Request) -> Plan:
+    """Resolve what the user asked for; whatever does not exist or fit raises an error of one line."""
+    if request.scenarios is not None and request.starts is not None:
+        raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
+    experiment = _with_conditions(load_experiment(request.experiment), request.conditions)
+    stem = f"{experiment.name}-seed{request.seed}"
+    if request.starts is not None:
+        given = load_starts(request.starts)
+        experiment = experiment.model_copy(
+            update={"mission": given.world_of(experiment.mission), "starts": given.starts}
+        )
+        return Plan(
+            experiment, request.seed, given.measured, False, str(request.starts), f"{stem}-{request.starts.stem}"
+        )
+    if request.scenarios is None and experiment.starts:
+        return Plan(experiment, request.seed, {}, True, "the experiment's own start configurations", stem)
+    count = request.scenarios or experiment.scenarios
+    experiment = experiment.model_copy(update={"starts": _random_starts(experiment, request.seed, count)})
+    source = f"{count} random start configurations of seed {request.seed}"
+    return Plan(experiment, request.seed, {}, False, source, f"{stem}-{count}-scenarios")
+
+
+def check_scores(experiment: ExperimentConfig) -> None:
+    """Raise an error of one line if a condition scores a goal or an option that the expert knowledge does not have."""
+    knowledge = load_knowledge(experiment.mission.knowledge)
+    for condition in experiment.conditions:
+        try:
+            knowledge.with_scores(condition.scores)
+        except ValueError as error:
+            raise ConfigurationError(f"{experiment.name}: condition {condition.name!r}: {error}") from error
+
+
+def _with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:
+    known = [condition.name for condition in experiment.conditions]
+    for name in chosen:
+        if name not in known:
+            raise ConfigurationError(f"{experiment.name}: {unknown('condition', name, known)}")
+    conditions = tuple(c for c in experiment.conditions if not chosen or c.name in chosen)
+    return experiment.model_copy(update={"conditions": conditions})
+
+
+def _random_starts(experiment: ExperimentConfig, seed: int, count: int) -> tuple[StartConfiguration, ...]:
+    return tuple(random_start(experiment.mission, seed, index) for index in range(count))
+
+
+def _fingerprints(kinds: Sequence[str]) -> dict[str, str]:
+    """Return file -> SHA-256 for the shipped files of these kinds."""
+    root = configs.directory()
+    paths = sorted(path for kind in kinds for path in (root / kind).glob("*.yaml"))
+    return {path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}

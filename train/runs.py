@@ -1,0 +1,161 @@
+"""One run: a mission of an experiment under one condition; many runs, one after the other or in several processes."""
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from typing import Protocol
+
+from clean_swarm_env.config import MissionConfig, StartConfiguration
+from clean_swarm_env.experiment import ExperimentConfig
+from clean_swarm_env.starts import for_start, run_seed
+
+
+class MissionOutcome(Protocol):
+    """What a mission returns, as `clean_swarm_env.mission.MissionResult` does."""
+
+    @property
+    def completed(self) -> bool:
+        """Whether all items were dumped within the time limit."""
+
+    @property
+    def duration_s(self) -> float:
+        """Simulated time until the last item was dumped, or the time limit [s]."""
+
+    @property
+    def collision_samples_per_s(self) -> tuple[float, ...]:
+        """Samples of pairs closer than each collision distance [1/s]."""
+
+    @property
+    def collision_events_per_s(self) -> tuple[float, ...]:
+        """Pairs that came closer than each collision distance [1/s]."""
+
+    @property
+    def garbage_done(self) -> int:
+        """Number of items dumped."""
+
+    @property
+    def robots(self) -> int:
+        """Number of robots."""
+
+    @property
+    def ticks(self) -> int:
+        """Number of control periods."""
+
+
+MissionRunner = Callable[[MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]]], MissionOutcome]
+
+
+@dataclass(frozen=True)
+class RunTask:
+    """What one run needs; plain data that travels to a worker process."""
+
+    experiment: str
+    scenario: str
+    seed: int
+    """Seed of the experiment; with `scenario` it gives the seed of the mission."""
+    condition: str
+    mission: MissionConfig
+    start: StartConfiguration
+    scores: Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """One finished run; collisions have one entry per collision distance."""
+
+    experiment: str
+    scenario: str
+    seed: int
+    condition: str
+    completed: bool
+    duration_s: float
+    collision_samples_per_s: tuple[float, ...]
+    collision_events_per_s: tuple[float, ...]
+    garbage_done: int
+    robots: int
+    ticks: int
+    wall_s: float
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Scenario and condition, unique within an experiment."""
+        return self.scenario, self.condition
+
+
+def tasks_of(experiment: ExperimentConfig, seed: int) -> list[RunTask]:
+    """Return every condition on every start configuration; a start that does not fit raises ConfigurationError."""
+    missions = [for_start(experiment.mission, start) for start in experiment.starts]
+    return [
+        RunTask(experiment.name, start.id, seed, condition.name, mission, start, condition.scores)
+        for start, mission in zip(experiment.starts, missions, strict=True)
+        for condition in experiment.conditions
+    ]
+
+
+def execute(task: RunTask, run_mission: MissionRunner) -> RunRecord:
+    """Run one task in this process."""
+    began = time.perf_counter()
+    result = run_mission(task.mission, task.start, run_seed(task.seed, task.scenario), task.scores)
+    return RunRecord(
+        experiment=task.experiment,
+        scenario=task.scenario,
+        seed=task.seed,
+        condition=task.condition,
+        completed=bool(result.completed),
+        duration_s=float(result.duration_s),
+        collision_samples_per_s=tuple(float(rate) for rate in result.collision_samples_per_s),
+        collision_events_per_s=tuple(float(rate) for rate in result.collision_events_per_s),
+        garbage_done=int(result.garbage_done),
+        robots=int(result.robots),
+        ticks=int(result.ticks),
+        wall_s=round(time.perf_counter() - began, 3),
+    )
+
+
+def execute_all(tasks: Sequence[RunTask], workers: int, run_mission: MissionRunner) -> Generator[RunRecord, None, None]:
+    """Yield the record of each task as it is finished, in any order, from up to `workers` processes.
+
+    Closing the iterator, or an error in a run, ends the other runs at once. One worker is this process itself.
+    """
+    if min(workers, len(tasks)) <= 1:
+        for task in tasks:
+            yield execute(task, run_mission)
+        return
+    context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context, initializer=_start_worker)
+    finished = False
+    try:
+        futures = [pool.submit(execute, task, run_mission) for task in tasks]
+        for future in as_completed(futures):
+            yield future.result()
+        finished = True
+    finally:
+        if not finished:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in set(multiprocessing.active_children()) - others:
+                child.terminate()
+        pool.shutdown()
+
+
+def _start_worker() -> None:
+    """Leave Ctrl-C to the parent, and end with it: a parent that is killed must not leave its workers behind."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
+
+
+def _end_with(wait_for_parent: Callable[[], None]) -> None:
+    wait_for_parent()
+    os._exit(1)
+
+
+def usable_cpus() -> int:
+    """Return the number of CPUs that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
