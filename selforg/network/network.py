@@ -86,6 +86,11 @@ class BehaviourNetwork:
         self.state.marks[st.EXECUTION_TIME, running, behaviour] = -1
         self.state.marks[st.FINISHED, running, behaviour] = 1
 
+    def halt(self, rows: NDArray[np.int64]) -> None:
+        """Stop whatever runs in `rows` (K,); activations stay."""
+        self.state.marks[st.EXECUTING, rows] = 0
+        self.state.marks[st.EXECUTION_TIME, rows] = -1
+
     def enable(self, rows: NDArray[np.int64], behaviour: int, enabled: bool) -> None:
         """Switch a behaviour on or off in `rows` (K,); what is switched off ends itself."""
         self.state.marks[st.ENABLED, rows, behaviour] = int(enabled)

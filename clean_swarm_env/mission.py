@@ -1,0 +1,82 @@
+"""One mission from start to end, and what is reported of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clean_swarm_env.config import MissionConfig, StartConfiguration
+from clean_swarm_env.robot_model import GOAL
+from clean_swarm_env.worlds import Worlds
+from selector.coordinator import CoordinatorModel
+from selector.knowledge import Knowledge, load_knowledge
+from selector.library import Library
+from selector.strategies.max_score import MaxScore
+
+Scores = Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class MissionResult:
+    """What a mission came to.
+
+    Attributes:
+        completed: whether all garbage was dumped in time.
+        duration_s: time at which the last item was dumped, or the time limit [s].
+        collision_samples_per_s: for each collision distance, pairs closer than it, counted at every physics step [1/s].
+        collision_events_per_s: for each collision distance, pairs that came closer than it [1/s].
+        garbage_done: items dumped.
+        robots: number of robots.
+        ticks: control periods run.
+
+    """
+
+    completed: bool
+    duration_s: float
+    collision_samples_per_s: tuple[float, ...]
+    collision_events_per_s: tuple[float, ...]
+    garbage_done: int
+    robots: int
+    ticks: int
+
+
+def run_mission(mission: MissionConfig, start: StartConfiguration, seed: int, scores: Scores) -> MissionResult:
+    """Run one mission with the options of the highest scores; `scores` are laid over the expert knowledge."""
+    knowledge = load_knowledge(mission.knowledge).with_scores(scores)
+    library = Library()
+    library.check(knowledge)
+    worlds = Worlds(mission, CoordinatorModel(GOAL, knowledge, library))
+    worlds.reset(0, start, seed)
+    choose(worlds, knowledge)
+    limit = round(mission.time_limit / worlds.period)
+    while worlds.garbage.done[0] < mission.garbage.count and worlds.ticks[0] < limit:
+        worlds.tick()
+    return result_of(worlds, 0)
+
+
+def choose(worlds: Worlds, knowledge: Knowledge) -> None:
+    """Let every robot hold the option of the highest score."""
+    generators = [np.random.default_rng(0)] * worlds.rows  # max-score draws nothing
+    strategy = MaxScore(knowledge.scores(GOAL), generators)
+    worlds.hold(strategy.select(np.zeros((worlds.rows, 0))))
+
+
+def result_of(worlds: Worlds, world: int) -> MissionResult:
+    """Return the result of a world as it stands."""
+    mission = worlds.mission
+    ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
+    completed = done == mission.garbage.count
+    time = max(ticks * worlds.period, worlds.period)
+    # the last item is dumped at the beginning of its control period
+    duration = (ticks - 1) * worlds.period if completed and ticks else mission.time_limit
+    return MissionResult(
+        completed=completed,
+        duration_s=round(duration, 9),
+        collision_samples_per_s=tuple((worlds.collisions.samples[world] / time).tolist()),
+        collision_events_per_s=tuple((worlds.collisions.events[world] / time).tolist()),
+        garbage_done=done,
+        robots=worlds.robots,
+        ticks=ticks,
+    )

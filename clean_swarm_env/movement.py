@@ -1,0 +1,41 @@
+"""Small kernels between deciding and driving: who runs what, and the way to a station."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from selforg.compiled import kernel
+from selforg.space import nearest_image
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@kernel
+def rows_running(executing: Ints, behaviours: Ints, rows: Ints, counts: Ints) -> None:
+    """For each of `behaviours` (K,), columns of `executing` (R, B), fill `rows` (K.., R) and `counts` (K..,)."""
+    for k in range(behaviours.shape[0]):
+        count = 0
+        for row in range(executing.shape[0]):
+            if executing[row, behaviours[k]]:
+                rows[k, count] = row
+                count += 1
+        counts[k] = count
+
+
+@kernel
+def to_stations(
+    executing: Ints, behaviours: Ints, robots: Floats, extent: Floats, stations: Floats, vectors: Floats,
+    commanded: NDArray[np.bool_],
+) -> None:  # fmt: skip
+    """Unit vectors (R, 2) from `robots` (R, 2) [m] to `stations` (K, 2) [m] where `behaviours` (K,) of `executing` run."""
+    for row in range(robots.shape[0]):
+        for k in range(behaviours.shape[0]):
+            if executing[row, behaviours[k]]:
+                x = nearest_image(stations[k, 0] - robots[row, 0], extent[0])
+                y = nearest_image(stations[k, 1] - robots[row, 1], extent[1])
+                length = np.sqrt(x * x + y * y)
+                vectors[row, 0] = x / length if length > 0.0 else 0.0
+                vectors[row, 1] = y / length if length > 0.0 else 0.0
+                commanded[row] = True

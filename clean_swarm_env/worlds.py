@@ -1,0 +1,215 @@
+"""W worlds of N cleaning robots each, stepped together: the story of one control period.
+
+Rows are robots, R = W * N. A world depends on its own start and seed only: alone or in a batch it takes the same course.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.collisions import CollisionCounter
+from clean_swarm_env.config import MissionConfig, StartConfiguration
+from clean_swarm_env.drive import DifferentialDrive
+from clean_swarm_env.garbage import Garbage, handle_cargo
+from clean_swarm_env.movement import rows_running, to_stations
+from clean_swarm_env.physics import Physics
+from clean_swarm_env.robot_model import GOAL, read_sensors, robot_model
+from selector.coordinator import Coordinator, CoordinatorModel
+from selforg.buffer import SoBuffer
+from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone, find
+from selforg.network.network import BehaviourNetwork
+from selforg.network.planning import BuiltInPlanner
+from selforg.poses import OwnPoses
+from selforg.randomness import DirectionStream
+from selforg.settings import BufferSettings
+from selforg.space import Torus
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ITEMS, PHEROMONES = "garbage", "pheromone"  # channels
+
+
+class Worlds:
+    """The batch of worlds of one mission.
+
+    Call `reset` for every world, then `tick` as long as you like; between ticks `hold` says which option serves
+    AvoidCollision in which robot. `ticks` (W,) counts control periods since the reset of each world.
+    """
+
+    def __init__(self, mission: MissionConfig, avoidance: CoordinatorModel, worlds: int = 1) -> None:
+        self.mission = mission
+        self.worlds, self.robots = worlds, mission.robots.count
+        self.rows = worlds * self.robots
+        self.period = 1.0 / mission.world.control_rate
+        self.ticks: Ints = np.zeros(worlds, dtype=np.int64)
+        self._now_ticks = 0
+        self.extent = np.array([mission.world.width, mission.world.height])
+        self._build_world()
+        self._build_stack()
+        self._build_robots(avoidance)
+        self._commanded = np.zeros(self.rows, dtype=np.bool_)
+        self._vectors: Floats = np.zeros((self.rows, 2))
+        self._picked: Ints = np.zeros((self.rows, 2), dtype=np.int64)
+        self._running: Ints = np.zeros((len(self.network.model.behaviours), self.rows), dtype=np.int64)
+        self._counts: Ints = np.zeros(len(self.network.model.behaviours), dtype=np.int64)
+
+    def _build_world(self) -> None:
+        mission, world, robots = self.mission, self.mission.world, self.mission.robots
+        self.physics = Physics(
+            self.worlds, self.robots, world.width, world.height, robots.radius, world.contacts,
+            1.0 / world.physics_rate, robots.mass,
+        )  # fmt: skip
+        self.collisions = CollisionCounter(
+            self.worlds, self.robots, world.width, world.height, mission.collision_distances
+        )
+        self.drive = DifferentialDrive(
+            self.rows, robots.max_speed, robots.max_turn_rate, robots.turn_gain, robots.turn_in_place_beyond,
+            robots.command_timeout,
+        )  # fmt: skip
+        self.garbage = Garbage(self.worlds, mission.garbage.count, self.robots)
+        self._stations = np.array([mission.stations.recycling, mission.stations.dump])
+        garbage = mission.garbage
+        seen = garbage.diffusion + garbage.goal_radius + garbage.view_distance
+        self._limits = np.array([seen, garbage.at_distance, mission.stations.reach])
+
+    def _build_stack(self) -> None:
+        mission, patrol = self.mission, self.mission.patrol
+        space = Torus(mission.world.width, mission.world.height)
+        self.poses = OwnPoses(
+            space, self.rows, np.repeat(np.arange(self.worlds), self.robots),
+            diffusion=mission.robots.pose_diffusion, goal_radius=mission.robots.pose_goal_radius,
+        )  # fmt: skip
+        self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
+        self.items = SoBuffer(
+            BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0), space, self.poses
+        )
+        self.pheromones = SoBuffer(
+            BufferSettings(
+                patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
+            ), space, self.poses,
+        )  # fmt: skip
+        self.avoidance_buffer = SoBuffer(BufferSettings(), space, self.poses)
+        self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
+        pheromone = Pheromone(
+            PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period
+        )
+        self.patrol = Patrol(
+            self.pheromones, pheromone=pheromone, min_speed=patrol.min_speed, max_speed=patrol.max_speed,
+            channels=(PHEROMONES,), directions=self.directions,
+        )  # fmt: skip
+
+    def _build_robots(self, avoidance: CoordinatorModel) -> None:
+        model = robot_model(self.mission.network, avoidance)
+        planner = BuiltInPlanner(model) if self.mission.network.planner else None
+        self.network = BehaviourNetwork(model, self.rows, planner)
+        self.coordinator = Coordinator(avoidance, self.network, self._make_mechanism)
+        index = model.behaviour_index
+        self._cargo = np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")])
+        self._transport = np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")])
+        self._patrolling, self._approaching = index["Patrol"], index["MoveToGarbage"]
+        self._movers = np.array([self._patrolling, self._approaching])
+
+    def _make_mechanism(self, name: str, parameters: Mapping[str, Any]) -> MovementMechanism:
+        made = find(name)(self.avoidance_buffer, directions=self.directions, **parameters)  # type: ignore[call-arg]
+        if not isinstance(made, MovementMechanism):
+            raise TypeError(f"mechanism {name!r}: expected a movement mechanism for {GOAL}")
+        return made
+
+    @property
+    def now(self) -> float:
+        """Time of the buffers [s]."""
+        return self._now_ticks * self.period
+
+    def rows_of(self, world: int) -> Ints:
+        """Rows (N,) of the robots of a world."""
+        return np.arange(world * self.robots, (world + 1) * self.robots)
+
+    def reset(self, world: int, start: StartConfiguration, seed: int | Sequence[int]) -> None:
+        """Put a world at its start; `seed` decides everything random that follows in it."""
+        rows = self.rows_of(world)
+        robots, items = np.array(start.robots), np.array(start.items).reshape(-1, 2)
+        if robots.shape != (self.robots, 3) or len(items) != self.mission.garbage.count:
+            expected = f"{self.robots} robots and {self.mission.garbage.count} items"
+            raise ValueError(f"start {start.id!r}: expected {expected}, got {len(robots)} and {len(items)}")
+        self.ticks[world] = 0
+        self.physics.place(world, robots[:, :2], robots[:, 2])
+        self.garbage.place(world, items % self.extent)
+        self.collisions.reset(world)
+        self.drive.reset(rows)
+        self.poses.forget(rows)
+        for buffer in (self.items, self.pheromones):
+            buffer.clear(world)
+        streams = np.random.SeedSequence(seed).spawn(self.robots)
+        self.directions.reset(rows, [np.random.default_rng(stream) for stream in streams])
+        garbage = self.mission.garbage
+        self.items.store_static(
+            np.full(len(items), world), ITEMS, items, self.now, diffusion=garbage.diffusion,
+            goal_radius=garbage.goal_radius,
+        )  # fmt: skip
+        self.network.reset(rows)
+        self.coordinator.reset(rows)
+
+    def hold(self, options: Ints, rows: Ints | None = None) -> None:
+        """Let `options` (K,) serve AvoidCollision in `rows` (K,) or all from the next tick on."""
+        self.coordinator.hold(np.arange(self.rows) if rows is None else rows, options)
+
+    def tick(self) -> None:
+        """One control period of all worlds: sense, decide, act, move."""
+        self.poses.update(self.physics.positions, self.physics.headings, self.now)
+        self._sense()
+        self.network.step()
+        self._act()
+        self._move()
+        self._now_ticks += 1
+        self.ticks += 1
+
+    def _sense(self) -> None:
+        garbage = self.garbage
+        self.coordinator.sense(self.now)
+        read_sensors(
+            self.physics.positions, self.extent, self._stations, self._limits, garbage.positions, garbage.stage,
+            garbage.cargo, garbage.recycled, self.network.readings,
+        )  # fmt: skip
+
+    def _act(self) -> None:
+        """Let what runs act: handle cargo, and give every robot that moves a vector."""
+        garbage, network = self.garbage, self.network
+        picked = handle_cargo(
+            network.started, self._cargo, self.physics.positions, self.extent, self.mission.garbage.pick_distance,
+            garbage.positions, garbage.stage, garbage.cargo, garbage.recycled, garbage.done, self._picked,
+        )  # fmt: skip
+        if picked:
+            rows, items = self._picked[:picked].T
+            worlds = rows // self.robots
+            self.items.extinguish(worlds, ITEMS, garbage.positions[worlds, items], self.now)
+        self._commanded[:] = False
+        to_stations(
+            network.executing, self._transport, self.physics.positions, self.extent, self._stations, self._vectors,
+            self._commanded,
+        )  # fmt: skip
+        rows_running(network.executing, self._movers, self._running, self._counts)
+        approaching = self._running[1, : self._counts[1]]
+        self._follow(self.to_garbage, approaching)
+        patrolling = self._running[0, : self._counts[0]]
+        self._follow(self.patrol, patrolling)
+        self.coordinator.act(self._vectors, self._commanded)
+        if len(patrolling):
+            self.patrol.deposit(self.now, patrolling)
+
+    def _follow(self, mechanism: MovementMechanism, rows: Ints) -> None:
+        if len(rows):
+            vectors, active = mechanism.move(self.now, rows)
+            self._vectors[rows] = vectors
+            self._commanded[rows] = active
+
+    def _move(self) -> None:
+        physics, drive = self.physics, self.drive
+        drive.command(self._vectors, self._commanded, physics.headings, self.now)
+        for _ in range(self.mission.world.physics_steps_per_tick):
+            physics.substep(drive.speed, drive.turn_rate)
+            self.collisions.count(physics.positions)
