@@ -1,0 +1,155 @@
+"""The floor: what pymunk alone costs for the same robots, seams and substeps, and what our physics costs beside it.
+
+The floor asks pymunk in every substep, over the cheapest path there is: one compiled call for the forces of all
+worlds, one C call each to write the forces of a world, to step it and to read it back, and seam copies only where a
+body is near a seam, looked at once a tick. It does nothing else: no headings, no collision counts, no mission. In the
+column `all copies` every body has all its copies all the time instead.
+
+    python -m benchmarks.floor
+
+Shapes: W worlds, N robots a world, R = W * N rows, T ticks.
+"""
+
+from collections.abc import Callable
+from math import ceil, sqrt
+from statistics import median
+from time import process_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env import physics_motion as motion
+from clean_swarm_env.collisions import CollisionCounter
+from clean_swarm_env.physics import ContactSpace, Physics
+from clean_swarm_env.physics_settings import PhysicsSettings
+
+SUBSTEPS = 4  # a tick
+WARM_UP = 20  # ticks before the measurement: spaces are built, robots have met
+REPEATS = 7
+SIZES = ((1, 5, 11.0), (64, 5, 11.0), (1, 50, 34.8), (1, 200, 69.6), (1, 1000, 155.6))  # W, N, width [m]
+
+
+def floor_seconds_per_tick(
+    worlds: int, robots: int, width: float, ticks: int, everywhere: bool = False, seed: int = 0
+) -> float:
+    """CPU seconds that pymunk alone takes for a tick of four substeps of all worlds; robots walk at random at 5 Hz."""
+    settings = PhysicsSettings(worlds, robots, width, width)
+    rng = np.random.default_rng(seed)
+    floor = Floor(settings, lattice(settings, rng), everywhere)
+    headings = np.cumsum(rng.uniform(-0.4, 0.4, (WARM_UP + ticks, worlds * robots)), axis=0)
+    wanted = np.stack([np.cos(headings), np.sin(headings)], axis=2)  # (T, R, 2) [m/s]
+    for velocities in wanted[:WARM_UP]:
+        floor.tick(velocities)
+    begin = process_time()
+    for velocities in wanted[WARM_UP:]:
+        floor.tick(velocities)
+    return (process_time() - begin) / ticks
+
+
+class Floor:
+    """Pymunk driven the shortest way: rows as in Physics; with `everywhere`, all copies of all bodies all the time."""
+
+    def __init__(self, settings: PhysicsSettings, places: NDArray[np.float64], everywhere: bool) -> None:
+        self._settings = settings
+        self._places = places  # (R, 2) [m], scratch
+        self._bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
+        self._forces = np.zeros_like(places)  # (R, 2) [N]
+        # A body moves by up to 0.2 m until the copies are looked at again; everywhere is as far as the world goes.
+        self._zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
+        self._copies = np.zeros(len(places), np.uint8)
+        self._blocks = [
+            slice(world * settings.robots, (world + 1) * settings.robots) for world in range(settings.worlds)
+        ]
+        self._spaces = [ContactSpace(settings, self._bodies[rows], self._forces[rows]) for rows in self._blocks]
+        for space in self._spaces:
+            space.load()
+
+    def tick(self, wanted: NDArray[np.float64]) -> None:
+        """Four substeps with the wanted velocities (R, 2) [m/s], after a look at the seams."""
+        settings, rows = self._settings, len(self._bodies)
+        crossed = motion.land(self._places, self._bodies, 0, rows, settings.width, settings.height, 0.0)
+        self._push(wanted)
+        for space, block in zip(self._spaces, self._blocks, strict=True):
+            if crossed:
+                space.load()
+            space.set_copies(self._copies[block])
+        for substep in range(SUBSTEPS):
+            if substep:
+                self._push(wanted)
+            for space in self._spaces:
+                space.step(settings.timestep)
+
+    def _push(self, wanted: NDArray[np.float64]) -> None:
+        settings = self._settings
+        motion.push(
+            self._forces,
+            self._copies,
+            self._places,
+            self._bodies,
+            wanted,
+            0,
+            len(self._bodies),
+            settings.height,
+            self._zone,
+            settings.mass / settings.timestep,
+        )
+
+
+def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Places (R, 2) [m] of robots that do not touch at first."""
+    side = ceil(sqrt(settings.robots))
+    pitch = settings.width / side
+    spots = np.stack(np.divmod(np.arange(settings.robots), side), axis=1) * pitch
+    shake = max(pitch - 2.0 * settings.radius, 0.0)
+    return np.concatenate([spots + rng.uniform(0.0, shake, spots.shape) for _ in range(settings.worlds)])
+
+
+def physics_seconds_per_tick(
+    worlds: int, robots: int, width: float, ticks: int, counting: bool, seed: int = 0
+) -> float:
+    """CPU seconds that our physics takes for the same, with headings, and with collision counts if asked."""
+    physics = Physics(worlds, robots, width, width)
+    counter = CollisionCounter(worlds, robots, width, width)
+    rng = np.random.default_rng(seed)
+    places, headings = lattice(physics.settings, rng), np.zeros(robots)
+    for world in range(worlds):
+        physics.place(world, places[world * robots : (world + 1) * robots], headings)
+    speed = np.ones(worlds * robots)
+    turn_rates = rng.uniform(-2.0, 2.0, (WARM_UP + ticks, worlds * robots))  # 0.4 rad in a tick, as the floor's walk
+    for tick in range(WARM_UP + ticks):
+        if tick == WARM_UP:
+            begin = process_time()
+        for _ in range(SUBSTEPS):
+            physics.substep(speed, turn_rates[tick])
+            if counting:
+                counter.count(physics.positions)
+    return (process_time() - begin) / ticks
+
+
+def measure(worlds: int, robots: int, width: float) -> list[float]:
+    """Median CPU seconds per tick of the four contestants, in alternating repeats."""
+    ticks = max(20, 10_000 // (worlds * robots))
+    contestants: list[Callable[[int], float]] = [
+        lambda ticks: floor_seconds_per_tick(worlds, robots, width, ticks),
+        lambda ticks: floor_seconds_per_tick(worlds, robots, width, ticks, everywhere=True),
+        lambda ticks: physics_seconds_per_tick(worlds, robots, width, ticks, counting=False),
+        lambda ticks: physics_seconds_per_tick(worlds, robots, width, ticks, counting=True),
+    ]
+    for contestant in contestants:
+        contestant(2)  # compiled code is loaded before anything is measured
+    repeats = [[contestant(ticks) for contestant in contestants] for _ in range(REPEATS)]
+    return [median(times) for times in zip(*repeats, strict=True)]
+
+
+def main() -> None:
+    """Print CPU microseconds per tick and world."""
+    print(f"CPU time of a tick (0.2 s, {SUBSTEPS} substeps) per world [us], median of {REPEATS} alternating repeats")
+    print("worlds x robots   floor   all copies   our physics   with counts   physics / floor")
+    for worlds, robots, width in SIZES:
+        times = [1e6 * seconds / worlds for seconds in measure(worlds, robots, width)]
+        cells = "".join(f"{time:{column}.1f}" for time, column in zip(times, (9, 13, 14, 14), strict=True))
+        print(f"{worlds:6d} x {robots:<6d}{cells}{times[2] / times[0]:18.2f}")
+
+
+if __name__ == "__main__":
+    main()
