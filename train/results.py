@@ -1,8 +1,8 @@
 """The directory of an evaluation's results: manifest, finished runs, and the files made from them.
 
-`runs.jsonl` gets one line per finished run, on the disk before the next one is reported, so that nothing finished is
-lost; `runs.csv` is made from it and always replaced as a whole. Both are sorted in the end, which makes them equal for
-equal runs but for `wall_s`. A directory that holds anything else is refused.
+`runs.jsonl` and `runs.csv` get one line per finished run, on the disk before the next one is reported, so that nothing
+finished is lost. The first has all that is known of a run and is what a later `--resume` reads. Both are sorted in the
+end, which makes them equal for equal runs but for `wall_s`. A directory that holds anything else is refused.
 """
 
 import csv
@@ -10,8 +10,7 @@ import io
 import json
 import os
 import re
-import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -25,8 +24,6 @@ MANIFEST, JOURNAL, RUNS = "manifest.json", "runs.jsonl", "runs.csv"
 RECORD = TypeAdapter(RunRecord)
 COLUMNS = tuple(field.name for field in fields(RunRecord))
 """Columns of `runs.csv`; of the collisions only those at the first distance."""
-SECONDS_BETWEEN_TABLES = 2.0
-"""Least time between two rewrites of `runs.csv` while runs come in [s]."""
 
 Json = dict[str, Any]
 
@@ -41,7 +38,6 @@ class Results:
         """
         self.directory = directory
         self.records: list[RunRecord] = []
-        self._table_written = -SECONDS_BETWEEN_TABLES
         if not directory.exists() or (directory.is_dir() and not any(directory.iterdir())):
             _new(directory, manifest)
         else:
@@ -52,12 +48,11 @@ class Results:
     def add(self, record: RunRecord) -> None:
         """Keep a finished run: it is on the disk when this returns."""
         self.records.append(record)
-        with (self.directory / JOURNAL).open("a", encoding="utf-8") as journal:
-            journal.write(_line(record))
-            journal.flush()
-            os.fsync(journal.fileno())
-        if time.monotonic() - self._table_written >= SECONDS_BETWEEN_TABLES:
-            self._write_table()
+        for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
+            with (self.directory / name).open("a", encoding="utf-8", newline="") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
 
     def close(self) -> None:
         """Sort the finished runs and write them all."""
@@ -74,27 +69,13 @@ class Results:
 
     def _rewrite(self) -> None:
         self.write(JOURNAL, "".join(map(_line, self.records)))
-        self._write_table()
-
-    def _write_table(self) -> None:
-        self.write(RUNS, table_of(sorted(self.records, key=_order)))
-        self._table_written = time.monotonic()
+        self.write(RUNS, ",".join(COLUMNS) + "\n" + "".join(map(_row, self.records)))
 
 
-def table_of(records: Iterable[RunRecord]) -> str:
-    """Return the content of `runs.csv`."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(COLUMNS)
-    for record in records:
-        row = asdict(record)
-        table.writerow([value[0] if isinstance(value := row[column], tuple) else value for column in COLUMNS])
-    return text.getvalue()
-
-
-def natural_order(scenario: str) -> tuple[tuple[int, str], ...]:
+def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:
     """Return a key that sorts names by their numbers: 2 before 10, case-2 before case-10."""
-    return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", scenario) if part)
+    parts = (part for part in re.split(r"(\d+)", scenario) if part)
+    return tuple((0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts)
 
 
 def default_directory(stem: str, *, resume: bool) -> Path:
@@ -116,12 +97,19 @@ def write_atomically(path: Path, content: bytes) -> None:
     part.replace(path)
 
 
-def _order(record: RunRecord) -> tuple[tuple[tuple[int, str], ...], str]:
+def _order(record: RunRecord) -> tuple[tuple[tuple[int, int, str], ...], str]:
     return natural_order(record.scenario), record.condition
 
 
 def _line(record: RunRecord) -> str:
     return json.dumps(asdict(record), allow_nan=False) + "\n"
+
+
+def _row(record: RunRecord) -> str:
+    row, text = asdict(record), io.StringIO()
+    cells = [value[0] if isinstance(value := row[column], tuple) else value for column in COLUMNS]
+    csv.writer(text, lineterminator="\n").writerow(cells)
+    return text.getvalue()
 
 
 def _new(directory: Path, manifest: Mapping[str, Any]) -> None:

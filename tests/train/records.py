@@ -1,0 +1,40 @@
+"""Records and experiments for the tests, small and by hand."""
+
+from collections.abc import Sequence
+
+from clean_swarm_env.config import StartConfiguration
+from clean_swarm_env.experiment import ExperimentConfig
+from train.runs import RunRecord
+
+
+def record(scenario: str = "1", condition: str = "a", duration: float = 10.0, **changes) -> RunRecord:
+    fields = {
+        "experiment": "x",
+        "scenario": scenario,
+        "seed": 3,
+        "condition": condition,
+        "completed": True,
+        "duration_s": duration,
+        "collision_samples_per_s": (duration / 10, duration / 5),
+        "collision_events_per_s": (duration / 100, duration / 50),
+        "garbage_done": 10,
+        "robots": 5,
+        "ticks": 50,
+        "wall_s": 0.25,
+    }
+    return RunRecord(**(fields | changes))
+
+
+def experiment(conditions: Sequence[str] = ("a", "b"), scenarios: int = 3, **changes) -> ExperimentConfig:
+    """Conditions by name; a capital letter is the name of what was measured for a condition."""
+    starts = [
+        StartConfiguration(id=str(k + 1), robots=((1.0, 1.0, 0.0),), items=((2.0, 2.0),)) for k in range(scenarios)
+    ]
+    return ExperimentConfig.model_validate(
+        {
+            "name": "x",
+            "conditions": [{"name": name, "measured": name.upper()} for name in conditions],
+            "starts": starts,
+            **changes,
+        }
+    )
