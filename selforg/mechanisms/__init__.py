@@ -1,1 +1,13 @@
 """Mechanisms: one short formula and one registered class each."""
+
+from selforg.mechanisms.base import MovementMechanism as MovementMechanism
+from selforg.mechanisms.chemotaxis import ChemotaxisBalch as ChemotaxisBalch
+from selforg.mechanisms.chemotaxis import ChemotaxisGe as ChemotaxisGe
+from selforg.mechanisms.depositing import Pheromone as Pheromone
+from selforg.mechanisms.patrol import Patrol as Patrol
+from selforg.mechanisms.registry import create as create
+from selforg.mechanisms.registry import find as find
+from selforg.mechanisms.registry import names as names
+from selforg.mechanisms.registry import register as register
+from selforg.mechanisms.repulsion import RepulsionFernandez as RepulsionFernandez
+from selforg.mechanisms.repulsion import RepulsionGradient as RepulsionGradient

@@ -1,0 +1,76 @@
+"""Columns of the tables that compiled code shares; one row is one gradient, one pose or one pair.
+
+Tables instead of one array per field, because a walk reads most fields of a gradient at once (two cache lines) and
+because every array argument of a compiled call costs time. Lengths in [m], times in [s].
+"""
+
+# A position has always three components in here; the third is zero in the plane.
+X, Y, Z = 0, 1, 2
+DIFFUSION, GOAL = 3, 4  # radii [m], at the same place in the tables of gradients and of own poses
+
+# Table of stored gradients, float64 (M, GRADIENT_COLUMNS)
+START = 5  # diffusion at CLOCK [m]
+FACTOR, PERIOD = 6, 7  # evaporation [-], [s]
+CLOCK = 8  # time from which evaporation counts [s]
+DUE = 9  # time of the next evaporation [s], infinite if there is none
+STAMP = 10  # when it was spread [s]
+HX, HY, HZ = 11, 12, 13  # unit heading, all zero if it has none
+GRADIENT_COLUMNS = 14
+
+# Table of links of stored gradients, int32 (M, LINK_COLUMNS)
+LAYER = 0  # row of the layer table, -1 for a free slot
+CELL = 1  # cell of a static gradient, source of a moving one
+SOURCE = 2  # who spread it
+ATTRACTION = 3  # +1, 0, -1
+NEXT = 4  # next slot in the bucket (or in the list of free slots), -1 at the end
+AFTER, BEFORE = 5, 6  # neighbours in the list of the layer, in the order of storing
+RANK = 7  # age of a moving gradient among those of its source, 0 is the newest
+SERIAL = 8  # label under which the border finds payloads
+LINK_COLUMNS = 9
+
+# Table of layers, int32 (layers, 4): all gradients of one channel, space and level
+HEAD, TAIL, COUNT, SWEEP = 0, 1, 2, 3
+LAYER_COLUMNS = 4
+
+# Levels: static gradients by reach, doubling; one for those without bound; one for moving gradients
+BOUNDED = 12
+UNBOUNDED = 12
+MOVING = 13
+LEVELS = 14
+
+# Table of cells, float64 (LEVELS, 7): largest reach [m], then number and width [m] of the cells along each axis
+BOUND = 0
+CELLS = 1  # CELLS + 2 * axis: number, CELLS + 2 * axis + 1: width
+GRID_COLUMNS = 7
+
+# Counters of the store, int64
+FREE, USED, HIGH, LAST_SERIAL, SPACES, CHANNELS = 0, 1, 2, 3, 4, 5
+COUNTERS = 6
+
+# Settings of the store, float64
+AGGREGATION_DISTANCE, MIN_DIFFUSION, WHOLE_SECONDS, HISTORY = 0, 1, 2, 3
+SETTINGS = 4
+
+# Table of own poses, float64 (N, K, POSE_COLUMNS), newest first
+POSE_STAMP = 5
+PHX, PHY, PHZ = 6, 7, 8
+POSE_SIGN = 9
+POSE_COLUMNS = 10
+
+# Table of rows, int64 (N, ROW_COLUMNS)
+TEAM, POSES, SPACE = 0, 1, 2  # team, number of poses known, information space that the row reads
+ROW_COLUMNS = 3
+
+# Table of pairs (what one row sees), float64 (P, PAIR_COLUMNS): offset to the gradient, its distance, its fields
+DX, DY, DZ, DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN, SLOT = 0, 1, 2, 3, 4, 5, 6, 7
+PAIR_COLUMNS = 8  # SLOT: slot of the store, or -1 - row for the shared pose of another row
+
+# Incoming messages, int64 (M, TAG_COLUMNS), beside their gradient columns
+TAG_SPACE, TAG_CHANNEL, TAG_SOURCE, TAG_SIGN, TAG_MOVING, TAG_SERIAL = 0, 1, 2, 3, 4, 5
+TAG_COLUMNS = 6
+
+# Aggregation rules
+DROP, MAX, MIN, AVERAGE, NEW, NEW_SOURCE, NEW_CHANNEL = 0, 1, 2, 3, 4, 5, 6
+
+# What a row looks at, a set of bits
+SEE_STATIC, SEE_MOVING, SEE_HISTORY, SKIP_OWN = 1, 2, 4, 8

@@ -1,0 +1,185 @@
+"""Gathering: the gradients that one row sees, written into a table of pairs.
+
+A gradient is in view when the distance of the centres is at most its reach plus a margin [m]. The margin depends on
+the sign of the gradient: a formula that is zero beyond a shorter distance need not be fed from farther away.
+
+The inner loops pass numbers, not tables: every table handed to a function that is not inlined costs some ten words.
+"""
+
+import numpy as np
+
+from selforg.arrays import Floats, Ints, Links
+from selforg.cells import bucket_of, layer_of, remove
+from selforg.columns import (
+    AFTER,
+    ATTRACTION,
+    BOUND,
+    CELL,
+    COUNT,
+    DIFFUSION,
+    DISTANCE,
+    DUE,
+    DX,
+    DY,
+    DZ,
+    GOAL,
+    HEAD,
+    LAYER,
+    LEVELS,
+    MIN_DIFFUSION,
+    MOVING,
+    NEXT,
+    PAIR_DIFFUSION,
+    PAIR_GOAL,
+    POSE_SIGN,
+    POSES,
+    RANK,
+    SEE_HISTORY,
+    SEE_MOVING,
+    SEE_STATIC,
+    SIGN,
+    SKIP_OWN,
+    SLOT,
+    SOURCE,
+    SPACE,
+    TEAM,
+    UNBOUNDED,
+    USED,
+    X,
+    Y,
+    Z,
+)
+from selforg.compiled import kernel
+from selforg.evaporation import evaporate, evaporated_away
+from selforg.pose_cells import CROWD, Poses
+from selforg.space import nearest_image
+from selforg.windows import near_cells
+
+# numbers (M, GRADIENT_COLUMNS), links (M, LINK_COLUMNS), layers (L, LAYER_COLUMNS), buckets, cells of each level
+# (LEVELS, GRID_COLUMNS), counters (COUNTERS,), settings (SETTINGS,), room for the cells of a window (MOST_CELLS,),
+# extent of the space (3,) [m]
+Store = tuple[Floats, Links, Links, Links, Floats, Ints, Floats, Ints, Floats]
+
+# margins [m] for gradients of attraction -1, 0, +1 (negative infinity: not looked at)
+Margins = tuple[float, float, float]
+
+
+@kernel
+def gather(
+    row: int, margins: Margins, see: int, limit: int, now: float, channels: Ints, poses: Poses, store: Store,
+    pairs: Floats,
+) -> int:  # fmt: skip
+    """Write what `row` sees into `pairs` (P, PAIR_COLUMNS) and return how many there are.
+
+    see: SEE_ bits; limit: stop once that many are found; channels: (C + 1,) first 1 if the channel of the poses is
+    among them, then the others. Beyond P pairs are counted, not written: the caller comes again with a longer table.
+    """
+    found = 0
+    if see & SEE_MOVING and channels[0] == 1:
+        found = gather_poses(row, margins, limit, poses, store[7], pairs)
+    if store[5][USED] == 0:
+        return found
+    radius = max(margins[0], margins[1], margins[2])
+    grid, layers = store[4], store[2]
+    x, y, z = poses[0][row, 0, X], poses[0][row, 0, Y], poses[0][row, 0, Z]
+    for index in range(1, len(channels)):
+        first = layer_of(int(channels[index]), int(poses[1][row, SPACE]), 0, store[5])
+        for level in range(LEVELS):
+            members = int(layers[first + level, COUNT])
+            if members == 0 or found >= limit or see & (SEE_MOVING if level == MOVING else SEE_STATIC) == 0:
+                continue
+            cells = -1
+            if level < UNBOUNDED:
+                cells = near_cells(x, y, z, radius + grid[level, BOUND], grid, level, members, store[7])
+            found = gather_layer(row, first + level, cells, margins, see, limit, now, x, y, z, store, pairs, found)
+    return found
+
+
+@kernel
+def gather_layer(
+    row: int, layer: int, cells: int, margins: Margins, see: int, limit: int, now: float, x: float, y: float,
+    z: float, store: Store, pairs: Floats, found: int,
+) -> int:  # fmt: skip
+    """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative."""
+    numbers, links, layers, buckets, _, counters, settings, window, extent = store
+    newest_only = layer % LEVELS == MOVING and see & SEE_HISTORY == 0
+    skipped = row if layer % LEVELS == MOVING and see & SKIP_OWN else -1  # rows are sources from 0 up
+    step = AFTER if cells < 0 else NEXT
+    for index in range(max(cells, 0 if cells == 0 else 1)):
+        cell = int(window[index])
+        slot = int(layers[layer, HEAD]) if cells < 0 else int(buckets[bucket_of(layer, cell, buckets)])
+        while slot >= 0 and found < limit:
+            here, slot = slot, int(links[slot, step])  # before `here` may be removed
+            if cells >= 0 and (links[here, CELL] != cell or links[here, LAYER] != layer):
+                continue
+            if (newest_only and links[here, RANK] != 0) or links[here, SOURCE] == skipped >= 0:
+                continue
+            if now >= numbers[here, DUE]:
+                evaporate(numbers, here, now)
+                if evaporated_away(numbers, here, settings[MIN_DIFFUSION]):
+                    remove(here, links, layers, buckets, counters)
+                    continue
+            sign = int(links[here, ATTRACTION])
+            diffusion, goal = numbers[here, DIFFUSION], numbers[here, GOAL]
+            dx, dy, dz, distance = offset_within(
+                numbers[here, X] - x, numbers[here, Y] - y, numbers[here, Z] - z,
+                extent[0], extent[1], extent[2], margins[sign + 1] + (diffusion + goal),
+            )  # fmt: skip
+            if distance >= 0.0:
+                found = note(pairs, found, dx, dy, dz, distance, diffusion, goal, float(sign), float(here))
+    return found
+
+
+@kernel
+def gather_poses(row: int, margins: Margins, limit: int, poses: Poses, window: Ints, pairs: Floats) -> int:
+    """Gather the shared poses of the other rows of the team."""
+    own, rows, first, members, reach, extent, grid, buckets, links = poses
+    team = int(rows[row, TEAM])
+    begin, end = int(first[team]), int(first[team + 1])
+    x, y, z = own[row, 0, X], own[row, 0, Y], own[row, 0, Z]
+    found, cells = 0, -1
+    if end - begin > CROWD:
+        radius = max(margins[0], margins[1], margins[2]) + reach[team]
+        cells = near_cells(x, y, z, radius, grid, 0, end - begin, window)
+    for index in range(end - begin if cells < 0 else cells):
+        cell = int(window[index]) if cells >= 0 else 0
+        other = int(members[begin + index]) if cells < 0 else int(buckets[bucket_of(team, cell, buckets)])
+        while other >= 0 and found < limit:
+            here, other = other, (-1 if cells < 0 else int(links[other, 0]))
+            if here == row or rows[here, POSES] == 0 or (cells >= 0 and links[here, 1] != cell):
+                continue
+            sign, diffusion, goal = own[here, 0, POSE_SIGN], own[here, 0, DIFFUSION], own[here, 0, GOAL]
+            dx, dy, dz, distance = offset_within(
+                own[here, 0, X] - x, own[here, 0, Y] - y, own[here, 0, Z] - z,
+                extent[0], extent[1], extent[2], margins[int(sign) + 1] + (diffusion + goal),
+            )  # fmt: skip
+            if distance >= 0.0 and rows[here, TEAM] == team:
+                found = note(pairs, found, dx, dy, dz, distance, diffusion, goal, sign, -1.0 - here)
+    return found
+
+
+@kernel
+def offset_within(
+    dx: float, dy: float, dz: float, ex: float, ey: float, ez: float, reach: float
+) -> tuple[float, float, float, float]:
+    """Return the shortest offset [m] and its length, which is -1 if it is longer than `reach` [m]; extents ex.. [m]."""
+    dx, dy, dz = nearest_image(dx, ex), nearest_image(dy, ey), nearest_image(dz, ez)
+    squared = dx * dx + dy * dy + dz * dz
+    # most candidates of a window are out of reach: spare them the square root, then decide the border exactly
+    if reach < 0.0 or squared > reach * reach * 1.000000001:
+        return dx, dy, dz, -1.0
+    distance = np.sqrt(squared)
+    return dx, dy, dz, (distance if distance <= reach else -1.0)
+
+
+@kernel
+def note(
+    pairs: Floats, found: int, dx: float, dy: float, dz: float, distance: float, diffusion: float, goal: float,
+    sign: float, slot: float,
+) -> int:  # fmt: skip
+    """Write one pair (if there is room) and return how many are found now."""
+    if found < len(pairs):
+        pairs[found, DX], pairs[found, DY], pairs[found, DZ], pairs[found, DISTANCE] = dx, dy, dz, distance
+        pairs[found, PAIR_DIFFUSION], pairs[found, PAIR_GOAL] = diffusion, goal
+        pairs[found, SIGN], pairs[found, SLOT] = sign, slot
+    return found + 1

@@ -1,0 +1,95 @@
+"""A gradient (the paper's SoMessage) as one object: the border for single messages."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+FARTHEST = 1e9  # [m], [s]: beyond, doubles no longer resolve a micrometre
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """What one robot tells the others about one place.
+
+    Attributes:
+        channel: what the gradient is for; not a coordinate frame.
+        position: (D,) [m].
+        source: who spread it: the row of a robot, or any name.
+        heading: (D,) direction, empty or zero if it has none.
+        attraction: +1 attractive, -1 repulsive, 0 neutral.
+        diffusion: radius over which it weakens [m], may be infinite.
+        goal_radius: radius of its goal area [m].
+        evaporation_factor: what is left of the diffusion after each period [-], in [0, 1]; 1: never evaporates.
+        evaporation_period: [s], 0 with a factor below 1: the diffusion is gone at once.
+        stamp: when it was spread [s].
+        clock: time up to which it has evaporated already [s]; None: its stamp.
+        moving: carried by a robot (the newest per source counts) or deposited.
+        payload: anything else to tell.
+    """
+
+    channel: str
+    position: tuple[float, ...]
+    source: int | str = ""
+    heading: tuple[float, ...] = ()
+    attraction: int = 1
+    diffusion: float = 1.0
+    goal_radius: float = 0.0
+    evaporation_factor: float = 1.0
+    evaporation_period: float = 0.0
+    stamp: float = 0.0
+    clock: float | None = None
+    moving: bool = False
+    payload: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def reach(self) -> float:
+        """Radius [m] at which it ends: diffusion + goal radius."""
+        return self.diffusion + self.goal_radius
+
+
+def check_fields(
+    position: npt.NDArray[np.float64],
+    attraction: npt.ArrayLike,
+    diffusion: npt.ArrayLike,
+    goal_radius: npt.ArrayLike,
+    evaporation_factor: npt.ArrayLike,
+    evaporation_period: npt.ArrayLike,
+    stamp: npt.ArrayLike,
+) -> None:
+    """Raise ValueError naming the first field with an impossible value; each a number or an array of them."""
+    require("position", position, np.abs(position) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
+    sign = np.asarray(attraction)
+    require("attraction", sign, (sign == -1) | (sign == 0) | (sign == 1), "-1, 0 or 1")
+    for name, radius, infinite in (("diffusion", diffusion, True), ("goal_radius", goal_radius, False)):
+        value = np.asarray(radius, dtype=np.float64)
+        fits = (value >= 0) & ((value <= FARTHEST) | (infinite & np.isinf(value)))
+        require(
+            name, value, fits, f"at least 0 and {'at most' if not infinite else 'infinite or at most'} {FARTHEST:g} m"
+        )
+    factor = np.asarray(evaporation_factor, dtype=np.float64)
+    require("evaporation_factor", factor, (factor >= 0) & (factor <= 1), "in [0, 1]")
+    period = np.asarray(evaporation_period, dtype=np.float64)
+    require(
+        "evaporation_period", period, (period == 0) | ((period >= 1e-6) & (period < np.inf)), "0 or at least 1e-6 s"
+    )
+    clock = np.asarray(stamp, dtype=np.float64)
+    require("stamp", clock, np.abs(clock) <= 1e12, "finite, at most 1e12 s")
+
+
+def require(name: str, value: npt.NDArray[Any], fits: npt.NDArray[np.bool_] | np.bool_, expected: str) -> None:
+    """Raise ValueError for field `name` unless all of `fits` hold for `value`."""
+    if not np.all(fits):
+        wrong = value[~fits].flat[0] if value.ndim else value[()]
+        raise ValueError(f"gradient: {name} must be {expected}, got {wrong}")
+
+
+def padded(vector: Sequence[float], dim: int, name: str) -> npt.NDArray[np.float64]:
+    """Return `vector` (D,) as (3,) float64; raises ValueError if it has another number of components than `dim`."""
+    out = np.zeros(3)
+    if len(vector) not in ((dim,) if name == "position" else (0, dim)):
+        raise ValueError(f"gradient: {name} must have {dim} components, got {len(vector)}")
+    out[: len(vector)] = vector
+    return out

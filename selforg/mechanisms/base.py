@@ -1,0 +1,155 @@
+"""The blueprint of movement mechanisms, and the one that runs compiled rules.
+
+`move` is called once per tick with the rows that want to know where this mechanism would take them; it must not change
+the buffer. What a mechanism leaves behind it leaves in `deposit`, called after all movements of the tick are known.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from typing import final
+
+import numpy as np
+import numpy.typing as npt
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.buffer import SoBuffer
+from selforg.columns import PAIR_COLUMNS, SEE_MOVING, SEE_STATIC
+from selforg.moving import move_rows
+from selforg.poses import OwnPoses
+from selforg.randomness import DirectionStream
+from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW
+from selforg.settings import BufferSettings
+
+
+class Mechanism(ABC):
+    """What all mechanisms share: whose gradients they look at, on which channels and how far."""
+
+    def __init__(
+        self,
+        buffer: SoBuffer | OwnPoses,
+        *,
+        channels: Iterable[str] = (),
+        view_distance: float | None = None,
+        moving: bool = True,
+        static: bool = True,
+    ) -> None:
+        if isinstance(buffer, OwnPoses):
+            buffer = SoBuffer(BufferSettings(), buffer.space, buffer)
+        view = buffer.settings.view_distance if view_distance is None else view_distance
+        self.view_distance = at_least(self, "view_distance", view, 0.0)
+        self.buffer = buffer
+        self.poses = buffer.poses
+        self.channels = tuple(channels)
+        self._see = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
+        self._table_for = -1
+        self._channel_table: Ints = np.zeros(1, dtype=np.int64)
+
+    def _channels_now(self) -> Ints:
+        """Return the channel table, made anew when the buffer has heard of new channels."""
+        if self._table_for != len(self.buffer.channel_names):
+            self._table_for = len(self.buffer.channel_names)
+            self._channel_table = self.buffer.channel_table(self.channels)
+        return self._channel_table
+
+
+class MovementMechanism(Mechanism):
+    """Blueprint of a mechanism that answers: in which direction, how fast, and is there anything to react to?
+
+    Subclasses implement `_move`. The arrays that `move` returns belong to the mechanism and hold until its next call.
+
+    Example:
+        >>> mechanism = RepulsionFernandez(poses, view_distance=2.0)
+        >>> vectors, active = mechanism.move(now=0.2, rows=np.array([0, 3]))
+    """
+
+    def __init__(
+        self,
+        buffer: SoBuffer | OwnPoses,
+        *,
+        channels: Iterable[str] = (),
+        view_distance: float | None = None,
+        moving: bool = True,
+        static: bool = True,
+        directions: DirectionStream | None = None,
+    ) -> None:
+        super().__init__(buffer, channels=channels, view_distance=view_distance, moving=moving, static=static)
+        rows, dim = self.poses.rows, self.poses.space.dim
+        self.directions = DirectionStream.fixed(rows, dim) if directions is None else directions
+        if len(self.directions.cursor) != rows:
+            raise ValueError(
+                f"{type(self).__name__}: directions must have {rows} rows, got {len(self.directions.cursor)}"
+            )
+        self._all_rows: Ints = np.arange(rows, dtype=np.int64)
+        self._vectors: Floats = np.zeros((rows, dim))
+        self._active: Flags = np.zeros(rows, dtype=np.bool_)
+
+    @final
+    def move(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> tuple[Floats, Flags]:
+        """Return the movement (R, D) [m/s] of `rows` (R,), each at most once (None: all), and whether they have one (R,).
+
+        Without a movement the vector is zero. A movement may be zero too: gradients in view that cancel out.
+        """
+        if rows is None:
+            rows, vectors, active = self._all_rows, self._vectors, self._active
+        else:
+            count = len(rows)
+            rows, vectors, active = (
+                np.ascontiguousarray(rows, dtype=np.int64),
+                self._vectors[:count],
+                self._active[:count],
+            )
+        self._move(float(now), rows, vectors, active)
+        return vectors, active
+
+    @abstractmethod
+    def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        """Write the movement of `rows` (R,) into `vectors` (R, D) and `active` (R,); called by `move` only."""
+
+
+class RuleMechanism(MovementMechanism):
+    """A movement mechanism that runs one of the compiled rules of `selforg.rules`."""
+
+    rule: int
+
+    def __init__(
+        self,
+        buffer: SoBuffer | OwnPoses,
+        *,
+        min_speed: float = 0.1,
+        max_speed: float = 1.0,
+        channels: Iterable[str] = (),
+        view_distance: float | None = None,
+        moving: bool = True,
+        static: bool = True,
+        directions: DirectionStream | None = None,
+    ) -> None:
+        super().__init__(
+            buffer, channels=channels, view_distance=view_distance, moving=moving, static=static, directions=directions
+        )
+        self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
+        self.min_speed = at_least(self, "min_speed", min_speed, 0.0)
+        self._parameters: Floats = np.zeros(PARAMETERS)
+        self._parameters[[VIEW, MIN_SPEED, MAX_SPEED]] = self.view_distance, min_speed, max_speed
+        self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
+
+    def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        buffer, directions = self.buffer, self.directions
+        if buffer.settings.whole_seconds:
+            buffer.evaporate(now)
+        directions.refill()
+        channels, done = self._channels_now(), 0
+        while done < len(rows):
+            done, low = move_rows(
+                done, self.rule, now, self._see, rows, channels, self._parameters, self.poses.tables, buffer.tables,
+                directions.vectors, directions.cursor, self._pairs, vectors, active,
+            )  # fmt: skip
+            directions.low |= low
+            if done < len(rows):
+                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
+
+
+def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:
+    """Return `value` if it is at least `lowest`; raises ValueError with mechanism and parameter otherwise (NaN too)."""
+    if not value >= lowest:
+        raise ValueError(f"{type(mechanism).__name__}: {name} must be at least {lowest}, got {value!r}")
+    return float(value)

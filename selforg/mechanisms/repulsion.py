@@ -1,0 +1,47 @@
+"""Repulsion among robots: the two mechanisms that the paper compares."""
+
+from collections.abc import Iterable
+
+from selforg.buffer import SoBuffer
+from selforg.columns import SKIP_OWN
+from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.registry import register
+from selforg.poses import OwnPoses
+from selforg.randomness import DirectionStream
+from selforg.rules import FERNANDEZ, REPULSION
+
+
+class Repulsion(RuleMechanism):
+    """What both share: they look at the neighbours' moving gradients and answer with at most the own reach.
+
+    channels: those of the neighbours' gradients; by default the channel of the poses.
+    """
+
+    def __init__(
+        self,
+        buffer: SoBuffer | OwnPoses,
+        *,
+        channels: Iterable[str] = (),
+        view_distance: float | None = None,
+        directions: DirectionStream | None = None,
+    ) -> None:
+        channels = tuple(channels) or ((buffer if isinstance(buffer, OwnPoses) else buffer.poses).channel,)
+        super().__init__(buffer, channels=channels, view_distance=view_distance, static=False, directions=directions)
+        self._see |= SKIP_OWN
+
+
+@register
+class RepulsionFernandez(Repulsion):
+    """Repulsion of Fernandez-Marquez et al. (2013), doi:10.1007/s11047-012-9324-y.
+
+    Beyond the own reach, but within the view distance, neighbours attract (Q5).
+    """
+
+    rule = FERNANDEZ
+
+
+@register
+class RepulsionGradient(Repulsion):
+    """Balch & Hybinette repulsion from the neighbours' gradients, doi:10.1109/ROBOT.2000.844042; contact counts own reach."""
+
+    rule = REPULSION

@@ -1,0 +1,90 @@
+"""Random directions for compiled code: every row has a stream of its own."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from selforg.arrays import Floats, Ints
+from selforg.compiled import kernel
+
+GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
+
+
+class DirectionStream:
+    """Unit vectors drawn ahead, one `Generator` per row, so that no row's luck depends on another row.
+
+    Nothing is drawn at construction. Compiled code tells when a row has used half of its block, and `refill` then
+    draws anew; only a row that asks for more than half a block in one call gets its last vector again.
+
+    Attributes:
+        vectors: (N, block, 3) float64, drawn unit vectors, the third component zero in the plane.
+        cursor: (N,) int64, next vector of each row; compiled code advances it.
+    """
+
+    def __init__(self, generators: Sequence[np.random.Generator], dim: int = 2, block: int = 256) -> None:
+        if dim not in (2, 3):
+            raise ValueError(f"DirectionStream: dim must be 2 or 3, got {dim!r}")
+        if block < 1:
+            raise ValueError(f"DirectionStream: block must be at least 1, got {block!r}")
+        self.dim = dim
+        self.block = block
+        self._generators: list[np.random.Generator | None] = list(generators)
+        rows = len(self._generators)
+        self.vectors: Floats = np.zeros((rows, block, 3))
+        self.cursor: Ints = np.full(rows, block, dtype=np.int64)
+        self.low = True  # some row has used half of its block
+
+    @classmethod
+    def fixed(cls, rows: int, dim: int = 2) -> "DirectionStream":
+        """Return a stream without chance: row i always gets the direction of i golden angles [rad]."""
+        stream = cls((), dim, 1)
+        stream._generators = [None] * rows
+        angles = GOLDEN_ANGLE * np.arange(rows)
+        stream.vectors = np.stack([np.cos(angles), np.sin(angles), np.zeros(rows)], axis=1)[:, None, :].copy()
+        stream.cursor = np.zeros(rows, dtype=np.int64)
+        stream.low = False
+        return stream
+
+    def reset(self, rows: Ints | Sequence[int], generators: Sequence[np.random.Generator]) -> None:
+        """Give `rows` (R,) new generators; their next direction is the first one of the new generator."""
+        if len(rows) != len(generators):
+            raise ValueError(f"DirectionStream.reset: {len(rows)} rows but {len(generators)} generators")
+        for row, generator in zip(rows, generators, strict=True):
+            self._generators[int(row)] = generator
+            self.cursor[int(row)] = self.block
+        self.low = True
+
+    def refill(self) -> None:
+        """Draw ahead for every row that has used half of its block; does nothing unless `low` is set."""
+        if not self.low:
+            return
+        for row in np.flatnonzero(2 * self.cursor >= self.block):
+            generator = self._generators[row]
+            if generator is None:
+                continue
+            used = min(int(self.cursor[row]), self.block)
+            self.vectors[row, : self.block - used] = self.vectors[row, used:].copy()
+            self.vectors[row, self.block - used :] = draw_directions(generator, used, self.dim)
+            self.cursor[row] = 0
+        self.low = False
+
+
+def draw_directions(generator: np.random.Generator, count: int, dim: int) -> Floats:
+    """Return `count` unit vectors (count, 3), uniform on the circle (`dim` 2) or the sphere (`dim` 3).
+
+    Drawn one after the other, so that the stream does not depend on how many are drawn at a time.
+    """
+    uniform = generator.random((count, dim - 1))  # (count, 1 or 2) in [0, 1)
+    angle = 2.0 * np.pi * uniform[:, 0]
+    height = 2.0 * uniform[:, 1] - 1.0 if dim == 3 else np.zeros(count)
+    radius = np.sqrt(1.0 - height * height)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+
+
+@kernel
+def take_direction(vectors: Floats, cursor: Ints, row: int) -> tuple[float, float, float]:
+    """Return the next unit vector of `row` and advance its cursor."""
+    last = vectors.shape[1] - 1
+    index = min(int(cursor[row]), last)
+    cursor[row] = index + 1
+    return vectors[row, index, 0], vectors[row, index, 1], vectors[row, index, 2]

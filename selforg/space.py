@@ -1,0 +1,87 @@
+"""Spaces: where positions live and what an offset between two of them is."""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from selforg.arrays import Floats
+from selforg.compiled import kernel
+
+
+class Space(ABC):
+    """A space of 2 or 3 dimensions; subclasses give `extent`.
+
+    `wrap` brings positions to where compiled code expects them, once, when they enter; afterwards two positions
+    differ by less than one extent, which lets the minimum image be a comparison instead of a division.
+    """
+
+    def __init__(self, extent: Floats) -> None:
+        self.extent = extent  # (D,) float64 [m], 0 = the axis is open
+        self.dim = len(extent)
+        self.padded_extent = np.zeros(3)  # (3,) float64 [m], for kernels: always three components
+        self.padded_extent[: self.dim] = extent
+
+    def wrap(self, positions: Floats) -> Floats:
+        """Return positions (..., D) [m] with every closed axis brought into [0, extent)."""
+        return self._wrap(positions)
+
+    def offsets(self, origin: Floats, target: Floats) -> Floats:
+        """Return the shortest way (..., D) [m] from `origin` (..., D) to `target` (..., D)."""
+        delta = self.wrap(np.asarray(target, dtype=np.float64)) - self.wrap(np.asarray(origin, dtype=np.float64))
+        closed = self.extent > 0
+        size = np.where(closed, self.extent, 1.0)
+        turns = np.where(delta > size / 2, 1.0, np.where(delta < -size / 2, -1.0, 0.0))
+        shortest: Floats = delta - turns * np.where(closed, self.extent, 0.0)
+        return shortest
+
+    @abstractmethod
+    def _wrap(self, positions: Floats) -> Floats:
+        """Bring positions (..., D) into the space; called with float64."""
+
+
+class Euclidean(Space):
+    """Open space of `dim` 2 or 3 dimensions."""
+
+    def __init__(self, dim: int = 2) -> None:
+        if dim not in (2, 3):
+            raise ValueError(f"Euclidean: dim must be 2 or 3, got {dim!r}")
+        super().__init__(np.zeros(dim))
+
+    def _wrap(self, positions: Floats) -> Floats:
+        return positions
+
+
+class Torus(Space):
+    """Plane of `width` x `height` [m] whose opposite edges are one."""
+
+    def __init__(self, width: float, height: float) -> None:
+        for name, value in (("width", width), ("height", height)):
+            if not (np.isfinite(value) and value > 0):
+                raise ValueError(f"Torus: {name} must be positive and finite [m], got {value!r}")
+        super().__init__(np.array([width, height], dtype=np.float64))
+
+    def _wrap(self, positions: Floats) -> Floats:
+        wrapped: Floats = np.mod(positions, self.extent)
+        # np.mod rounds a tiny negative number up to the extent itself
+        wrapped = np.where(wrapped >= self.extent, 0.0, wrapped)
+        return wrapped
+
+
+@kernel
+def nearest_image(delta: float, extent: float) -> float:
+    """Return the shortest of the images of `delta` [m] on an axis of `extent` [m] (0: open), |delta| < extent."""
+    if extent > 0.0:
+        if delta > 0.5 * extent:
+            return delta - extent
+        if delta < -0.5 * extent:
+            return delta + extent
+    return delta
+
+
+@kernel
+def wrapped(coordinate: float, extent: float) -> float:
+    """Return `coordinate` [m] brought into [0, extent), unchanged on an open axis (extent 0)."""
+    if extent > 0.0 and (coordinate < 0.0 or coordinate >= extent):
+        inside = coordinate - extent * np.floor(coordinate / extent)
+        return inside if inside < extent else 0.0
+    return coordinate
