@@ -8,16 +8,14 @@ settings of the reference experiment (see `configs/missions`), with solid robots
 import math
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
+
+from selector.documents import Closed, NonNegative, Number, Positive, Share
 
 MAX_COVERED_SHARE = 0.45
 """Largest share of the torus that solid discs may cover [-]: random sequential placement jams at 0.547."""
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
-NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
-Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1.0)]
 Count = Annotated[int, Field(strict=True, ge=1)]
 Point = tuple[Number, Number]
 Pose = tuple[Number, Number, Number]
@@ -27,12 +25,6 @@ def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
     """Return the error for a value that only its context makes impossible, at the dotted `key` below the model."""
     message = "expected {expected}, got {given}"
     return PydanticCustomError("impossible", message, {"key": key, "expected": expected, "given": str(given)})
-
-
-class Closed(BaseModel):
-    """A frozen model without unknown keys; the text below each field is its description."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class WorldConfig(Closed):

@@ -1,6 +1,5 @@
 """One line for whatever is wrong with a configuration: file, key, what was expected and what was given."""
 
-import difflib
 import re
 from collections.abc import Sequence
 from typing import get_args
@@ -8,12 +7,10 @@ from typing import get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-MAX_SHOWN = 60
-"""Characters of a given value that an error shows."""
+from selector.documents import MAX_SHOWN, DocumentError, unknown
 
-
-class ConfigurationError(ValueError):
-    """A configuration, a file or a name that cannot be used; its message is one line for the user."""
+ConfigurationError = DocumentError
+"""A configuration, a file or a name that cannot be used: the one error of all configuration files."""
 
 
 def one_line(error: ValidationError, file: str, model: type[BaseModel]) -> str:
@@ -23,13 +20,6 @@ def one_line(error: ValidationError, file: str, model: type[BaseModel]) -> str:
     first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
     key = ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)])
     return f"{file}: {f'{key}: ' if key else ''}{_what(first, model)}"
-
-
-def unknown(what: str, name: str, known: Sequence[str]) -> str:
-    """Return the line for an unknown `name`: what there is, and the nearest of it."""
-    listed = ", ".join(known) or "none"
-    near = difflib.get_close_matches(name, known, n=1)
-    return f"unknown {what} {name!r} (known: {listed}{f'; did you mean {near[0]!r}?' if near else ''})"
 
 
 def _key_of_context(details: ErrorDetails) -> list[str]:

@@ -5,43 +5,21 @@ order, the shipped one last. Whatever is wrong raises ConfigurationError: one li
 """
 
 import os
-import re
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
-import configs
 from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.config_errors import ConfigurationError, one_line, unknown
+from clean_swarm_env.config_errors import ConfigurationError, one_line
 from clean_swarm_env.experiment import ExperimentConfig
+from selector.documents import read_mapping, roots, shown, unknown
 
 Content = dict[str, Any]
 M = TypeVar("M", bound=BaseModel)
 SINGULAR = {"experiments": "experiment", "missions": "mission", "starts": "set of start configurations"}
 SUFFIXES = (".yaml", ".yml")
-
-
-class _Loader(yaml.SafeLoader):
-    """YAML 1.1 without two of its traps: `1e-9` is a number, and a key given twice is an error."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
-        """Return the mapping of `node`; a key given twice raises ConstructorError."""
-        seen = set()
-        for key_node, _ in node.value:
-            if key_node.value in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"key {key_node.value!r} twice", key_node.start_mark
-                )
-            seen.add(key_node.value)
-        return super().construct_mapping(node, deep)
-
-
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
-)
 
 
 def load_experiment(name_or_path: str, directories: Sequence[Path] = ()) -> ExperimentConfig:
@@ -63,7 +41,7 @@ def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str
 
 def names(kind: str, directories: Sequence[Path] = ()) -> list[str]:
     """Return the sorted names of all files of a kind: "experiments", "missions" or "starts"."""
-    return sorted({path.stem for root in _roots(directories) for path in (root / kind).glob("*.yaml")})
+    return sorted({path.stem for root in roots(directories) for path in (root / kind).glob("*.yaml")})
 
 
 def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:
@@ -73,28 +51,6 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:
         below = merged.get(key)
         merged[key] = laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
     return merged
-
-
-def read_mapping(path: Path) -> Content:
-    """Return the mapping that a YAML file holds."""
-    try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigurationError(f"{shown(path)}: cannot be read ({error})") from error
-    except yaml.MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else 1
-        raise ConfigurationError(f"{shown(path)}: line {line}: {error.problem}") from error
-    except yaml.YAMLError as error:
-        raise ConfigurationError(f"{shown(path)}: {' '.join(str(error).split())}") from error
-    if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
-        raise ConfigurationError(f"{shown(path)}: expected a mapping of keys, got {type(content).__name__}")
-    return content
-
-
-def shown(path: Path) -> str:
-    """Return `path` as a user in the working directory would write it."""
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith("..") else relative
 
 
 def _mission_of(given: object, path: Path, directories: Sequence[Path]) -> object:
@@ -117,14 +73,10 @@ def _find(kind: str, name: str, directories: Sequence[Path], where: str = "") ->
         if not path.is_file():
             raise ConfigurationError(f"{where}{name}: no such file")
         return path
-    found = [path for root in _roots(directories) if (path := root / kind / f"{name}.yaml").is_file()]
+    found = [path for root in roots(directories) if (path := root / kind / f"{name}.yaml").is_file()]
     if not found:
         raise ConfigurationError(where + unknown(SINGULAR[kind], name, names(kind, directories)))
     return found[0]
-
-
-def _roots(directories: Sequence[Path]) -> list[Path]:
-    return [*directories, configs.directory()]
 
 
 def _validated(model: type[M], content: Content, path: Path) -> M:

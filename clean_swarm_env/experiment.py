@@ -4,7 +4,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config import Closed, Count, MissionConfig, Number, StartConfiguration, impossible
+from clean_swarm_env.config import Count, MissionConfig, StartConfiguration, impossible
+from selector.documents import Closed, Number
 
 Scores = dict[str, dict[str, Number]]
 

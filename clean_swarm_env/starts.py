@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
-from clean_swarm_env.config import Closed, MissionConfig, Point, Positive, StartConfiguration, impossible
+from clean_swarm_env.config import MissionConfig, Point, StartConfiguration, impossible
 from clean_swarm_env.config_errors import ConfigurationError, one_line
+from selector.documents import Closed, Positive
 
 START_GAP = 0.01
 """Clearance between solid robots at the start [m]."""

@@ -32,19 +32,11 @@ def main() -> None:
         os.environ.setdefault(name, "1")
     try:
         app()
-    except ValueError as error:
-        if not isinstance(error, _user_errors()):
-            raise
+    except ConfigurationError as error:
         Console(stderr=True, soft_wrap=True, highlight=False).print(f"error: {error}", markup=False)
         sys.exit(BAD_INPUT)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
-
-
-def _user_errors() -> tuple[type[ValueError], ...]:
-    from selector.documents import DocumentError
-
-    return ConfigurationError, DocumentError
 
 
 def _version(wanted: bool) -> None:

@@ -10,10 +10,11 @@ from typing import Any
 
 import configs
 from clean_swarm_env.config import StartConfiguration
-from clean_swarm_env.config_errors import ConfigurationError, unknown
+from clean_swarm_env.config_errors import ConfigurationError
 from clean_swarm_env.config_files import load_experiment
 from clean_swarm_env.experiment import ExperimentConfig
 from clean_swarm_env.starts import load_starts, random_start
+from selector.documents import unknown
 from selector.knowledge import load_knowledge
 from train.reference import Measured
 

@@ -7,10 +7,11 @@ import pytest
 from pydantic import BaseModel, ValidationError
 
 from clean_swarm_env import config
-from clean_swarm_env.config import Closed, MissionConfig, WorldConfig, robots_that_fit
+from clean_swarm_env.config import MissionConfig, WorldConfig, robots_that_fit
 from clean_swarm_env.config_errors import ConfigurationError
 from clean_swarm_env.config_files import laid_over, load_experiment, load_mission, names
 from clean_swarm_env.experiment import ExperimentConfig
+from selector.documents import Closed
 
 MODELS = [
     model
