@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planner import ForwardSearch, Outcome, Plan, Unsolvable
+from selforg.network.planner import Outcome, Plan, Search, Unsolvable
 
 MOST_GOALS_COMBINED = 10
 """Up to here every subset is tried in order; of more goals, one after the other is given up (2^10 searches at most)."""
@@ -26,7 +26,7 @@ class PriorityPlan:
 
 
 def plan_by_priority(
-    search: ForwardSearch,
+    search: Search,
     facts: npt.NDArray[np.bool_],
     numbers: npt.NDArray[np.float64],
     goals: Sequence[int] | None = None,

@@ -11,9 +11,10 @@ not on the reading itself, so a mission asks few different questions.
 
 import heapq
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
@@ -51,30 +52,16 @@ Outcome: TypeAlias = Plan | Unsolvable | Unknown
 State: TypeAlias = tuple[int, tuple[int, ...]]
 
 
-class ForwardSearch:
-    """Cost-optimal forward search over one planning problem.
+class Search(ABC):
+    """What finds plans for one problem: the built-in search, or an engine in its place.
 
-    Args:
-        problem: facts, numbers, actions and goals.
-        node_limit: states a single search may open before it answers `Unknown`.
-
-    >>> from selforg.network.planning_problem import FactIs, PlanningAction, PlanningGoal, SetFact
-    >>> pick = PlanningAction("Pick", (FactIs(0),), (SetFact(1),))
-    >>> problem = PlanningProblem(("at", "carrying"), (), (pick,), (PlanningGoal("Carry", FactIs(1)),))
-    >>> ForwardSearch(problem).plan(np.array([True, False]), np.zeros(0), [0])
-    Plan(actions=(0,), cost=1.0)
-
+    `plan` and `read_state` are the same for all; an implementation answers in `plan_from`.
     """
 
-    def __init__(self, problem: PlanningProblem, node_limit: int = 20_000) -> None:
-        if node_limit < 1:
-            raise ValueError(f"node_limit must be at least 1, got {node_limit}")
+    def __init__(self, problem: PlanningProblem) -> None:
         self.problem = problem
-        self.node_limit = node_limit
-        self._steps = tuple(make_step(index, action) for index, action in enumerate(problem.actions))
-        self._tasks: dict[tuple[int, ...], PlanTask] = {}
-        self._answers: dict[tuple[object, ...], Outcome] = {}
 
+    @final
     def plan(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]) -> Outcome:
         """Return the best plan that makes all of `goals` hold together.
 
@@ -86,6 +73,7 @@ class ForwardSearch:
         """
         return self.plan_from(self.read_state(facts, numbers), tuple(goals))
 
+    @final
     def read_state(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64]) -> State:
         """Return facts (F,) bool and numbers (K,) float as the state the search works on.
 
@@ -103,6 +91,46 @@ class ForwardSearch:
                 raise ValueError(f"number '{name}' must be finite, got {value}")
         return bits, tuple([whole(value) for value in values])
 
+    @abstractmethod
+    def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
+        """Return the best plan from a state that `read_state` gave."""
+
+    def goal_condition(self, goals: tuple[int, ...]) -> AllOf:
+        """Return the conjunction of goals given by their indices."""
+        for goal in goals:
+            if not 0 <= goal < len(self.problem.goals):
+                raise ValueError(f"goal index must be in 0..{len(self.problem.goals) - 1}, got {goal}")
+        return AllOf(tuple(self.problem.goals[goal].condition for goal in goals))
+
+    def found(self, actions: tuple[int, ...]) -> Plan:
+        """Return the plan of these actions with its cost."""
+        return Plan(actions, math.fsum(self.problem.actions[index].cost for index in actions))
+
+
+class ForwardSearch(Search):
+    """Cost-optimal forward search over one planning problem.
+
+    Args:
+        problem: facts, numbers, actions and goals.
+        node_limit: states a single search may open before it answers `Unknown`.
+
+    >>> from selforg.network.planning_problem import FactIs, PlanningAction, PlanningGoal, SetFact
+    >>> pick = PlanningAction("Pick", (FactIs(0),), (SetFact(1),))
+    >>> problem = PlanningProblem(("at", "carrying"), (), (pick,), (PlanningGoal("Carry", FactIs(1)),))
+    >>> ForwardSearch(problem).plan(np.array([True, False]), np.zeros(0), [0])
+    Plan(actions=(0,), cost=1.0)
+
+    """
+
+    def __init__(self, problem: PlanningProblem, node_limit: int = 20_000) -> None:
+        if node_limit < 1:
+            raise ValueError(f"node_limit must be at least 1, got {node_limit}")
+        super().__init__(problem)
+        self.node_limit = node_limit
+        self._steps = tuple(make_step(index, action) for index, action in enumerate(problem.actions))
+        self._tasks: dict[tuple[int, ...], PlanTask] = {}
+        self._answers: dict[tuple[object, ...], Outcome] = {}
+
     def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
         """Return the best plan from a state that `read_state` gave."""
         task = self._task(goals)
@@ -118,10 +146,7 @@ class ForwardSearch:
     def _task(self, goals: tuple[int, ...]) -> PlanTask:
         task = self._tasks.get(goals)
         if task is None:
-            for goal in goals:
-                if not 0 <= goal < len(self.problem.goals):
-                    raise ValueError(f"goal index must be in 0..{len(self.problem.goals) - 1}, got {goal}")
-            guard = make_guard(AllOf(tuple(self.problem.goals[goal].condition for goal in goals)))
+            guard = make_guard(self.goal_condition(goals))
             task = self._tasks[goals] = PlanTask(self._steps, guard, len(self.problem.numbers))
         return task
 
@@ -139,7 +164,7 @@ class ForwardSearch:
             if state in opened:
                 continue
             if holds(task.goal, *state):
-                return Plan(sequence, math.fsum(self.problem.actions[index].cost for index in sequence))
+                return self.found(sequence)
             if len(opened) == self.node_limit:
                 return Unknown(self.node_limit)
             opened.add(state)
