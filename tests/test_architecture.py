@@ -1,0 +1,114 @@
+"""The architecture holds: who imports whom, what importing costs, what the wheel holds and what the README says."""
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
+BORDERS = {
+    "pymunk": {"clean_swarm_env/physics.py"},
+    "numba": {"selforg/compiled.py"},
+}
+"""Libraries that one file alone may import."""
+
+
+def _modules_imported(path: Path) -> set[str]:
+    """Return the top-level names that a file imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            found.add(str(node.module).partition(".")[0])
+    return found
+
+
+def _sources(*packages: str) -> list[Path]:
+    return sorted(path for package in packages for path in (ROOT / package).rglob("*.py"))
+
+
+def test_the_sources_are_found():
+    assert len(_sources(*PACKAGES)) > 30
+
+
+@pytest.mark.parametrize("path", _sources("selforg"), ids=lambda path: path.name)
+def test_selforg_imports_numpy_numba_and_the_standard_library_only(path):
+    assert _modules_imported(path) <= {"selforg", "numpy", "numba"} | sys.stdlib_module_names
+
+
+@pytest.mark.parametrize("library", BORDERS)
+def test_libraries_behind_a_border_are_imported_there_alone(library):
+    users = {path.relative_to(ROOT).as_posix() for path in _sources(*PACKAGES) if library in _modules_imported(path)}
+    assert users == BORDERS[library]
+
+
+@pytest.mark.skipif(
+    shutil.which("lint-imports", path=str(Path(sys.executable).parent)) is None, reason="no import-linter"
+)
+def test_imports_keep_their_contracts():
+    command = [str(Path(sys.executable).parent / "lint-imports"), "--no-cache"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def _loaded_after(statement: str) -> set[str]:
+    code = f"{statement}\nimport sys\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    return {name.partition(".")[0] for name in done.stdout.split()}
+
+
+@pytest.mark.parametrize("module", ["clean_swarm_env", "clean_swarm_env.mission", "train.cli", "train.evaluation"])
+def test_importing_does_not_import_torch(module):
+    loaded = _loaded_after(f"import {module}")
+    assert module.partition(".")[0] in loaded
+    assert not loaded & {"torch", "stable_baselines3", "tensorboard"}
+
+
+def test_help_is_quick_because_heavy_libraries_wait():
+    assert not _loaded_after("import train.cli") & {"matplotlib", "scipy", "pymunk", "numba"}
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    pytest.importorskip("hatchling")
+    directory = tmp_path_factory.mktemp("wheel")
+    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--wheel-dir", str(directory)]
+    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(ROOT)], check=True, capture_output=True)
+    (built,) = directory.glob("*.whl")
+    return built
+
+
+def test_the_wheel_holds_every_configuration_and_no_tests(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    shipped = {path.relative_to(ROOT).as_posix() for path in (ROOT / "configs").rglob("*.yaml")}
+    assert len(shipped) > 5
+    assert shipped <= names
+    assert {name.partition("/")[0] for name in names if not name.startswith("clean_swarm-")} == set(PACKAGES)
+
+
+def test_the_installed_wheel_works_from_any_directory(wheel, tmp_path):
+    target = tmp_path / "site"
+    zipfile.ZipFile(wheel).extractall(target)
+    code = (
+        f"import sys; sys.path.insert(0, {str(target)!r}); sys.argv = ['clean-swarm', 'list'];"
+        "import train.cli, configs; print(train.cli.__file__, configs.directory()); train.cli.main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    first, *others = done.stdout.splitlines()
+    assert all(place.startswith(str(target)) for place in first.split())
+    assert any(line.startswith("table1-reference:") for line in others)
+
+
+@pytest.mark.parametrize(("marker", "words"), [("run", "clean-swarm evaluate"), ("test", "'.[dev]'")])
+def test_the_readme_has_one_line_for_each_set_up(marker, words):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (line,) = re.findall(rf"<!-- ci: {marker} -->\n```sh\n(.*)\n```\n", text)
+    assert words in line
+    assert line.startswith("python3 -m venv .venv && ")
