@@ -41,7 +41,7 @@ from selforg.columns import (
     X,
 )
 from selforg.gathering import Store
-from selforg.gradient import Gradient, check_fields, padded
+from selforg.gradient import Gradient, check_fields, check_gradient
 from selforg.poses import OwnPoses
 from selforg.settings import BufferSettings
 from selforg.space import Space
@@ -140,13 +140,8 @@ class SoBuffer:
 
     def store(self, gradient: Gradient, now: float, *, team: int = 0) -> None:
         """Store one gradient that a team received at `now` [s]; raises ValueError naming a field that is impossible."""
-        place = padded(gradient.position, self.space.dim, "position")
-        heading = padded(gradient.heading, self.space.dim, "heading")
         g = gradient
-        check_fields(
-            place, g.attraction, g.diffusion, g.goal_radius, g.evaporation_factor, g.evaporation_period, g.stamp
-        )
-        check_fields(heading, 0, 0.0, 0.0, 1.0, 0.0, g.stamp if g.clock is None else g.clock)
+        place, heading = check_gradient(gradient, self.space.dim)
         if not self.keeps(g.channel):
             return
         messages, tags = self._messages(1)
@@ -161,6 +156,18 @@ class SoBuffer:
         if g.payload:
             self._payloads[int(self._counters[LAST_SERIAL]) + 1] = g.payload
         self._store(messages, tags, now)
+
+    def receive(self, gradient: Gradient, now: float, *, row: int) -> None:
+        """Store one gradient that a row received at `now` [s]; the row's own pose gradient becomes its pose."""
+        own = self.source_code(gradient.source) == row
+        if not (own and gradient.moving and gradient.channel == self.poses.channel):
+            self.store(gradient, now, team=int(self.poses.teams[row]))
+            return
+        check_gradient(gradient, self.space.dim)
+        self.poses.set_pose(
+            row, gradient.position, gradient.heading, gradient.stamp, diffusion=gradient.diffusion,
+            goal_radius=gradient.goal_radius, attraction=gradient.attraction,
+        )  # fmt: skip
 
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
         """Store a copy of `message` (GRADIENT_COLUMNS,), `tag` (TAG_COLUMNS,) at the own pose of each of `rows` (R,)."""
@@ -216,6 +223,8 @@ class SoBuffer:
 
     def source_code(self, source: int | str) -> int:
         """Return the number of `source`: a row is its own number, names are numbered after the rows."""
+        if isinstance(source, str) and source in self.poses.names:
+            return self.poses.names.index(source)
         if isinstance(source, str):
             return self._source_codes.setdefault(source, self.poses.rows + len(self._source_codes))
         return int(source)

@@ -9,10 +9,10 @@ X, Y, Z = 0, 1, 2
 DIFFUSION, GOAL = 3, 4  # radii [m], at the same place in the tables of gradients and of own poses
 
 # Table of stored gradients, float64 (M, GRADIENT_COLUMNS)
-START = 5  # diffusion at CLOCK [m]
-FACTOR, PERIOD = 6, 7  # evaporation [-], [s]
-CLOCK = 8  # time from which evaporation counts [s]
-DUE = 9  # time of the next evaporation [s], infinite if there is none
+DUE = 5  # time of the next evaporation [s], infinite if there is none; here, because a walk reads columns 0 to 5
+START = 6  # diffusion at CLOCK [m]
+FACTOR, PERIOD = 7, 8  # evaporation [-], [s]
+CLOCK = 9  # time from which evaporation counts [s]
 STAMP = 10  # when it was spread [s]
 HX, HY, HZ = 11, 12, 13  # unit heading, all zero if it has none
 GRADIENT_COLUMNS = 14

@@ -93,3 +93,16 @@ def padded(vector: Sequence[float], dim: int, name: str) -> npt.NDArray[np.float
         raise ValueError(f"gradient: {name} must have {dim} components, got {len(vector)}")
     out[: len(vector)] = vector
     return out
+
+
+def check_gradient(gradient: Gradient, dim: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return position and heading as (3,) float64; raises ValueError naming the first impossible field."""
+    place, heading = padded(gradient.position, dim, "position"), padded(gradient.heading, dim, "heading")
+    check_fields(
+        place, gradient.attraction, gradient.diffusion, gradient.goal_radius, gradient.evaporation_factor,
+        gradient.evaporation_period, gradient.stamp,
+    )  # fmt: skip
+    require("heading", heading, np.abs(heading) <= FARTHEST, "finite")
+    if gradient.clock is not None:
+        require("clock", np.asarray(gradient.clock), np.abs(gradient.clock) <= 1e12, "finite, at most 1e12 s")
+    return place, heading

@@ -49,6 +49,7 @@ class OwnPoses:
         attraction: int = -1,
         channel: str = "robot",
         history: int = 2,
+        names: Sequence[str] | None = None,
     ) -> None:
         if rows < 1:
             raise ValueError(f"OwnPoses: rows must be at least 1, got {rows!r}")
@@ -58,13 +59,17 @@ class OwnPoses:
             )
         if attraction not in (-1, 0, 1):
             raise ValueError(f"OwnPoses: attraction must be -1, 0 or 1, got {attraction!r}")
-        if history < 1:
-            raise ValueError(f"OwnPoses: history must be at least 1, got {history!r}")
+        if history < 0:
+            raise ValueError(f"OwnPoses: history must be at least 0, got {history!r}")
+        if names is not None and (len(names) != rows or len(set(names)) != rows):
+            raise ValueError(f"OwnPoses: names must be {rows} different names, got {names!r}")
         self.space = space
         self.rows = rows
         self.channel = channel
         self._look = np.array([diffusion, goal_radius, float(attraction)])
-        self.own: Floats = np.zeros((rows, history, POSE_COLUMNS))  # newest first
+        self.history = history
+        self.names = tuple(names) if names is not None else ()  # by which single messages know the rows
+        self.own: Floats = np.zeros((rows, max(history, 1), POSE_COLUMNS))  # newest first
         self.row_table: Ints = np.zeros((rows, ROW_COLUMNS), dtype=np.int64)
         self._set_teams(np.zeros(rows, dtype=np.int64) if teams is None else np.asarray(teams, dtype=np.int64))
         self.tables: Poses = self._tables()
@@ -79,7 +84,7 @@ class OwnPoses:
                 f"OwnPoses.update: positions must be ({self.rows}, {self.space.dim}) and headings ({self.rows},), "
                 f"got {positions.shape} and {headings.shape}"
             )
-        bad = update_poses(positions, headings, known, float(now), self._look, self.tables)
+        bad = update_poses(positions, headings, known, float(now), self._look, self.history, self.tables)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
@@ -110,7 +115,7 @@ class OwnPoses:
         newest[GOAL] = self._look[1] if goal_radius is None else goal_radius
         newest[POSE_SIGN] = self._look[2] if attraction is None else attraction
         newest[POSE_STAMP] = now
-        self.row_table[row, POSES] = min(self.row_table[row, POSES] + 1, self.own.shape[1])
+        self.row_table[row, POSES] = min(self.row_table[row, POSES] + 1, self.history)
         index_poses(self.tables)
         return True
 
@@ -164,7 +169,7 @@ class OwnPoses:
 
 @kernel
 def update_poses(
-    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, poses: Poses
+    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, poses: Poses
 ) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
@@ -172,7 +177,7 @@ def update_poses(
     Returns -1, or the first row with a number that is not finite: nothing is changed then.
     """
     own, rows, extent = poses[0], poses[1], poses[5]
-    length, dim = own.shape[1], positions.shape[1]
+    dim = positions.shape[1]
     for row in range(len(rows)):
         finite = np.isfinite(headings[row])
         for axis in range(dim):
@@ -182,7 +187,7 @@ def update_poses(
     for row in range(len(rows)):
         if rows[row, POSES] > 0 and now <= own[row, 0, POSE_STAMP]:
             continue
-        for age in range(length - 1, 0, -1):
+        for age in range(own.shape[1] - 1, 0, -1):
             own[row, age] = own[row, age - 1]
         newest = own[row, 0]
         newest[:] = 0.0
@@ -193,6 +198,6 @@ def update_poses(
             newest[PHY] = np.sin(headings[row])
         newest[DIFFUSION], newest[GOAL], newest[POSE_SIGN] = look[0], look[1], look[2]
         newest[POSE_STAMP] = now
-        rows[row, POSES] = min(rows[row, POSES] + 1, length)
+        rows[row, POSES] = min(rows[row, POSES] + 1, history)
     index_poses(poses)
     return -1

@@ -86,13 +86,24 @@ def sum_rule(
 ) -> None:  # fmt: skip
     """Add up one formula over the first `found` pairs (P, PAIR_COLUMNS) into `total` (3,)."""
     by_own_reach = rule in (FERNANDEZ, REPULSION)
+    x, y, z = 0.0, 0.0, 0.0
     for index in range(found):
+        distance = pairs[index, DISTANCE]
         length = strength(
-            rule, pairs[index, DISTANCE], pairs[index, PAIR_DIFFUSION], pairs[index, PAIR_GOAL], pairs[index, SIGN],
-            own_goal, own_reach, view,
+            rule, distance, pairs[index, PAIR_DIFFUSION], pairs[index, PAIR_GOAL], pairs[index, SIGN], own_goal,
+            own_reach, view,
         )  # fmt: skip
-        full = own_reach if by_own_reach else full_length(pairs, index)
-        add(total, pairs, index, length, full, row, vectors, cursor)
+        if distance > 0.0 and length > -np.inf:
+            scale = length / distance
+            x += scale * pairs[index, DX]
+            y += scale * pairs[index, DY]
+            z += scale * pairs[index, DZ]
+        else:
+            full = own_reach if by_own_reach else full_length(pairs, index)
+            add(total, pairs, index, length, full, row, vectors, cursor)
+    total[0] += x
+    total[1] += y
+    total[2] += z
 
 
 @kernel
@@ -101,7 +112,7 @@ def follow_one(
 ) -> bool:
     """Put the Balch vector of the gradient chosen by rule `choice` into `total` (3,); False if none is chosen."""
     chosen = choose(choice, pairs, found, own_goal)
-    if chosen < 0:
+    if chosen < 0 or pairs[chosen, SIGN] == 0.0:
         return False
     distance, diffusion = pairs[chosen, DISTANCE], pairs[chosen, PAIR_DIFFUSION]
     clearance = distance - own_goal - pairs[chosen, PAIR_GOAL]

@@ -4,6 +4,13 @@ from selforg.mechanisms.base import MovementMechanism as MovementMechanism
 from selforg.mechanisms.chemotaxis import ChemotaxisBalch as ChemotaxisBalch
 from selforg.mechanisms.chemotaxis import ChemotaxisGe as ChemotaxisGe
 from selforg.mechanisms.depositing import Pheromone as Pheromone
+from selforg.mechanisms.following import AvoidAll as AvoidAll
+from selforg.mechanisms.following import CollisionAvoidance as CollisionAvoidance
+from selforg.mechanisms.following import FollowAll as FollowAll
+from selforg.mechanisms.following import FollowMaxReach as FollowMaxReach
+from selforg.mechanisms.following import FollowMin as FollowMin
+from selforg.mechanisms.following import FollowMinReach as FollowMinReach
+from selforg.mechanisms.following import FollowStrongest as FollowStrongest
 from selforg.mechanisms.patrol import Patrol as Patrol
 from selforg.mechanisms.registry import create as create
 from selforg.mechanisms.registry import find as find

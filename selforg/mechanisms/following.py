@@ -1,0 +1,85 @@
+"""Following: all gradients, or the one that a rule chooses, by the potentials of Balch & Hybinette (2000)."""
+
+from collections.abc import Iterable
+
+from selforg.buffer import SoBuffer
+from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST
+from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.registry import register
+from selforg.poses import OwnPoses
+from selforg.randomness import DirectionStream
+from selforg.rules import AVOID_ALL, CHOICE, COLLISION, FOLLOW_ALL, FOLLOW_ONE
+
+
+@register
+class CollisionAvoidance(RuleMechanism):
+    """Away from all repulsive gradients; the others are ignored."""
+
+    rule = COLLISION
+
+
+@register
+class FollowAll(RuleMechanism):
+    """Towards attractive and away from repulsive gradients; neutral ones are ignored."""
+
+    rule = FOLLOW_ALL
+
+
+@register
+class AvoidAll(RuleMechanism):
+    """Away from all gradients, whatever their sign."""
+
+    rule = AVOID_ALL
+
+
+class FollowOne(RuleMechanism):
+    """What the mechanisms share that follow one chosen gradient; `choice` is a rule of `selforg.choosing`."""
+
+    rule = FOLLOW_ONE
+    choice: int
+
+    def __init__(
+        self,
+        buffer: SoBuffer | OwnPoses,
+        *,
+        min_speed: float = 0.1,
+        max_speed: float = 1.0,
+        channels: Iterable[str] = (),
+        view_distance: float | None = None,
+        moving: bool = True,
+        static: bool = True,
+        directions: DirectionStream | None = None,
+    ) -> None:
+        super().__init__(
+            buffer, min_speed=min_speed, max_speed=max_speed, channels=channels, view_distance=view_distance,
+            moving=moving, static=static, directions=directions,
+        )  # fmt: skip
+        self._parameters[CHOICE] = self.choice
+
+
+@register
+class FollowStrongest(FollowOne):
+    """Towards (or away from) the strongest gradient: repulsions by their length, attractions by 1 - length."""
+
+    choice = STRONGEST
+
+
+@register
+class FollowMin(FollowOne):
+    """Towards the farthest attractive gradient: the one with the longest attraction."""
+
+    choice = FARTHEST
+
+
+@register
+class FollowMinReach(FollowOne):
+    """Towards the attractive gradient of least reach."""
+
+    choice = LEAST_REACH
+
+
+@register
+class FollowMaxReach(FollowOne):
+    """Towards the attractive gradient of most reach."""
+
+    choice = MOST_REACH
