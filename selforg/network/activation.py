@@ -1,7 +1,7 @@
 """Activation of one row's behaviours: who gets how much from whom (compiled).
 
-The terms are those of Maes ("How to do the right thing", 1989, doi:10.1080/09540098908915643), extended by the paper. Each is added to its own layer of the state, so
-that every step can be explained.
+The terms are those of Maes ("How to do the right thing", 1989, doi:10.1080/09540098908915643), extended by the paper.
+Each is added to its own layer of the state, so that every step can be explained.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def hindering(effect: float, wish: float, uniform: int) -> float:
 @kernel
 def operational(marks: Ints, row: int, b: int) -> bool:
     """Whether the other behaviours take notice of behaviour `b`."""
-    return marks[st.PRESENT, row, b] == 1 and marks[st.ENABLED, row, b] == 1
+    return bool(marks[st.PRESENT, row, b] == 1 and marks[st.ENABLED, row, b] == 1)
 
 
 @kernel
@@ -183,7 +183,7 @@ def activate_row(
     row: int, ints: Ints, floats: Floats, values: Floats, marks: Ints, row_values: Floats, wishes: Floats, kept: Ints,
     goal_enabled: Ints, goal_weight: Floats, plan: Ints, plan_marks: Ints,
 ) -> None:  # fmt: skip
-    """New activations of `row`, every term computed from the old ones.
+    """Compute the activations of `row`, every term from the old ones.
 
     `goal_weight` (G,) is scratch; `plan` (R, T) holds behaviours, `plan_marks` where in it the row stands.
     """

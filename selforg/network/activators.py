@@ -1,7 +1,8 @@
 """Activators: how a sensor's reading becomes a satisfaction and a wish.
 
-An activator is a description; the rule itself is the compiled `activate`, chosen by the activator's `kind`. Satisfaction
-lies in [low, high] (default [0, 1]); the wish in [-1, 1] is the signed size of the change that is wanted (0: nothing).
+An activator is a description; the rule itself is the compiled `activate`, chosen by the activator's `kind`.
+Satisfaction lies in [low, high] (default [0, 1]); the wish in [-1, 1] is the signed size of the change that is wanted
+(0: nothing).
 """
 
 from __future__ import annotations
@@ -46,10 +47,12 @@ class Boolean(Activator):
 
     @property
     def parameters(self) -> tuple[float, float]:
+        """Return the desired value as a number; the second is not used."""
         return float(self.desired), 0.0
 
     @property
     def direction(self) -> float:
+        """Return the sign of the wanted change."""
         return 1.0 if self.desired else -1.0
 
 
@@ -67,10 +70,12 @@ class Threshold(Activator):
 
     @property
     def parameters(self) -> tuple[float, float]:
+        """Return the threshold and the range, in the sensor's unit."""
         return self.threshold, self.value_range
 
     @property
     def direction(self) -> float:
+        """Return the sign of the wanted change."""
         return 1.0 if self.minimum else -1.0
 
 
@@ -89,10 +94,12 @@ class Linear(Activator):
 
     @property
     def parameters(self) -> tuple[float, float]:
+        """Return the readings of no and of full satisfaction."""
         return self.zero, self.full
 
     @property
     def direction(self) -> float:
+        """Return the sign of the wanted change."""
         return 1.0 if self.full > self.zero else -1.0
 
 
@@ -106,10 +113,12 @@ class Greedy(Activator):
 
     @property
     def parameters(self) -> tuple[float, float]:
+        """Return the step size; the second is not used."""
         return self.step_size, 0.0
 
     @property
     def direction(self) -> float:
+        """Return the sign of the wanted change."""
         return 1.0 if self.maximise else -1.0
 
 
@@ -122,10 +131,12 @@ class Equal(Activator):
 
     @property
     def parameters(self) -> tuple[float, float]:
+        """Return the value; the second is not used."""
         return self.value, 0.0
 
     @property
     def direction(self) -> float:
+        """Return the sign of the wanted change."""
         return 1.0
 
 

@@ -72,7 +72,7 @@ def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted
 def is_timed_out(row: int, b: int, ints: Ints, marks: Ints) -> bool:
     """Whether a running behaviour has used up its time."""
     timeout = ints_of(ints, t.TIMEOUT)[b]
-    return timeout >= 0 and marks[st.EXECUTION_TIME, row, b] >= timeout
+    return bool(timeout >= 0 and marks[st.EXECUTION_TIME, row, b] >= timeout)
 
 
 @kernel

@@ -49,8 +49,8 @@ class Behaviour:
         timeout: steps after which it is stopped [steps]; None: never.
         cost: for the planner, > 0.
         planner_independent: left out of planning.
-        alternatives: for a coordinator: the interfaces of the configurations it can hold, of which each robot has one at
-            a time. They come on top of `preconditions` and `effects`.
+        alternatives: for a coordinator: the interfaces of the configurations it can hold, of which each robot has one
+            at a time. They come on top of `preconditions` and `effects`.
 
     """
 

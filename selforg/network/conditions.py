@@ -63,7 +63,7 @@ class Leaf:
 
 
 def leaves(tree: Tree) -> list[Leaf]:
-    """The conditions of `tree`, depth first, with the directions at the negations above them.
+    """Return the conditions of `tree`, depth first, with the directions at the negations above them.
 
     A negation turns a zero wish into its reversed direction; where it stands above several conditions on one sensor,
     the direction of the last one counts for all of them (Q25 of the original, matched).

@@ -42,7 +42,7 @@ def evaluate_nodes(ints: Ints, leaf_satisfaction: Floats, value: Floats) -> None
 
 @kernel
 def turned(wish: float, direction: float) -> float:
-    """A wish seen through a negation: what would have to be undone, or `direction` if nothing is wished."""
+    """Turn a wish round, as a negation does: what would have to be undone, or `direction` if nothing is wished."""
     if wish > 0.0:
         return wish - 1.0
     if wish < 0.0:
@@ -84,7 +84,8 @@ def keep_smallest(ints: Ints, behaviour: int, wishes: Floats, kept: Ints) -> Non
 @kernel
 def evaluate_row(
     row: int, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints,
-    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, leaf_scratch: Floats, node_scratch: Floats,
+    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, leaf_scratch: Floats,
+    node_scratch: Floats,
 ) -> None:  # fmt: skip
     """Satisfactions, readiness and wishes of `row`; satisfied goals that are not permanent switch off."""
     evaluate_leaves(ints, floats, readings[row], leaf_scratch[0], leaf_scratch[1])

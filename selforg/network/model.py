@@ -169,14 +169,18 @@ class _Packer:
         """Index effects and wishes by the sensor they are about."""
         behaviours = len(self.model.behaviours)
         owners = self.ints[t.WISH_OWNER]
-        for first, content, sensors, wanted in (
-            (t.SENSOR_EFFECT_FIRST, t.SENSOR_EFFECT, self.ints[t.EFFECT_SENSOR], lambda k: True),
-            (t.SENSOR_WISH_FIRST, t.SENSOR_WISH, self.ints[t.WISH_SENSOR], lambda k: owners[k] < behaviours),
-            (t.SENSOR_GOAL_WISH_FIRST, t.SENSOR_GOAL_WISH, self.ints[t.WISH_SENSOR], lambda k: owners[k] >= behaviours),
+        about = self.ints[t.WISH_SENSOR]
+        of_behaviours = [(u, about[u]) for u, owner in enumerate(owners) if owner < behaviours]
+        of_goals = [(u, about[u]) for u, owner in enumerate(owners) if owner >= behaviours]
+        effects = list(enumerate(self.ints[t.EFFECT_SENSOR]))
+        for first, content, entries in (
+            (t.SENSOR_EFFECT_FIRST, t.SENSOR_EFFECT, effects),
+            (t.SENSOR_WISH_FIRST, t.SENSOR_WISH, of_behaviours),
+            (t.SENSOR_GOAL_WISH_FIRST, t.SENSOR_GOAL_WISH, of_goals),
         ):
             for sensor in range(len(self.model.sensors)):
                 self._close(first, content)
-                self.ints[content].extend(k for k, about in enumerate(sensors) if about == sensor and wanted(k))
+                self.ints[content].extend(k for k, s in entries if s == sensor)
             self._close(first, content)
 
     def _settings(self) -> None:

@@ -48,12 +48,14 @@ class BehaviourNetwork:
     @property
     def executing(self) -> NDArray[np.int64]:
         """(R, B) 1 where a behaviour runs after the last step."""
-        return self.state.marks[st.EXECUTING]
+        executing: NDArray[np.int64] = self.state.marks[st.EXECUTING]
+        return executing
 
     @property
     def started(self) -> NDArray[np.int64]:
         """(R, B) 1 where a behaviour was started in the last step."""
-        return self.state.marks[st.STARTED]
+        started: NDArray[np.int64] = self.state.marks[st.STARTED]
+        return started
 
     def reset(self, rows: NDArray[np.int64] | None = None) -> None:
         """Back to the first step, for all rows or `rows` (K,)."""
@@ -80,7 +82,7 @@ class BehaviourNetwork:
         self.plans.marks[pw.KNOWN, row] = int(behaviours is not None)
 
     def finish(self, rows: NDArray[np.int64], behaviour: int) -> None:
-        """The behaviour ends itself in `rows` (K,) where it runs: it stops and loses its activation in the next step."""
+        """Let a behaviour end itself in `rows` (K,) where it runs: it stops, and loses its activation next step."""
         running = rows[self.state.marks[st.EXECUTING, rows, behaviour] == 1]
         self.state.marks[st.EXECUTING, running, behaviour] = 0
         self.state.marks[st.EXECUTION_TIME, running, behaviour] = -1
@@ -173,7 +175,7 @@ def _step(
 
 @kernel
 def forget_finished(row: int, values: Floats, marks: Ints) -> None:
-    """What ended itself loses its activation; what was stopped keeps it (Q15)."""
+    """Take the activation from what ended itself; what was stopped keeps it (Q15)."""
     for b in range(values.shape[2]):
         if marks[st.FINISHED, row, b]:
             marks[st.FINISHED, row, b] = 0

@@ -1,8 +1,8 @@
 """Plans found before, looked up by compiled code, so that a swarm that replans all the time seldom leaves the kernel.
 
-A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how many
-steps of its grid it is away from each of its bounds (see `PlanTask.signature`). Equal keys have equal plans; the memory therefore changes
-speed only, never an answer.
+A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how
+many steps of its grid it is away from each of its bounds (see `PlanTask.signature`). Equal keys have equal plans; the
+memory therefore changes speed only, never an answer.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from selforg.compiled import kernel
 from selforg.network import state as st
@@ -80,8 +79,8 @@ def _or(value: int | None, otherwise: int) -> int:
 
 
 @kernel
-def hashed(key: Ints) -> int:
-    """A non-negative hash of the key's words (FNV-1a with a final mix)."""
+def hashed(key: Ints) -> np.int64:
+    """Return a non-negative hash of the key's words (FNV-1a with a final mix)."""
     value = np.uint64(14695981039346656037)
     for word in key:
         value = (value ^ np.uint64(word)) * np.uint64(1099511628211)

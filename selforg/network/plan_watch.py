@@ -1,11 +1,13 @@
 """How a plan is followed: when its next step is due and when a new plan is needed (compiled).
 
-A new plan is needed when there is none, when the world changed in a way that nothing running was expected to bring about,
-when a behaviour timed out or one that the plan did not ask for ended itself, and when the network itself changed.
+A new plan is needed when there is none, when the world changed in a way that nothing running was expected to bring
+about, when a behaviour timed out or one that the plan did not ask for ended itself, and when the network itself
+changed.
 
-The step that is due is passed when its behaviour ran and all its effects count as realised. As in the original (Q22), an
-effect counts as realised when it is not below the change seen since the robot last stood idle: a positive effect at once, a negative
-one only after the change. `strict_progress` asks for a change of the effect's own sign and at least half its size instead.
+The step that is due is passed when its behaviour ran and all its effects count as realised. As in the original (Q22),
+an effect counts as realised when it is not below the change seen since the robot last stood idle: a positive effect at
+once, a negative one only after the change. `strict_progress` asks for a change of the effect's own sign and at least
+half its size instead.
 """
 
 from __future__ import annotations
@@ -56,7 +58,7 @@ def is_relevant(row: int, sensor: int, ints: Ints, marks: Ints, goal_enabled: In
             return True
     first, entry = ints_of(ints, t.SENSOR_GOAL_WISH_FIRST), ints_of(ints, t.SENSOR_GOAL_WISH)
     behaviours = ints_of(ints, t.SIZES)[1]
-    for k in range(first[sensor], first[sensor + 1]):
+    for k in range(first[sensor], first[sensor + 1]):  # noqa: SIM110  (compiled code knows no generators)
         if goal_enabled[row, owner[entry[k]] - behaviours]:
             return True
     return False
@@ -65,7 +67,7 @@ def is_relevant(row: int, sensor: int, ints: Ints, marks: Ints, goal_enabled: In
 @kernel
 def ran(row: int, b: int, marks: Ints) -> bool:
     """Whether behaviour `b` was running until now."""
-    return marks[st.EXECUTING, row, b] == 1 or marks[st.FINISHED, row, b] == 1
+    return bool(marks[st.EXECUTING, row, b] == 1 or marks[st.FINISHED, row, b] == 1)
 
 
 @kernel

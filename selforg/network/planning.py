@@ -1,7 +1,8 @@
 """From a network model to plans: the planning problem it poses, and the planner that answers for its rows.
 
-Facts are set by the sign of an effect, numbers change by its size. A precondition must be satisfied to the behaviour's ready
-threshold, a goal's condition to the goal's threshold. Optional preconditions and planner-independent behaviours take no part.
+Facts are set by the sign of an effect, numbers change by its size. A precondition must be satisfied to the behaviour's
+ready threshold, a goal's condition to the goal's threshold. Optional preconditions and planner-independent behaviours
+take no part.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from selforg.network import state as st
 from selforg.network.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.behaviours import Behaviour, Interface
 from selforg.network.conditions import Condition, Conjunction, Negation, Optional, Tree
@@ -47,7 +47,14 @@ class Planner(ABC):
 
     @abstractmethod
     def plan(self, readings: Floats, alternatives: Ints, goal_enabled: Ints) -> list[int] | None:
-        """Behaviours in order for one row's `readings` (S,), `alternatives` (B,), `goal_enabled` (G,); None: no plan."""
+        """Return the behaviours of a plan in their order, None if there is none.
+
+        Args:
+            readings: (S,) of one row.
+            alternatives: (B,) which of its alternatives each behaviour holds, -1: none.
+            goal_enabled: (G,) 1 where a goal is on.
+
+        """
 
 
 class BuiltInPlanner(Planner):

@@ -1,4 +1,4 @@
-"""What a network remembers of its rows: layers of arrays, each (R, B) or (R, G), packed so that kernels get few arguments.
+"""What a network remembers of its rows: layers of arrays, each (R, B) or (R, G), so that kernels get few arguments.
 
 `VALUES` layers are float64, `MARKS` layers int64. The names below are the layers' indices.
 """

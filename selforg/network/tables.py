@@ -1,9 +1,9 @@
 """A network model as flat arrays, in the form that the kernels read.
 
 Handing an array to compiled code costs about 0.2 us, so all integers of a model lie in one array and all floats in
-another. Both start with the offsets of their sections; `section` cuts one out. Letters: S sensors, B behaviours,
-G goals, L leaves (conditions), C nodes (conditions and what is composed of them), E effects, U wishes (a behaviour's or a goal's
-view of one leaf).
+another. Both start with the offsets of their sections; `ints_of` and `floats_of` cut one out. Letters: S sensors, B
+behaviours, G goals, L leaves (conditions), C nodes (conditions and what is composed of them), E effects, U wishes (a
+behaviour's or a goal's view of one leaf).
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def pack_floats(sections: Mapping[int, list[float]]) -> Floats:
 
 
 def _with_offsets(sections: list[list[int]] | list[list[float]]) -> list[float]:
-    offsets = np.cumsum([len(sections) + 1, *map(len, sections)]).tolist()
+    offsets: list[float] = np.cumsum([len(sections) + 1, *map(len, sections)]).tolist()
     return offsets + [number for section in sections for number in section]
 
 
