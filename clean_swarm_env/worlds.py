@@ -53,6 +53,7 @@ class Worlds:
         self._build_stack()
         self._build_robots(avoidance)
         self._commanded = np.zeros(self.rows, dtype=np.bool_)
+        self._entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self._vectors: Floats = np.zeros((self.rows, 2))
         self._picked: Ints = np.zeros((self.rows, 2), dtype=np.int64)
         self._running: Ints = np.zeros((len(self.network.model.behaviours), self.rows), dtype=np.int64)
@@ -158,8 +159,11 @@ class Worlds:
         """Let `options` (K,) serve AvoidCollision in `rows` (K,) or all from the next tick on."""
         self.coordinator.hold(np.arange(self.rows) if rows is None else rows, options)
 
-    def tick(self) -> None:
-        """One control period of all worlds: sense, decide, act, move."""
+    def tick(self) -> Ints:
+        """One control period of all worlds: sense, decide, act, move.
+
+        Returns the collision events (R,) in which each robot took part, valid until the next tick.
+        """
         self.poses.update(self.physics.positions, self.physics.headings, self.now)
         self._sense()
         self.network.step()
@@ -167,6 +171,7 @@ class Worlds:
         self._move()
         self._now_ticks += 1
         self.ticks += 1
+        return self._entered
 
     def _sense(self) -> None:
         garbage = self.garbage
@@ -210,6 +215,8 @@ class Worlds:
     def _move(self) -> None:
         physics, drive = self.physics, self.drive
         drive.command(self._vectors, self._commanded, physics.headings, self.now)
+        self._entered[:] = 0
         for _ in range(self.mission.world.physics_steps_per_tick):
             physics.substep(drive.speed, drive.turn_rate)
             self.collisions.count(physics.positions)
+            self._entered += self.collisions.entered

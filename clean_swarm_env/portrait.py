@@ -1,0 +1,35 @@
+"""A batch's world as a scene to draw."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from numpy.typing import NDArray
+
+from clean_swarm_env.garbage import LYING, NOTHING
+from clean_swarm_env.picture import GARBAGE, LEFTOVERS, SEARCHING, Scene, draw_world
+from clean_swarm_env.worlds import PHEROMONES, Worlds
+
+
+def scene_of(worlds: Worlds, world: int) -> Scene:
+    """Return what there is to see of a world now."""
+    rows, garbage, mission = worlds.rows_of(world), worlds.garbage, worlds.mission
+    loaded = garbage.cargo[rows] != NOTHING
+    cargo = np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING)
+    trail, diffusions = worlds.pheromones.stored(world, PHEROMONES, worlds.now)
+    return Scene(
+        worlds.physics.positions[rows].copy(), worlds.physics.headings[rows].copy(), mission.stations.recycling,
+        mission.stations.dump, width=mission.world.width, height=mission.world.height, radius=mission.robots.radius,
+        goal_radius=mission.robots.pose_goal_radius, diffusion=mission.robots.pose_diffusion,
+        station_radius=mission.stations.reach, cargo=cargo,
+        garbage=garbage.positions[world][garbage.stage[world] == LYING], pheromones=trail,
+        pheromone_diffusions=diffusions,
+    )  # fmt: skip
+
+
+def portrait(worlds: Worlds, world: int) -> NDArray[np.uint8]:
+    """Return a picture (height, width, 3) of a world now."""
+    figure = draw_world(scene_of(worlds, world), title=f"{worlds.ticks[world] * worlds.period:.0f} s")
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
