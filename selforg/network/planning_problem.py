@@ -169,6 +169,15 @@ def leaves(expression: Expression) -> Iterator[FactIs | NumberIs]:
                 yield from leaves(part)
 
 
+def constants(problem: PlanningProblem) -> Iterator[tuple[int, float]]:
+    """Yield (number, value) for every change and every bound of a problem."""
+    for action in problem.actions:
+        yield from ((e.number, e.change) for e in action.effects if isinstance(e, ChangeNumber))
+    trees = [AllOf(action.preconditions) for action in problem.actions]
+    for tree in (*trees, *(goal.condition for goal in problem.goals)):
+        yield from ((leaf.number, leaf.value) for leaf in leaves(tree) if isinstance(leaf, NumberIs))
+
+
 def _check_unique(kind: str, names: Sequence[str]) -> None:
     for position, name in enumerate(names):
         if name in names[:position]:
