@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from train.results import Results, default_directory
 from train.runs import MissionRunner, RunTask, execute_all, tasks_of
 from train.tables import all_tables
 
-FINISHED, INTERRUPTED = 0, 130
+FINISHED, FAILED, INTERRUPTED = 0, 1, 130
 """Exit codes; 130 is that of a program ended by Ctrl-C."""
 
 
@@ -34,10 +35,11 @@ def evaluate(
     results = Results(output or default_directory(plan.stem, resume=resume), plan.manifest, resume=resume)
     try:
         _run_missing(tasks, results, workers, run_mission)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, BrokenProcessPool) as end:
         results.close()
-        _say_how_to_resume(request, results, len(tasks))
-        return INTERRUPTED
+        broken = isinstance(end, BrokenProcessPool)
+        _say_how_to_resume(request, results, len(tasks), "a worker process was killed" if broken else "interrupted")
+        return FAILED if broken else INTERRUPTED
     results.close()
     report = report_of(plan.experiment, plan.seed, results.records, plan.measured, own_starts=plan.own_starts)
     _write(report, plan, results)
@@ -79,7 +81,7 @@ def _write(report: Report, plan: Plan, results: Results) -> None:
     results.write_bytes("figure.png", draw(report))
 
 
-def _say_how_to_resume(request: Request, results: Results, total: int) -> None:
+def _say_how_to_resume(request: Request, results: Results, total: int, what: str) -> None:
     words = ["clean-swarm", "evaluate", request.experiment, "--seed", str(request.seed)]
     words += ["--scenarios", str(request.scenarios)] if request.scenarios is not None else []
     words += ["--starts", str(request.starts)] if request.starts is not None else []
@@ -87,5 +89,5 @@ def _say_how_to_resume(request: Request, results: Results, total: int) -> None:
     words += ["--output", str(results.directory), "--resume"]
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
     errors.print(
-        f"interrupted: {len(results.records)} of {total} runs are kept; to go on:\n  {shlex.join(words)}", markup=False
+        f"{what}: {len(results.records)} of {total} runs are kept; to go on:\n  {shlex.join(words)}", markup=False
     )

@@ -5,8 +5,9 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -131,7 +132,8 @@ def execute_all(tasks: Sequence[RunTask], workers: int, run_mission: MissionRunn
     pool = ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context, initializer=_start_worker)
     finished = False
     try:
-        futures = [pool.submit(execute, task, run_mission) for task in tasks]
+        with _ctrl_c_ignored():  # the first tasks start the workers, which inherit this
+            futures = [pool.submit(execute, task, run_mission) for task in tasks]
         for future in as_completed(futures):
             yield future.result()
         finished = True
@@ -143,9 +145,21 @@ def execute_all(tasks: Sequence[RunTask], workers: int, run_mission: MissionRunn
         pool.shutdown()
 
 
+@contextmanager
+def _ctrl_c_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C: it reaches a whole group of processes, and the parent decides for its workers."""
+    if threading.current_thread() is not threading.main_thread():  # only the main thread may change signals
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _start_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it: a parent that is killed must not leave its workers behind."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """End this worker with its parent: one that is killed must not leave workers behind."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()

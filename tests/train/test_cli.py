@@ -215,11 +215,11 @@ def test_listing_names_every_experiment_and_condition(run):
 
 
 def _start(tmp_path: Path, *words: str, seconds: str) -> subprocess.Popen[str]:
+    """Start the command line in a process group of its own, as a terminal does."""
     command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", *words]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": seconds}
-    return subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE}
+    return subprocess.Popen(command, cwd=tmp_path, env=environment, text=True, start_new_session=True, **pipes)
 
 
 def _wait_for_runs(directory: Path, count: int) -> None:
@@ -235,7 +235,7 @@ def test_ctrl_c_keeps_the_finished_runs_and_says_how_to_go_on(run, tmp_path, wor
     process = _start(tmp_path, *words, seconds="0.3")
     _wait_for_runs(tmp_path / "r", 3)
     began = time.monotonic()
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert time.monotonic() - began < 20.0
     assert process.returncode == 130
@@ -251,11 +251,39 @@ def test_ctrl_c_keeps_the_finished_runs_and_says_how_to_go_on(run, tmp_path, wor
     assert _but_for_wall(tmp_path / "whole") == _but_for_wall(tmp_path / "r")
 
 
+def test_ctrl_c_while_the_workers_start_is_quiet(tmp_path):
+    process = _start(tmp_path, "--output", "r", "--workers", "2", seconds="0.3")
+    end = time.monotonic() + 60.0
+    while not (tmp_path / "r" / "runs.csv").exists():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    time.sleep(0.3)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_a_worker_that_is_killed_costs_no_finished_run(tmp_path):
+    process = _start(tmp_path, "--scenarios", "20", "--output", "r", "--workers", "2", seconds="0.5")
+    _wait_for_runs(tmp_path / "r", 2)
+    for child in _children(process.pid):
+        if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text():
+            os.kill(int(child), signal.SIGKILL)
+            break
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "a worker process was killed" in err
+    assert "--resume" in err
+    assert len(_rows(tmp_path / "r")) >= 2
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     process = _start(tmp_path, "--scenarios", "20", "--output", "r", "--workers", "2", seconds="0.5")
     _wait_for_runs(tmp_path / "r", 1)
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    children = _children(process.pid)
     assert len(children) >= 2
     process.kill()
     process.communicate()
@@ -263,6 +291,10 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     while running := [child for child in children if Path(f"/proc/{child}").exists() and _state(child) != "Z"]:
         assert time.monotonic() < end, f"{running} still run"
         time.sleep(0.1)
+
+
+def _children(process: int) -> list[str]:
+    return Path(f"/proc/{process}/task/{process}/children").read_text().split()
 
 
 def _state(process: str) -> str:
