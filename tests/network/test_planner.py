@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from selforg.network.plan_guards import make_guard, make_step
 from selforg.network.plan_priorities import goal_sets, plan_by_priority
+from selforg.network.plan_task import STEP_UNIT, PlanTask
 from selforg.network.planner import ForwardSearch, Plan, Unknown, Unsolvable
 from selforg.network.planning_problem import (
     AllOf,
@@ -20,6 +22,7 @@ from selforg.network.planning_problem import (
     PlanningProblem,
     SetFact,
 )
+from tests.network.generated_problems import generated
 from tests.network.planner_reference import as_arrays, best_plan, execute, true_in
 from tests.network.robot_problem import robot_problem, robot_state
 
@@ -278,7 +281,7 @@ def test_a_remembered_plan_is_the_plan_that_would_be_found(question, changes):
         np.testing.assert_array_equal(numbers, before[1])
         facts, numbers = facts.copy(), numbers.copy()
         facts[fact] = not facts[fact]
-        numbers[0] = reading + 0.25
+        numbers[fact % 2] = reading + 0.25
 
 
 @settings(max_examples=60, deadline=None)
@@ -292,3 +295,57 @@ def test_following_a_plan_the_rest_of_it_stays_the_best_plan(question):
         rest = search.plan(*as_arrays(world), [0, 1])
         assert isinstance(rest, Plan)
         assert rest.actions == answer.actions[1:]
+
+
+def test_an_action_that_serves_two_goals_is_not_counted_twice():
+    prepare = PlanningAction("prepare", (), (SetFact(2),), cost=1.0)
+    both = PlanningAction("both", (FactIs(2),), (SetFact(0), SetFact(1)), cost=3.0)
+    singles = (PlanningAction("a", (), (SetFact(0),), cost=2.5), PlanningAction("b", (), (SetFact(1),), cost=2.5))
+    problem = one_fact_problem(*singles, prepare, both, goal=AllOf((FactIs(0), FactIs(1))))
+    assert solve(problem) == Plan((2, 3), 4.0)
+
+
+def test_what_only_one_of_two_ways_needs_is_not_asked_of_both():
+    cheap = PlanningAction("cheap", (FactIs(1),), (SetFact(0),), cost=1.0)
+    dear = PlanningAction("dear", (FactIs(2), NumberIs(0, ">=", 1.0)), (SetFact(0),), cost=1.0)
+    way = PlanningAction("way", (), (SetFact(2), ChangeNumber(0, 1.0)), cost=1.0)
+    problem = one_fact_problem(cheap, dear, way)  # nothing sets the fact that the first way needs
+    assert solve(problem) == Plan((2, 1), 2.0)
+
+
+def test_large_changes_bridge_a_gap_in_one_step():
+    crawl = PlanningAction("crawl", (), (ChangeNumber(0, 1.0),), cost=1.0)
+    warm_up = PlanningAction("warm up", (), (SetFact(1),), cost=0.5)
+    leap = PlanningAction("leap", (FactIs(1),), (ChangeNumber(0, 4.0),), cost=2.0)
+    assert solve(one_fact_problem(crawl, warm_up, leap, goal=NumberIs(0, ">=", 3.0))) == Plan((1, 2), 2.5)
+
+
+def test_plans_are_told_apart_by_every_number_they_depend_on():
+    step = PlanningAction("step", (), (ChangeNumber(1, 1.0),))
+    goal = PlanningGoal("far", AllOf((NumberIs(0, ">=", 0.0), NumberIs(1, ">=", 2.0))))
+    search = ForwardSearch(PlanningProblem((), ("fixed", "moved"), (step,), (goal,)))
+    answers = [
+        search.plan(np.zeros(0, bool), np.array(reading), [0]) for reading in ([0.0, 1.0], [0.0, 0.0], [-1.0, 1.0])
+    ]
+    assert answers == [Plan((0,), 1.0), Plan((0, 0), 2.0), Unsolvable()]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_estimate_never_exceeds_what_is_left_and_never_jumps(seed):
+    problem, facts, numbers = generated(seed)
+    search = ForwardSearch(problem, node_limit=500)
+    answer = search.plan(facts, numbers, [0])
+    if not isinstance(answer, Plan):
+        return
+    task = PlanTask(
+        [make_step(*item) for item in enumerate(problem.actions)], make_guard(problem.goals[0].condition), 1
+    )
+    states = [task.start(*search.read_state(facts, numbers))]
+    steps = {step.action: step for step in task.steps}
+    for index in answer.actions:
+        states.append(task.after(steps[index], *states[-1]))
+    left = [task.estimate(*state) for state in states]
+    assert left[-1] == (0, 0)
+    for index, (cost, count), (next_cost, next_count) in zip(answer.actions, left, left[1:], strict=False):
+        assert cost <= steps[index].cost + next_cost
+        assert count <= STEP_UNIT + next_count
