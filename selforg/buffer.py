@@ -10,11 +10,13 @@ from selforg.arrays import Floats, Ints, Links
 from selforg.cells import make_grid, rebuild
 from selforg.columns import (
     AGGREGATION_DISTANCE,
+    ATTRACTION,
     CHANNELS,
     CLOCK,
     COUNT,
     COUNTERS,
     DIFFUSION,
+    DUE,
     FACTOR,
     FREE,
     GOAL,
@@ -22,12 +24,17 @@ from selforg.columns import (
     HISTORY,
     HX,
     LAST_SERIAL,
+    LAYER,
     LAYER_COLUMNS,
     LEVELS,
     LINK_COLUMNS,
     MIN_DIFFUSION,
+    MOVING,
     PERIOD,
+    SERIAL,
     SETTINGS,
+    SLOT,
+    SOURCE,
     SPACES,
     STAMP,
     TAG_CHANNEL,
@@ -73,6 +80,7 @@ class SoBuffer:
         self.channel_names: list[str] = []
         self._channel_codes: dict[str, int] = {}
         self._source_codes: dict[str, int] = {}
+        self._source_names: list[str] = []
         self._payloads: dict[int, Mapping[str, Any]] = {}
         self.rules: Ints = np.zeros(0, dtype=np.int64)  # aggregation rule of each channel
         self._numbers: Floats = np.zeros((SMALLEST_CAPACITY, GRADIENT_COLUMNS))
@@ -190,9 +198,41 @@ class SoBuffer:
         first = (self._channel_codes[channel] * self.spaces + team) * LEVELS
         return int(self._layers[first : first + LEVELS, COUNT].sum())
 
+    def gradient_of(self, pair: Floats, now: float) -> Gradient:
+        """Return the gradient of one pair (PAIR_COLUMNS,) as seen at `now` [s]; `clock` is when it last evaporated."""
+        slot, dim = int(pair[SLOT]), self.space.dim
+        if slot < 0:
+            return self.poses.gradient(*divmod(-1 - slot, self.poses.rows)[::-1])
+        fields, link = self._numbers[slot], self._links[slot]
+        clock = fields[CLOCK]
+        if np.isfinite(fields[DUE]):
+            clock = fields[DUE] - fields[PERIOD]
+        channel = int(link[LAYER]) // (LEVELS * self.spaces)
+        return Gradient(
+            channel=self.channel_names[channel],
+            position=tuple(fields[X : X + dim].tolist()),
+            source=self.source_name(int(link[SOURCE])),
+            heading=tuple(fields[HX : HX + dim].tolist()),
+            attraction=int(link[ATTRACTION]),
+            diffusion=float(fields[DIFFUSION]),
+            goal_radius=float(fields[GOAL]),
+            evaporation_factor=float(fields[FACTOR]),
+            evaporation_period=float(fields[PERIOD]),
+            stamp=float(fields[STAMP]),
+            clock=float(clock),
+            moving=int(link[LAYER]) % LEVELS == MOVING,
+            payload=self._payloads.get(int(link[SERIAL]), {}),
+        )
+
+    def source_name(self, code: int) -> int | str:
+        """Return what `source_code` numbered: the name of a source, or the row itself if rows have no names."""
+        if 0 <= code < self.poses.rows:
+            return self.poses.names[code] if self.poses.names else code
+        return self._source_names[code - self.poses.rows] if code >= 0 else ""
+
     def keeps(self, channel: str) -> bool:
         """Tell whether gradients of `channel` are stored at all."""
-        return self.settings.store_all or channel in self.settings.channels or channel == self.poses.channel
+        return self.settings.store_all or channel in self.settings.channels
 
     def channel_code(self, channel: str) -> int:
         """Return the number of `channel`, a new one if it was never heard of."""
@@ -226,7 +266,10 @@ class SoBuffer:
         if isinstance(source, str) and source in self.poses.names:
             return self.poses.names.index(source)
         if isinstance(source, str):
-            return self._source_codes.setdefault(source, self.poses.rows + len(self._source_codes))
+            if source not in self._source_codes:
+                self._source_codes[source] = self.poses.rows + len(self._source_names)
+                self._source_names.append(source)
+            return self._source_codes[source]
         return int(source)
 
     def _check_teams(self, teams: npt.ArrayLike) -> Ints:

@@ -63,7 +63,7 @@ ROW_COLUMNS = 3
 
 # Table of pairs (what one row sees), float64 (P, PAIR_COLUMNS): offset to the gradient, its distance, its fields
 DX, DY, DZ, DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN, SLOT = 0, 1, 2, 3, 4, 5, 6, 7
-PAIR_COLUMNS = 8  # SLOT: slot of the store, or -1 - row for the shared pose of another row
+PAIR_COLUMNS = 8  # SLOT: slot of the store, or -1 - (row + N * age) for the shared pose of a row, age 0 the newest
 
 # Incoming messages, int64 (M, TAG_COLUMNS), beside their gradient columns
 TAG_SPACE, TAG_CHANNEL, TAG_SOURCE, TAG_SIGN, TAG_MOVING, TAG_SERIAL = 0, 1, 2, 3, 4, 5

@@ -76,7 +76,7 @@ def gather(
     """
     found = 0
     if see & SEE_MOVING and channels[0] == 1:
-        found = gather_poses(row, margins, limit, poses, store[7], pairs)
+        found = gather_poses(row, margins, see, limit, poses, store[7], pairs)
     if store[5][USED] == 0:
         return found
     radius = max(margins[0], margins[1], margins[2])
@@ -131,14 +131,14 @@ def gather_layer(
 
 
 @kernel
-def gather_poses(row: int, margins: Margins, limit: int, poses: Poses, window: Ints, pairs: Floats) -> int:
-    """Gather the shared poses of the other rows of the team."""
+def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses, window: Ints, pairs: Floats) -> int:
+    """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
     own, rows, first, members, reach, extent, grid, buckets, links = poses
     team = int(rows[row, TEAM])
     begin, end = int(first[team]), int(first[team + 1])
     x, y, z = own[row, 0, X], own[row, 0, Y], own[row, 0, Z]
     found, cells = 0, -1
-    if end - begin > CROWD:
+    if end - begin > CROWD and see & SEE_HISTORY == 0:  # cells know the newest poses only
         radius = max(margins[0], margins[1], margins[2]) + reach[team]
         cells = near_cells(x, y, z, radius, grid, 0, end - begin, window)
     for index in range(end - begin if cells < 0 else cells):
@@ -146,15 +146,17 @@ def gather_poses(row: int, margins: Margins, limit: int, poses: Poses, window: I
         other = int(members[begin + index]) if cells < 0 else int(buckets[bucket_of(team, cell, buckets)])
         while other >= 0 and found < limit:
             here, other = other, (-1 if cells < 0 else int(links[other, 0]))
-            if here == row or rows[here, POSES] == 0 or (cells >= 0 and links[here, 1] != cell):
+            if here == row or (cells >= 0 and (links[here, 1] != cell or rows[here, TEAM] != team)):
                 continue
-            sign, diffusion, goal = own[here, 0, POSE_SIGN], own[here, 0, DIFFUSION], own[here, 0, GOAL]
-            dx, dy, dz, distance = offset_within(
-                own[here, 0, X] - x, own[here, 0, Y] - y, own[here, 0, Z] - z,
-                extent[0], extent[1], extent[2], margins[int(sign) + 1] + (diffusion + goal),
-            )  # fmt: skip
-            if distance >= 0.0 and rows[here, TEAM] == team:
-                found = note(pairs, found, dx, dy, dz, distance, diffusion, goal, sign, -1.0 - here)
+            for age in range(rows[here, POSES] if see & SEE_HISTORY else min(rows[here, POSES], 1)):
+                sign, diffusion, goal = own[here, age, POSE_SIGN], own[here, age, DIFFUSION], own[here, age, GOAL]
+                dx, dy, dz, distance = offset_within(
+                    own[here, age, X] - x, own[here, age, Y] - y, own[here, age, Z] - z,
+                    extent[0], extent[1], extent[2], margins[int(sign) + 1] + (diffusion + goal),
+                )  # fmt: skip
+                if distance >= 0.0:
+                    slot = -1.0 - (here + len(rows) * age)
+                    found = note(pairs, found, dx, dy, dz, distance, diffusion, goal, sign, slot)
     return found
 
 

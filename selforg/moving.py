@@ -36,6 +36,7 @@ from selforg.rules import (
     RANDOM_IF_ZERO,
     REPULSION,
     VIEW,
+    WANDER,
     chemotaxis,
     follow_one,
     limit,
@@ -68,7 +69,9 @@ def move_rows(
         if known[row, POSES] > 0:
             own_goal, own_reach = own[row, 0, GOAL], own[row, 0, DIFFUSION] + own[row, 0, GOAL]
             margins, moves = support(rule, parameters, own_goal), False
-            found = gather(row, margins, see, UNLIMITED, now, channels, poses, store, pairs)
+            found = 0
+            if rule != WANDER:
+                found = gather(row, margins, see, UNLIMITED, now, channels, poses, store, pairs)
             if found > len(pairs):
                 return index, low
             if rule == EXPLOIT:
@@ -77,6 +80,7 @@ def move_rows(
                 moves = apply(rule, row, pairs, found, parameters, own_goal, own_reach, drawn, cursor, total)
             if not moves and rule in NARROWED:
                 moves = gather(row, whole_view(rule, parameters), see, 1, now, channels, poses, store, pairs) > 0
+            moves = moves or rule == WANDER
             if moves:
                 finish(rule, row, parameters, own_reach, drawn, cursor, total)
             active[index] = moves
@@ -132,7 +136,8 @@ def finish(
     if rule in (FERNANDEZ, REPULSION):
         limit(total, 0.0, own_reach)
         return
-    if parameters[RANDOM_IF_ZERO] > 0.0 and total[0] == 0.0 and total[1] == 0.0 and total[2] == 0.0:
+    random = rule == WANDER or parameters[RANDOM_IF_ZERO] > 0.0
+    if random and total[0] == 0.0 and total[1] == 0.0 and total[2] == 0.0:
         x, y, z = take_direction(drawn, cursor, row)
         total[0], total[1], total[2] = x * parameters[MAX_SPEED], y * parameters[MAX_SPEED], z * parameters[MAX_SPEED]
     limit(total, parameters[MIN_SPEED], parameters[MAX_SPEED])

@@ -23,6 +23,7 @@ from selforg.columns import (
     X,
 )
 from selforg.compiled import kernel
+from selforg.gradient import Gradient
 from selforg.pose_cells import Poses, index_poses
 from selforg.space import Space, wrapped
 
@@ -118,6 +119,21 @@ class OwnPoses:
         self.row_table[row, POSES] = min(self.row_table[row, POSES] + 1, self.history)
         index_poses(self.tables)
         return True
+
+    def gradient(self, row: int, age: int = 0) -> Gradient:
+        """Return the pose gradient of `row`, the newest (age 0) or an older one."""
+        fields, dim = self.own[row, age], self.space.dim
+        return Gradient(
+            channel=self.channel,
+            position=tuple(fields[X : X + dim].tolist()),
+            source=self.names[row] if self.names else row,
+            heading=tuple(fields[PHX : PHX + dim].tolist()),
+            attraction=int(fields[POSE_SIGN]),
+            diffusion=float(fields[DIFFUSION]),
+            goal_radius=float(fields[GOAL]),
+            stamp=float(fields[POSE_STAMP]),
+            moving=True,
+        )
 
     def forget(self, rows: npt.ArrayLike) -> None:
         """Forget all poses of `rows` (R,), as before their first update."""

@@ -23,6 +23,8 @@ from selforg.randomness import take_direction
 FERNANDEZ, REPULSION, COLLISION, FOLLOW_ALL, AVOID_ALL, EXPLOIT = 0, 1, 2, 3, 4, 5
 # Rules that first choose one gradient
 CHEMOTAXIS_BALCH, CHEMOTAXIS_GE, FOLLOW_ONE = 10, 11, 12
+# A rule without gradients: a random direction
+WANDER = 20
 
 # Parameters of a rule, float64 (PARAMETERS,)
 VIEW, MIN_SPEED, MAX_SPEED, CHOICE, RANDOM_IF_ZERO, ANGLE_XY, ANGLE_YZ = 0, 1, 2, 3, 4, 5, 6

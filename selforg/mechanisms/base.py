@@ -6,7 +6,7 @@ the buffer. What a mechanism leaves behind it leaves in `deposit`, called after 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from typing import final
+from typing import Unpack, final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ import numpy.typing as npt
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
 from selforg.columns import PAIR_COLUMNS, SEE_MOVING, SEE_STATIC
+from selforg.mechanisms.options import LookOptions, MoveOptions
 from selforg.moving import move_rows
 from selforg.poses import OwnPoses
 from selforg.randomness import DirectionStream
@@ -66,13 +67,10 @@ class MovementMechanism(Mechanism):
         self,
         buffer: SoBuffer | OwnPoses,
         *,
-        channels: Iterable[str] = (),
-        view_distance: float | None = None,
-        moving: bool = True,
-        static: bool = True,
         directions: DirectionStream | None = None,
+        **options: Unpack[LookOptions],
     ) -> None:
-        super().__init__(buffer, channels=channels, view_distance=view_distance, moving=moving, static=static)
+        super().__init__(buffer, **options)
         rows, dim = self.poses.rows, self.poses.space.dim
         self.directions = DirectionStream.fixed(rows, dim) if directions is None else directions
         if len(self.directions.cursor) != rows:
@@ -117,15 +115,9 @@ class RuleMechanism(MovementMechanism):
         *,
         min_speed: float = 0.1,
         max_speed: float = 1.0,
-        channels: Iterable[str] = (),
-        view_distance: float | None = None,
-        moving: bool = True,
-        static: bool = True,
-        directions: DirectionStream | None = None,
+        **options: Unpack[MoveOptions],
     ) -> None:
-        super().__init__(
-            buffer, channels=channels, view_distance=view_distance, moving=moving, static=static, directions=directions
-        )
+        super().__init__(buffer, **options)
         self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         self.min_speed = at_least(self, "min_speed", min_speed, 0.0)
         self._parameters: Floats = np.zeros(PARAMETERS)

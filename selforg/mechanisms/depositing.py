@@ -1,15 +1,17 @@
-"""What depositing mechanisms leave behind: one static gradient at the own pose of each row."""
+"""Mechanisms that deposit: they leave a static gradient at the own pose while they move by another rule."""
 
 from dataclasses import dataclass
+from typing import Unpack, final
 
 import numpy as np
+import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
 from selforg.buffer import SoBuffer
+from selforg.choosing import LEAST_REACH
 from selforg.columns import (
     DIFFUSION,
     FACTOR,
-    GOAL,
     GRADIENT_COLUMNS,
     PERIOD,
     TAG_CHANNEL,
@@ -17,6 +19,10 @@ from selforg.columns import (
     TAG_SIGN,
 )
 from selforg.gradient import check_fields
+from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.options import SpeedOptions
+from selforg.mechanisms.registry import register
+from selforg.rules import AVOID_ALL, CHEMOTAXIS_GE, CHOICE, FOLLOW_ONE, RANDOM_IF_ZERO, WANDER
 
 
 @dataclass(frozen=True)
@@ -39,18 +45,87 @@ class Pheromone:
         )
 
 
-class Depositor:
-    """Spreads one pheromone from the own pose of many rows at once."""
+class DepositingMechanism(RuleMechanism):
+    """A movement mechanism that also deposits. `move` never sees what the same tick deposits: call `deposit` after it."""
 
-    def __init__(self, buffer: SoBuffer, pheromone: Pheromone) -> None:
-        self._buffer = buffer
+    def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
+        super().__init__(buffer, **options)
+        self.pheromone = pheromone
         self._message: Floats = np.zeros(GRADIENT_COLUMNS)
-        self._message[[DIFFUSION, GOAL]] = pheromone.diffusion, 0.0
+        self._message[DIFFUSION] = pheromone.diffusion
         self._message[[FACTOR, PERIOD]] = pheromone.evaporation_factor, pheromone.evaporation_period
         self._tag: Ints = np.zeros(TAG_COLUMNS, dtype=np.int64)
-        self._tag[TAG_CHANNEL] = buffer.channel_code(pheromone.channel)
+        self._tag[TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
         self._tag[TAG_SIGN] = pheromone.attraction
 
-    def deposit(self, now: float, rows: Ints) -> None:
-        """Store the pheromone at the newest pose of each of `rows` (R,) at `now` [s]; rows without a pose leave none."""
-        self._buffer.deposit(rows, self._message, self._tag, now)
+    @final
+    def deposit(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
+        """Leave the pheromone at the newest pose of each of `rows` (R,) (None: all) at `now` [s].
+
+        Rows without a pose leave none.
+        """
+        rows = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        self.buffer.deposit(rows, self._message, self._tag, float(now))
+
+
+@register
+class Patrol(DepositingMechanism):
+    """Moves away from all gradients of its channels and leaves a repulsive pheromone with each command.
+
+    Where the repulsions are zero or cancel out, the direction is random, at `max_speed` (deviation Q7: the original
+    replaces every vector that needs no limiting). Inactive where no gradient is in view.
+    """
+
+    rule = AVOID_ALL
+
+    def __init__(
+        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
+    ) -> None:
+        pheromone = pheromone or Pheromone(attraction=-1, evaporation_period=30.0)
+        options = {"min_speed": 0.7, **options}
+        super().__init__(buffer, pheromone=pheromone, **options)
+        self._parameters[RANDOM_IF_ZERO] = 1.0
+
+
+class TrailMechanism(DepositingMechanism):
+    """What the deposit family shares: static gradients only, and a pheromone whose diffusion is `max_speed`."""
+
+    def __init__(
+        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
+    ) -> None:
+        pheromone = pheromone or Pheromone(diffusion=options.get("max_speed", 1.0))
+        options = {"min_speed": 0.5, "moving": False, **options}
+        super().__init__(buffer, pheromone=pheromone, **options)
+
+
+@register
+class DepositPheromones(TrailMechanism):
+    """ChemotaxisGe while depositing."""
+
+    rule = CHEMOTAXIS_GE
+
+
+@register
+class DepositPheromonesMin(TrailMechanism):
+    """FollowMinReach while depositing."""
+
+    rule = FOLLOW_ONE
+
+    def __init__(
+        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
+    ) -> None:
+        super().__init__(buffer, pheromone=pheromone, **options)
+        self._parameters[CHOICE] = LEAST_REACH
+
+
+@register
+class DepositPheromonesRandom(TrailMechanism):
+    """Exploration while depositing."""
+
+    rule = WANDER
+
+    def __init__(
+        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
+    ) -> None:
+        options = {"min_speed": 0.1, **options}
+        super().__init__(buffer, pheromone=pheromone, **options)

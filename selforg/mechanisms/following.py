@@ -1,13 +1,13 @@
 """Following: all gradients, or the one that a rule chooses, by the potentials of Balch & Hybinette (2000)."""
 
-from collections.abc import Iterable
+from typing import Unpack
 
 from selforg.buffer import SoBuffer
 from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST
 from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.options import SpeedOptions
 from selforg.mechanisms.registry import register
 from selforg.poses import OwnPoses
-from selforg.randomness import DirectionStream
 from selforg.rules import AVOID_ALL, CHOICE, COLLISION, FOLLOW_ALL, FOLLOW_ONE
 
 
@@ -38,22 +38,8 @@ class FollowOne(RuleMechanism):
     rule = FOLLOW_ONE
     choice: int
 
-    def __init__(
-        self,
-        buffer: SoBuffer | OwnPoses,
-        *,
-        min_speed: float = 0.1,
-        max_speed: float = 1.0,
-        channels: Iterable[str] = (),
-        view_distance: float | None = None,
-        moving: bool = True,
-        static: bool = True,
-        directions: DirectionStream | None = None,
-    ) -> None:
-        super().__init__(
-            buffer, min_speed=min_speed, max_speed=max_speed, channels=channels, view_distance=view_distance,
-            moving=moving, static=static, directions=directions,
-        )  # fmt: skip
+    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[SpeedOptions]) -> None:
+        super().__init__(buffer, **options)
         self._parameters[CHOICE] = self.choice
 
 

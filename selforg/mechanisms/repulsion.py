@@ -1,13 +1,13 @@
 """Repulsion among robots: the two mechanisms that the paper compares."""
 
-from collections.abc import Iterable
+from typing import Unpack
 
 from selforg.buffer import SoBuffer
 from selforg.columns import SKIP_OWN
 from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import register
 from selforg.poses import OwnPoses
-from selforg.randomness import DirectionStream
 from selforg.rules import FERNANDEZ, REPULSION
 
 
@@ -17,16 +17,11 @@ class Repulsion(RuleMechanism):
     channels: those of the neighbours' gradients; by default the channel of the poses.
     """
 
-    def __init__(
-        self,
-        buffer: SoBuffer | OwnPoses,
-        *,
-        channels: Iterable[str] = (),
-        view_distance: float | None = None,
-        directions: DirectionStream | None = None,
-    ) -> None:
-        channels = tuple(channels) or ((buffer if isinstance(buffer, OwnPoses) else buffer.poses).channel,)
-        super().__init__(buffer, channels=channels, view_distance=view_distance, static=False, directions=directions)
+    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
+        poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
+        options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
+        options["static"] = False
+        super().__init__(buffer, **options)
         self._see |= SKIP_OWN
 
 
@@ -42,6 +37,6 @@ class RepulsionFernandez(Repulsion):
 
 @register
 class RepulsionGradient(Repulsion):
-    """Balch & Hybinette repulsion from the neighbours' gradients, doi:10.1109/ROBOT.2000.844042; contact counts own reach."""
+    """Balch & Hybinette repulsion from the neighbours, doi:10.1109/ROBOT.2000.844042; contact counts the own reach."""
 
     rule = REPULSION

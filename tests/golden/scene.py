@@ -50,7 +50,7 @@ def gradient_of(message: dict[str, Any]) -> Gradient:
     return Gradient(
         channel=channel_of(message["frame"]),
         position=tuple(message["p"]),
-        source=message.get("parent", ""),
+        source=message.get("parent") or "None",
         heading=heading_of(message),
         attraction=message["attraction"],
         diffusion=message["diffusion"],

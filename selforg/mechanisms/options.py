@@ -1,0 +1,28 @@
+"""Keyword arguments that many mechanisms share, so that subclasses need not repeat them."""
+
+from collections.abc import Iterable
+from typing import TypedDict
+
+from selforg.randomness import DirectionStream
+
+
+class LookOptions(TypedDict, total=False):
+    """What a mechanism looks at; see `Mechanism`."""
+
+    channels: Iterable[str]
+    view_distance: float | None
+    moving: bool
+    static: bool
+
+
+class MoveOptions(LookOptions, total=False):
+    """... and where its random directions come from; see `MovementMechanism`."""
+
+    directions: DirectionStream | None
+
+
+class SpeedOptions(MoveOptions, total=False):
+    """... and the lengths of its vectors [m/s]; see `RuleMechanism`."""
+
+    min_speed: float
+    max_speed: float

@@ -1,0 +1,102 @@
+"""Replays the terms of the flocking rules in movement.json, one function each."""
+
+from typing import Any
+
+import numpy as np
+
+from selforg.flocking import (
+    BOID_COLUMNS,
+    BOID_GOAL,
+    EPSILON,
+    FLOCK_PARAMETERS,
+    OFFSET,
+    VELOCITY,
+    VIEW,
+    A,
+    B,
+    H,
+    action,
+    adjacency,
+    bump,
+    mean_difference,
+    olfati_saber,
+    separation,
+    sigma_norm,
+)
+from selforg.randomness import DirectionStream
+from tests.golden.case import Case, SetAside, difference
+from tests.golden.scene import heading_of
+
+
+def replay_term(case: Case) -> str | None:
+    """Return how one term differs from the original, None if it agrees."""
+    inputs, name = case.inputs, case.inputs["function"]
+    if "error" in case.expected:
+        raise SetAside("Q12")
+    if case.group.startswith("FlockingRey."):
+        return difference(case.expected["vector"], reynolds(name, inputs), name)
+    p = inputs.get("params", {})
+    if name in ("sigma_norm", "bump_function", "adjacency", "action_function"):
+        return difference(case.expected["value"], scalar(name, inputs, p), name)
+    if name == "vector_between":
+        offset = np.subtract(inputs["qj"], inputs["qi"])
+        value = offset / np.sqrt(1.0 + p["epsilon"] * offset @ offset)
+    elif name == "agent_velocity":
+        elapsed = inputs["newer"]["stamp"] - inputs["older"]["stamp"]
+        value = np.subtract(inputs["newer"]["p"], inputs["older"]["p"]) / elapsed if elapsed else np.zeros(3)
+    else:
+        gradient, consensus = terms(inputs, p)
+        value = {"gradient_based": gradient, "velocity_consensus": consensus, "flocking_vector": gradient + consensus}[
+            name
+        ]
+    return difference(case.expected["vector"], value.tolist(), name)
+
+
+def scalar(name: str, inputs: dict[str, Any], p: dict[str, Any]) -> float:
+    """Return one of the scalar functions."""
+    if name == "bump_function":
+        return bump(inputs["z"], p["h"])
+    z = np.array(inputs["z"]) if "z" in inputs else np.subtract(inputs["qj"], inputs["qi"])
+    squared = float(z @ z)
+    if name == "sigma_norm":
+        return sigma_norm(squared, p["epsilon"])
+    if name == "adjacency":
+        return adjacency(squared, p["epsilon"], p["h"], p["view_distance"])
+    return action(squared, p["epsilon"], p["a"], p["b"], p["h"], p["avoidance_distance"], p["view_distance"])
+
+
+def terms(inputs: dict[str, Any], p: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Return gradient term and velocity consensus of Olfati-Saber."""
+    agent, neighbours = inputs["agent"], inputs["neighbours"]
+    boids = np.zeros((len(neighbours), BOID_COLUMNS))
+    for boid, neighbour in zip(boids, neighbours, strict=True):
+        boid[OFFSET : OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
+        boid[VELOCITY : VELOCITY + 3] = neighbour["v"]
+    parameters = np.zeros(FLOCK_PARAMETERS)
+    parameters[[A, B, EPSILON, H, VIEW]] = p["a"], p["b"], p["epsilon"], p["h"], p["view_distance"]
+    gradient, consensus = np.zeros(3), np.zeros(3)
+    olfati_saber(
+        boids, len(boids), np.array(agent["v"], dtype=float), parameters, p["avoidance_distance"], gradient, consensus
+    )
+    return gradient, consensus
+
+
+def reynolds(name: str, inputs: dict[str, Any]) -> list[float]:
+    """Return one term of Reynolds."""
+    agent, neighbours = inputs["agent"], inputs["neighbours"]
+    boids = np.zeros((len(neighbours), BOID_COLUMNS))
+    for boid, neighbour in zip(boids, neighbours, strict=True):
+        boid[OFFSET : OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
+        boid[VELOCITY : VELOCITY + 3] = heading_of(neighbour)
+        boid[BOID_GOAL] = neighbour["goal_radius"]
+    total = np.zeros(3)
+    if name == "separation":
+        stream = DirectionStream.fixed(1, 3)
+        separation(
+            boids, len(boids), agent["goal_radius"], inputs["params"]["r"], 1.0, 0, stream.vectors, stream.cursor, total
+        )
+    elif name == "alignment":
+        mean_difference(boids, len(boids), VELOCITY, np.array(heading_of(agent)), total)
+    else:
+        mean_difference(boids, len(boids), OFFSET, np.zeros(3), total)
+    return total.tolist()

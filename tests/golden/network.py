@@ -1,0 +1,157 @@
+"""Replays network.json: whole traces, every number of every step.
+
+Where a planner took part, it is played by one that answers with the recorded plan, so that our own monitoring decides
+when it is called and how far the plan has come.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from selforg.arrays import Floats, Ints
+from selforg.network import plan_watch as pw
+from selforg.network import state as st
+from selforg.network.inspection import behaviour_wishes, goal_wishes
+from selforg.network.network import BehaviourNetwork
+from selforg.network.plan_memory import PlanMemory
+from selforg.network.planning import Planner
+from tests.golden import network_parts as parts
+from tests.golden.case import Case, SetAside, difference
+
+ROW = np.array([0])
+MARKS = {"executing": st.EXECUTING, "executable": st.READY, "enabled": st.ENABLED}
+
+
+class Forgetful(PlanMemory):
+    """Remembers nothing, so that every call of the planner can be counted."""
+
+    def __init__(self, goals: int) -> None:
+        super().__init__([], [], [], goals)
+
+    def insert(self, key: Ints, behaviours: Iterable[int] | None) -> None:
+        """Forget the plan at once."""
+
+
+class RecordedPlanner(Planner):
+    """Answers with the plan that was recorded for this step, and counts how often it is asked."""
+
+    def __init__(self, goals: int) -> None:
+        self.memory = Forgetful(goals)
+        self.answer: list[int] | None = None
+        self.calls = 0
+
+    def plan(self, readings: Floats, alternatives: Ints, goal_enabled: Ints) -> list[int] | None:
+        """Return the recorded plan."""
+        self.calls += 1
+        return self.answer
+
+
+def replay(case: Case) -> str | None:
+    """Return how the replay differs from the original, None if it agrees."""
+    model = parts.model(case.inputs)
+    planner = RecordedPlanner(len(model.goals)) if case.inputs["planner"] else None
+    network = BehaviourNetwork(model, 1, planner)
+    network.read(dict(case.inputs["sensors"]))
+    disabled = False
+    for number, (step, expected) in enumerate(zip(case.inputs["steps"], case.expected["steps"], strict=True)):
+        apply(network, step)
+        disabled = disabled or any(is_disabling(event) for event in step.get("events") or ())
+        calls = prepare(planner, network, expected)
+        network.step(guarantee=bool(step.get("guarantee_decision")))
+        if "error" in expected:  # Q19: what led there agrees, and ours does not crash; nothing is recorded beyond
+            return None
+        got = whole_step(network, expected, planner and planner.calls - calls)
+        wrong = difference(expected, got, f"step {number}")
+        if wrong:
+            if disabled:
+                raise SetAside("Q16")
+            return wrong
+    return None
+
+
+def is_disabling(event: dict[str, Any]) -> bool:
+    """Tell whether an event switches a behaviour off."""
+    return event["type"] == "enable" and not event["value"]
+
+
+def apply(network: BehaviourNetwork, step: dict[str, Any]) -> None:
+    """Set the sensors of a step and let its events happen."""
+    network.read(step["sensors"])
+    for event in step.get("events") or ():
+        kind, value = event["type"], event.get("value")
+        if kind == "goal_enable":
+            goal_name = event["goal"] if "goal" in event else event["behaviour"]
+            network.enable_goal(ROW, network.model.goal_index[goal_name], value)
+            continue
+        behaviour = network.model.behaviour_index[event["behaviour"]]
+        match kind:
+            case "finish":
+                network.finish(ROW, behaviour)
+            case "enable":
+                network.enable(ROW, behaviour, value)
+            case "priority":
+                network.set_priority(ROW, behaviour, value)
+            case "manual_start":
+                network.start_by_hand(ROW, behaviour, value)
+            case "remove":
+                network.remove(ROW, behaviour)
+            case _:
+                raise ValueError(f"unknown event {kind!r}")
+
+
+def prepare(planner: RecordedPlanner | None, network: BehaviourNetwork, expected: dict[str, Any]) -> int:
+    """Let the planner answer with the plan of this step; return how often it was asked until now."""
+    if planner is None:
+        return 0
+    plan = expected.get("plan")
+    planner.answer = None if plan is None else [network.model.behaviour_index[name] for name in plan]
+    return planner.calls
+
+
+def whole_step(network: BehaviourNetwork, expected: dict[str, Any], calls: int | None) -> dict[str, Any]:
+    """Return everything that is recorded of a step, as the network sees it."""
+    state, model = network.state, network.model
+    got = {
+        "threshold": float(state.row_values[st.THRESHOLD, 0]),
+        "total_activation_before": float(state.row_values[st.TOTAL, 0]),
+        "running": in_order_of(expected["running"], network),
+        "behaviours": {name: behaviour(network, name) for name in expected["behaviours"]},
+        "goals": {name: goal(network, name) for name in expected["goals"]},
+    }
+    if calls is not None:
+        known, length = network.plans.marks[pw.KNOWN, 0], network.plans.marks[pw.LENGTH, 0]
+        steps = [model.behaviours[b].name for b in network.plans.steps[0, :length]]
+        got["plan"] = steps if known else None
+        got["plan_index"] = int(network.plans.marks[pw.INDEX, 0])
+        got["planner_calls"] = calls
+    return got
+
+
+def in_order_of(recorded: list[str], network: BehaviourNetwork) -> list[str]:
+    """Return the names of what runs, in the recorded order as far as it goes."""
+    running = [b.name for b, on in zip(network.model.behaviours, network.executing[0], strict=True) if on]
+    return sorted(running, key=lambda name: recorded.index(name) if name in recorded else len(recorded))
+
+
+def behaviour(network: BehaviourNetwork, name: str) -> dict[str, Any]:
+    """Return what is recorded of a behaviour."""
+    state, b = network.state, network.model.behaviour_index[name]
+    return {
+        "components": {key: float(state.values[layer, 0, b]) for key, layer in st.COMPONENTS.items()},
+        "activation": float(state.values[st.ACTIVATION, 0, b]),
+        "satisfaction": float(state.values[st.SATISFACTION, 0, b]),
+        "execution_time": int(state.marks[st.EXECUTION_TIME, 0, b]),
+        "wishes": sorted(map(list, behaviour_wishes(network, 0, name))),
+        **{key: bool(state.marks[mark, 0, b]) for key, mark in MARKS.items()},
+    }
+
+
+def goal(network: BehaviourNetwork, name: str) -> dict[str, Any]:
+    """Return what is recorded of a goal."""
+    state, g = network.state, network.model.goal_index[name]
+    return {
+        "satisfaction": float(state.goal_satisfaction[0, g]),
+        "enabled": bool(state.goal_enabled[0, g]),
+        "wishes": sorted(map(list, goal_wishes(network, 0, name))),
+    }
