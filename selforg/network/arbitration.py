@@ -125,7 +125,8 @@ def select_row(
                 continue
             waiting = 0
             for other in range(behaviours):
-                waiting += 1 if marks[st.MANUAL, row, other] and not counted[other] else 0
+                by_hand = marks[st.PRESENT, row, other] and marks[st.MANUAL, row, other]
+                waiting += 1 if by_hand and not counted[other] else 0
             if limit > 0 and int(np.sum(counted)) + waiting >= limit:
                 continue
         marks[st.EXECUTING, row, b] = 1
@@ -168,5 +169,8 @@ def arbitrate_row(
         marks[st.STOPPED, row, b] = 0
     running = select_row(row, ints, floats, values, marks, row_values, True, counted, order)
     while guarantee and not running and anything_eligible(row, values, marks):
+        before = row_values[st.THRESHOLD, row]
         running = select_row(row, ints, floats, values, marks, row_values, False, counted, order)
+        if row_values[st.THRESHOLD, row] == before:  # a threshold that does not fall lets nothing start, ever
+            break
     return timed_out

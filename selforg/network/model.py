@@ -185,6 +185,7 @@ class _Packer:
 
     def _settings(self) -> None:
         model, settings = self.model, self.model.settings
+        self.ints[t.SENSOR_IS_FACT] = [int(sensor.kind == "fact") for sensor in model.sensors]
         counts = [len(model.sensors), len(model.behaviours), len(model.goals)]
         self.ints[t.SIZES] = [*counts, len(self.ints[t.NODE_KIND]), len(self.ints[t.WISH_SENSOR])]
         self.ints[t.OPTIONS] = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from selforg.network.model import NetworkModel
 from selforg.network.plan_memory import PlanMemory, recall, write_key
 from selforg.network.plan_watch import PlanState, watch_plan
 from selforg.network.planning import Planner
+from selforg.network.readings import find_wrong, reading_of, refuse
 from selforg.network.state import NetworkState
 from selforg.network.tables import Floats, Ints, ints_of
 
@@ -64,6 +65,19 @@ class BehaviourNetwork:
         self.plans.reset(chosen)
         self.readings[chosen] = 0.0
 
+    def read(self, values: Mapping[str, object], rows: NDArray[np.int64] | None = None) -> None:
+        """Set the readings of some sensors by name, for all rows or `rows` (K,).
+
+        Raises:
+            ReadingError: a value that the sensor cannot have.
+            ValueError: an unknown sensor.
+
+        """
+        chosen = self._all if rows is None else rows
+        for name, value in values.items():
+            column = self.model.sensor(name, "reading")
+            self.readings[chosen, column] = reading_of(self.model.sensors[column], value)
+
     def hold(self, rows: NDArray[np.int64], behaviour: int, alternative: int | NDArray[np.int64]) -> None:
         """Let `behaviour` show another of its alternatives in `rows` (K,); what changes asks for a new plan."""
         held = self.state.marks[st.ALTERNATIVE]
@@ -106,13 +120,31 @@ class BehaviourNetwork:
         self.state.marks[st.EXECUTING, rows, behaviour] = 0
         self.plans.marks[pw.ALARM, rows] = 1
 
+    def enable_goal(self, rows: NDArray[np.int64], goal: int, enabled: bool) -> None:
+        """Switch a goal on or off in `rows` (K,)."""
+        self.state.goal_enabled[rows, goal] = int(enabled)
+
+    def set_priority(self, rows: NDArray[np.int64], behaviour: int, priority: int) -> None:
+        """Change the priority of a behaviour in `rows` (K,)."""
+        self.state.marks[st.PRIORITY, rows, behaviour] = priority
+
+    def start_by_hand(self, rows: NDArray[np.int64], behaviour: int, wanted: bool) -> None:
+        """While `wanted`, run a behaviour in `rows` (K,) whatever it needs and whatever else runs."""
+        self.state.marks[st.MANUAL, rows, behaviour] = int(wanted)
+
     def step(self, rows: NDArray[np.int64] | None = None, guarantee: bool = False) -> None:
         """One decision of `rows` (K,) or all, from the present `readings`.
 
         With `guarantee`, selection is repeated until something runs or nothing could.
+
+        Raises:
+            ReadingError: a fact that reads neither 0 nor 1, or a number that is not one; nothing has changed then.
+
         """
         chosen = self._all if rows is None else rows
         missing = self._run(chosen, SENSE_AND_DECIDE, guarantee)
+        if missing < 0:
+            refuse(-1 - missing, self.model.sensors, self.readings)
         if missing and self.planner is not None:
             waiting = chosen[self.plans.marks[pw.NEEDED, chosen] == 1]
             for row in waiting.tolist():
@@ -141,7 +173,14 @@ def _step(
     goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan: Ints, plan_marks: Ints,
     plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, phase: int, planning: bool, guarantee: bool,
 ) -> int:  # fmt: skip
-    """One step of `rows` (K,); returns how many of them need a plan that is not remembered and have not decided yet."""
+    """Step `rows` (K,); return how many of them need a plan that is not remembered and have not decided yet.
+
+    For a wrong reading return -1 - (what `find_wrong` says), with nothing changed.
+    """
+    if phase == SENSE_AND_DECIDE:
+        wrong = find_wrong(rows, ints, readings)
+        if wrong >= 0:
+            return -1 - wrong
     behaviours, nodes = ints_of(ints, t.SIZES)[1], ints_of(ints, t.SIZES)[3]
     leaf_scratch = np.empty((2, ints_of(ints, t.LEAF_SENSOR).shape[0]))
     node_scratch = np.empty(nodes)

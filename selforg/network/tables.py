@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 (
     SIZES,  # S, B, G, C, U
     OPTIONS,  # uniform algorithm, max_parallel (0: any), goal_priority, strict_progress
+    SENSOR_IS_FACT,  # (S,)
     LEAF_SENSOR,  # (L,)
     LEAF_KIND,  # (L,) activator kind
     NODE_KIND,  # (C,) LEAF, NEGATION, CONJUNCTION, DISJUNCTION; children come before parents
@@ -51,7 +52,7 @@ Floats = NDArray[np.float64]
     TIMEOUT,  # (B,) steps, -1: never
     PERMANENT,  # (G,)
     INT_SECTIONS,
-) = range(32)
+) = range(33)
 
 (
     WEIGHTS,  # situation, goal, conflictor, predecessor, successor, plan

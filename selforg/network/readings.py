@@ -1,0 +1,63 @@
+"""The border at which readings enter a network by name: a fact is a truth value, a number a number.
+
+Whoever fills the readings of all rows at once writes the array itself (1.0 and 0.0 for facts); a step refuses what is
+neither.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NoReturn
+
+import numpy as np
+
+from selforg.compiled import kernel
+from selforg.network import tables as t
+from selforg.network.behaviours import Sensor
+from selforg.network.tables import Floats, Ints, ints_of
+
+FINE = -1  # no wrong reading
+
+
+class ReadingError(ValueError):
+    """A reading that its sensor cannot have."""
+
+
+def reading_of(sensor: Sensor, value: object) -> float:
+    """Return `value` as the network stores it: 1.0 or 0.0 for a fact, the number itself for a number.
+
+    A number sensor takes a truth value as 1 or 0 (Q26 of the original); a fact takes nothing but truth values (Q33).
+
+    Raises:
+        ReadingError: a fact that is not a bool, a number that is none or not a number.
+
+    """
+    if isinstance(value, bool | np.bool_):
+        return float(value)
+    if sensor.kind == "fact":
+        raise ReadingError(f"sensor {sensor.name!r}: expected True or False, got {value!r}")
+    if not isinstance(value, int | float | np.integer | np.floating) or math.isnan(value):
+        raise ReadingError(f"sensor {sensor.name!r}: expected a number, got {value!r}")
+    return float(value)
+
+
+@kernel
+def find_wrong(rows: Ints, ints: Ints, readings: Floats) -> int:
+    """Return row * S + sensor of the first wrong reading in `rows` (K,) of `readings` (R, S), FINE if all are right."""
+    is_fact = ints_of(ints, t.SENSOR_IS_FACT)
+    for row in rows:
+        for sensor in range(is_fact.shape[0]):
+            value = readings[row, sensor]
+            if value == 0.0 or value == 1.0:
+                continue
+            if is_fact[sensor] or value != value:
+                return int(row * is_fact.shape[0] + sensor)
+    return FINE
+
+
+def refuse(found: int, sensors: tuple[Sensor, ...], readings: Floats) -> NoReturn:
+    """Raise the error for what `find_wrong` has found."""
+    row, column = divmod(found, len(sensors))
+    sensor = sensors[column]
+    expected = "0 or 1 (it is a fact)" if sensor.kind == "fact" else "a number"
+    raise ReadingError(f"row {row}: sensor {sensor.name!r}: expected {expected}, got {readings[row, column]}")
