@@ -8,16 +8,16 @@ import selector.strategies  # noqa: F401  (registers the strategies that ship)
 from selector.documents import DocumentError
 from selector.knowledge import knowledge_from
 from selector.strategy import create
+from tests.golden.case import Case, difference
 
 
-def replay(case: dict[str, Any]) -> str | None:
-    """Return None if the case comes out as recorded, else what differs."""
-    inputs, expected = case["inputs"], case["expected"]
+def replay(case: Case) -> str | None:
+    """Return how the choice differs from the original, None if it agrees."""
     try:
-        given = choose(inputs["expert_knowledge"], inputs["so_goal"])
+        chosen = choose(case.inputs["expert_knowledge"], case.inputs["so_goal"])
     except DocumentError as error:
-        return None if "error" in expected else f"refused: {error}"
-    return None if given == expected else f"expected {expected}, got {given}"
+        return None if "error" in case.expected else f"refused: {error}"
+    return difference(case.expected, chosen)
 
 
 def choose(table: dict[str, list[Any]], goal: str) -> dict[str, Any]:

@@ -3,26 +3,27 @@ from pathlib import Path
 
 import pytest
 
+from tests.golden.case import Case, read_case
 from tests.golden.selection import replay
 
 RECORDED = Path(__file__).parents[3] / "shared" / "golden" / "selection.json"
 
 
 def case(options, goal, expected):
-    return {"inputs": {"expert_knowledge": options, "so_goal": goal}, "expected": expected}
+    return Case("case", "select", "", {"expert_knowledge": options, "so_goal": goal}, expected)
 
 
 def test_replay_tells_right_from_wrong():
     options = {"G": [["B", 1, {}], ["A", 1.0, {"p": {"q": 2}}]]}
     assert replay(case(options, "G", {"config_key": "B", "params": {}})) is None
-    assert "got" in replay(case(options, "G", {"config_key": "A", "params": {"p": {"q": 2}}}))
+    assert "got B" in replay(case(options, "G", {"config_key": "A", "params": {"p": {"q": 2}}}))
     assert replay(case(options, "H", {"error": "KeyError"})) is None
     assert "refused" in replay(case(options, "H", {"config_key": "B", "params": {}}))
-    assert "got" in replay(case(options, "G", {"error": "KeyError"}))
+    assert "keys ['error'] expected" in replay(case(options, "G", {"error": "KeyError"}))
 
 
 @pytest.mark.skipif(not RECORDED.is_file(), reason="the recorded cases lie outside the project")
 def test_recorded_selections_come_out():
-    cases = json.loads(RECORDED.read_text())
+    cases = [read_case(entry) for entry in json.loads(RECORDED.read_text())]
     assert cases
-    assert {case["id"]: failure for case in cases if (failure := replay(case)) is not None} == {}
+    assert {case.id: failure for case in cases if (failure := replay(case)) is not None} == {}
