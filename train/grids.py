@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -55,7 +56,7 @@ def markdown(grid: Grid) -> str:
 
 def on_terminal(grid: Grid) -> RenderableType:
     """Return a grid for a rich console; the columns of a group share one cell, so that its title stands above all."""
-    table = Table(title=grid.title, title_justify="left", title_style="bold")
+    table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column(grid.corner)
     widths = [_widths(grid, place) for place in range(len(grid.columns))]
     for group, width in zip(grid.columns, widths, strict=True):

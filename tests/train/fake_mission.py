@@ -43,6 +43,13 @@ def run_mission(mission, start, seed, scores):
     )
 
 
+def run_mission_but_not_2(mission, start, seed, scores):
+    """Fail on scenario 2."""
+    if start.id == "2":
+        raise ZeroDivisionError("scenario 2")
+    return run_mission(mission, start, seed, scores)
+
+
 if __name__ == "__main__":
     # spawned workers find the function by this module's name, not by __main__
     from tests.train import fake_mission

@@ -205,6 +205,18 @@ def test_resuming_something_else_is_refused(run, tmp_path, change):
     assert "holds other results" in err
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(run, tmp_path, monkeypatch, workers):
+    monkeypatch.setattr(cli, "mission_runner", lambda: fake_mission.run_mission_but_not_2)
+    words = ("evaluate", "--scenarios", 3, "--workers", workers, "--output", tmp_path / "r")
+    with pytest.raises(ZeroDivisionError, match="scenario 2"):
+        run(*words)
+    assert {r["scenario"] for r in _rows(tmp_path / "r")} >= ({"1"} if workers == 1 else set())
+    monkeypatch.setattr(cli, "mission_runner", lambda: fake_mission.run_mission)
+    assert run(*words, "--resume")[0] == 0
+    assert len(_rows(tmp_path / "r")) == 6
+
+
 def test_listing_names_every_experiment_and_condition(run):
     code, out, _ = run("list")
     assert code == 0
