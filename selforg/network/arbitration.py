@@ -58,7 +58,8 @@ def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted
             continue
         clashes = True
         weaker = priority[other] == priority[b] and activation[other] < activation[b]
-        if not (interruptable[other] and (priority[other] < priority[b] or weaker)):
+        yields = interruptable[other] and not marks[st.MANUAL, row, other]
+        if not (yields and (priority[other] < priority[b] or weaker)):
             return False
     if clashes:
         for other in range(counted.shape[0]):
