@@ -27,10 +27,12 @@ from selforg.columns import (
     LEVELS,
     MOVING,
     NEXT,
+    PER_ROW,
     RANK,
     SPACES,
     SWEEP,
     TAIL,
+    TEAM,
     UNBOUNDED,
     USED,
     X,
@@ -78,6 +80,12 @@ def level_of(reach: float, grid: Floats) -> int:
 def layer_of(channel: int, space: int, level: int, counters: Ints) -> int:
     """Return the row of the layer table; channels are its slowest axis, so that new channels append rows."""
     return (channel * int(counters[SPACES]) + space) * LEVELS + level
+
+
+@kernel
+def space_of(row: int, rows: Ints, counters: Ints) -> int:
+    """Return the information space that `row` reads: its own, or its team's under ideal delivery."""
+    return row if counters[PER_ROW] else int(rows[row, TEAM])
 
 
 @kernel

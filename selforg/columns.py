@@ -15,7 +15,8 @@ FACTOR, PERIOD = 7, 8  # evaporation [-], [s]
 CLOCK = 9  # time from which evaporation counts [s]
 STAMP = 10  # when it was spread [s]
 HX, HY, HZ = 11, 12, 13  # unit heading, all zero if it has none
-GRADIENT_COLUMNS = 14
+VALUE = 14  # a number that it carries; which one, KEY says
+GRADIENT_COLUMNS = 15
 
 # Table of links of stored gradients, int32 (M, LINK_COLUMNS)
 LAYER = 0  # row of the layer table, -1 for a free slot
@@ -26,7 +27,8 @@ NEXT = 4  # next slot in the bucket (or in the list of free slots), -1 at the en
 AFTER, BEFORE = 5, 6  # neighbours in the list of the layer, in the order of storing
 RANK = 7  # age of a moving gradient among those of its source, 0 is the newest
 SERIAL = 8  # label under which the border finds payloads
-LINK_COLUMNS = 9
+KEY = 9  # code of the payload entry that VALUE is, -1 for none
+LINK_COLUMNS = 10
 
 # Table of layers, int32 (layers, 4): all gradients of one channel, space and level
 HEAD, TAIL, COUNT, SWEEP = 0, 1, 2, 3
@@ -44,8 +46,8 @@ CELLS = 1  # CELLS + 2 * axis: number, CELLS + 2 * axis + 1: width
 GRID_COLUMNS = 7
 
 # Counters of the store, int64
-FREE, USED, HIGH, LAST_SERIAL, SPACES, CHANNELS = 0, 1, 2, 3, 4, 5
-COUNTERS = 6
+FREE, USED, HIGH, LAST_SERIAL, SPACES, CHANNELS, PER_ROW = 0, 1, 2, 3, 4, 5, 6  # PER_ROW: 1 if rows do not share
+COUNTERS = 7
 
 # Settings of the store, float64
 AGGREGATION_DISTANCE, MIN_DIFFUSION, WHOLE_SECONDS, HISTORY = 0, 1, 2, 3
@@ -58,15 +60,15 @@ POSE_SIGN = 9
 POSE_COLUMNS = 10
 
 # Table of rows, int64 (N, ROW_COLUMNS)
-TEAM, POSES, SPACE = 0, 1, 2  # team, number of poses known, information space that the row reads
-ROW_COLUMNS = 3
+TEAM, POSES = 0, 1  # team, number of poses known
+ROW_COLUMNS = 2
 
 # Table of pairs (what one row sees), float64 (P, PAIR_COLUMNS): offset to the gradient, its distance, its fields
 DX, DY, DZ, DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN, SLOT = 0, 1, 2, 3, 4, 5, 6, 7
 PAIR_COLUMNS = 8  # SLOT: slot of the store, or -1 - (row + N * age) for the shared pose of a row, age 0 the newest
 
 # Incoming messages, int64 (M, TAG_COLUMNS), beside their gradient columns
-TAG_SPACE, TAG_CHANNEL, TAG_SOURCE, TAG_SIGN, TAG_MOVING, TAG_SERIAL = 0, 1, 2, 3, 4, 5
+TAG_SPACE, TAG_CHANNEL, TAG_SOURCE, TAG_SIGN, TAG_MOVING, TAG_KEY = 0, 1, 2, 3, 4, 5
 TAG_COLUMNS = 6
 
 # Aggregation rules

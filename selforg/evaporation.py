@@ -61,4 +61,4 @@ def evaporate_whole_seconds(numbers: Floats, slot: int, now: float) -> None:
 @kernel
 def evaporated_away(numbers: Floats, slot: int, min_diffusion: float) -> bool:
     """Tell whether nothing is left of a gradient: no goal area and less diffusion than `min_diffusion` [m]."""
-    return numbers[slot, GOAL] == 0.0 and numbers[slot, DIFFUSION] < min_diffusion
+    return bool(numbers[slot, GOAL] == 0.0 and numbers[slot, DIFFUSION] < min_diffusion)

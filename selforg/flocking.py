@@ -41,7 +41,7 @@ FLOCK_PARAMETERS = 8
 @kernel
 def sigma_norm(squared: float, epsilon: float) -> float:
     """Return the sigma-norm of a vector of squared length `squared` [m2]: smooth at zero; doi:10.1109/TAC.2005.864190."""
-    return (np.sqrt(1.0 + epsilon * squared) - 1.0) / epsilon
+    return float((np.sqrt(1.0 + epsilon * squared) - 1.0) / epsilon
 
 
 @kernel
@@ -50,7 +50,7 @@ def bump(z: float, h: float) -> float:
     if 0.0 <= z < h:
         return 1.0
     if h <= z <= 1.0:
-        return 0.5 * (1.0 + np.cos(np.pi * (z - h) / (1.0 - h)))
+        return float(0.5 * (1.0 + np.cos(np.pi * (z - h) / (1.0 - h))))
     return 0.0
 
 
@@ -69,7 +69,7 @@ def action(
     c = abs(a - b) / np.sqrt(4.0 * a * b)
     shifted = z - sigma_norm(avoidance_distance * avoidance_distance, epsilon) + c
     pull = 0.5 * ((a + b) * shifted / np.sqrt(1.0 + shifted * shifted) + (a - b))
-    return bump(z / sigma_norm(view * view, epsilon), h) * pull
+    return float(bump(z / sigma_norm(view * view, epsilon), h) * pull)
 
 
 @kernel

@@ -9,7 +9,7 @@ The inner loops pass numbers, not tables: every table handed to a function that 
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
-from selforg.cells import bucket_of, layer_of, remove
+from selforg.cells import bucket_of, layer_of, remove, space_of
 from selforg.columns import (
     AFTER,
     ATTRACTION,
@@ -41,7 +41,6 @@ from selforg.columns import (
     SKIP_OWN,
     SLOT,
     SOURCE,
-    SPACE,
     TEAM,
     UNBOUNDED,
     USED,
@@ -83,7 +82,7 @@ def gather(
     grid, layers = store[4], store[2]
     x, y, z = poses[0][row, 0, X], poses[0][row, 0, Y], poses[0][row, 0, Z]
     for index in range(1, len(channels)):
-        first = layer_of(int(channels[index]), int(poses[1][row, SPACE]), 0, store[5])
+        first = layer_of(int(channels[index]), space_of(row, poses[1], store[5]), 0, store[5])
         for level in range(LEVELS):
             members = int(layers[first + level, COUNT])
             if members == 0 or found >= limit or see & (SEE_MOVING if level == MOVING else SEE_STATIC) == 0:

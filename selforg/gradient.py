@@ -28,6 +28,7 @@ class Gradient:
         clock: time up to which it has evaporated already [s]; None: its stamp.
         moving: carried by a robot (the newest per source counts) or deposited.
         payload: anything else to tell.
+
     """
 
     channel: str

@@ -159,5 +159,5 @@ def keep_ahead(own: Floats, row: int, pairs: Floats, found: int, angle_xy: float
 @kernel
 def angle_between(ax: float, ay: float, bx: float, by: float) -> float:
     """Return the angle [rad] in [0, pi] between two plane vectors; a zero vector points along the first axis."""
-    difference = abs(np.arctan2(ay, ax) - np.arctan2(by, bx))
+    difference = float(abs(np.arctan2(ay, ax) - np.arctan2(by, bx)))
     return min(difference, 2.0 * np.pi - difference)

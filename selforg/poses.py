@@ -18,7 +18,6 @@ from selforg.columns import (
     POSE_STAMP,
     POSES,
     ROW_COLUMNS,
-    SPACE,
     TEAM,
     X,
 )
@@ -37,6 +36,7 @@ class OwnPoses:
     Example:
         >>> poses = OwnPoses(Euclidean(2), rows=2, teams=np.array([0, 0]))
         >>> poses.update(np.array([[0.0, 0.0], [1.0, 0.0]]), np.zeros(2), now=0.0)
+
     """
 
     def __init__(
@@ -145,6 +145,10 @@ class OwnPoses:
         teams: Ints = self.row_table[:, TEAM]
         return teams
 
+    def members(self, team: int) -> Ints:
+        """Return the rows of a team, in their order."""
+        return self._members[self._first[team] : self._first[team + 1]]
+
     @property
     def positions(self) -> Floats:
         """Newest position of each row, (N, D) [m]; only meaningful where `known`."""
@@ -161,7 +165,6 @@ class OwnPoses:
         if teams.shape != (self.rows,) or (teams < 0).any():
             raise ValueError(f"OwnPoses: teams must be ({self.rows},) numbers from 0 up, got shape {teams.shape}")
         self.row_table[:, TEAM] = teams
-        self.row_table[:, SPACE] = teams
         self.team_count = int(teams.max()) + 1
         self._members = np.argsort(teams, kind="stable").astype(np.int64)
         self._first = np.searchsorted(teams[self._members], np.arange(self.team_count + 1)).astype(np.int64)
@@ -172,15 +175,15 @@ class OwnPoses:
         reach = np.zeros(self.team_count)
         width = max(float(self._look[:2].sum()), 0.1) if np.isfinite(self._look[:2].sum()) else 1.0
         grid = np.zeros((1, GRID_COLUMNS))
-        for axis, extent in enumerate(self.space.padded_extent):
-            number = max(1.0, np.floor(extent / width)) if extent > 0 else 1024.0
+        for axis, side in enumerate(self.space.padded_extent):
+            number = max(1.0, np.floor(side / width)) if side > 0 else 1024.0
             grid[0, CELLS + 2 * axis] = number
-            grid[0, CELLS + 2 * axis + 1] = extent / number if extent > 0 else width
+            grid[0, CELLS + 2 * axis + 1] = side / number if side > 0 else width
         size = 1 << int(2 * self.rows - 1).bit_length()
         buckets = np.full(size, -1, dtype=np.int32)
         links = np.full((self.rows, 2), -1, dtype=np.int32)
-        extent = self.space.padded_extent
-        return self.own, self.row_table, self._first, self._members, reach, extent, grid, buckets, links
+        whole = self.space.padded_extent
+        return self.own, self.row_table, self._first, self._members, reach, whole, grid, buckets, links
 
 
 @kernel

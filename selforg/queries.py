@@ -20,6 +20,7 @@ from selforg.gathering import Margins, Store, gather
 from selforg.gradient import Gradient
 from selforg.moving import UNLIMITED, keep_ahead
 from selforg.pose_cells import Poses
+from selforg.reading import gradient_of
 
 Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
 
@@ -62,6 +63,7 @@ class Queries:
         >>> seen = Queries(buffer).see(now=1.0, rows=[0, 1])
         >>> chosen, found = Queries(buffer).choose("nearest_attractive", now=1.0)
         >>> Queries(buffer).gradients(row=0, now=1.0)
+
     """
 
     def __init__(self, buffer: SoBuffer) -> None:
@@ -72,7 +74,7 @@ class Queries:
         self,
         now: float,
         rows: Rows | None = None,
-        look: Filter = Filter(),  # noqa: B008  (frozen)
+        look: Filter = Filter(),
         *,
         signs: tuple[bool, bool, bool] = EVERYTHING,
         own: bool = True,
@@ -112,7 +114,7 @@ class Queries:
         rule: str,
         now: float,
         rows: Rows | None = None,
-        look: Filter = Filter(),  # noqa: B008
+        look: Filter = Filter(),
     ) -> tuple[Floats, Flags]:
         """Return for each of `rows` the pair (R, PAIR_COLUMNS) that `rule` chooses, and whether there is one (R,).
 
@@ -138,17 +140,17 @@ class Queries:
         self,
         row: int,
         now: float,
-        look: Filter = Filter(),  # noqa: B008
+        look: Filter = Filter(),
         *,
         signs: tuple[bool, bool, bool] = EVERYTHING,
     ) -> list[Gradient]:
         """Return the gradients that `row` sees. An infinite view distance shows all, even without an own pose."""
-        return self._objects(self.see(now, [row], look, signs=signs, without_pose=True).pairs, now)
+        return self._objects(self.see(now, [row], look, signs=signs, without_pose=True).pairs)
 
-    def neighbours(self, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:  # noqa: B008
+    def neighbours(self, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
         """Return the newest moving gradient in view of every other robot, per channel and source."""
         look = Filter(look.channels, False, True, look.view_distance)
-        return self._objects(self.see(now, [row], look, own=False).pairs, now)
+        return self._objects(self.see(now, [row], look, own=False).pairs)
 
     def neighbour_histories(
         self,
@@ -156,14 +158,14 @@ class Queries:
         now: float,
         look: Filter = Filter(),
         *,
-        own: bool = False,  # noqa: B008
+        own: bool = False,
     ) -> list[list[Gradient]]:
         """Return the stored moving gradients in view, one list per channel and source, the oldest first.
 
         own: also those the row itself spread on other channels than its poses'.
         """
         look = Filter(look.channels, False, True, look.view_distance)
-        found = self._objects(self.see(now, [row], look, own=own, histories=True).pairs, now)
+        found = self._objects(self.see(now, [row], look, own=own, histories=True).pairs)
         histories: dict[tuple[str, int | str], list[Gradient]] = {}
         for gradient in sorted(found, key=lambda g: g.stamp):
             histories.setdefault((gradient.channel, gradient.source), []).append(gradient)
@@ -175,19 +177,19 @@ class Queries:
         now: float,
         angle_xy: float,
         angle_yz: float = np.inf,
-        look: Filter = Filter(),  # noqa: B008
+        look: Filter = Filter(),
     ) -> list[Gradient]:
         """Return the static gradients in view within the view angles [rad] to either side of the heading."""
         look = Filter(look.channels, True, False, look.view_distance)
-        return self._objects(self.see(now, [row], look, angles=(angle_xy, angle_yz)).pairs, now)
+        return self._objects(self.see(now, [row], look, angles=(angle_xy, angle_yz)).pairs)
 
-    def chosen(self, rule: str, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:  # noqa: B008
+    def chosen(self, rule: str, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
         """Return the gradient that `rule` chooses for `row`, in a list that is empty if there is none."""
         pairs, found = self.choose(rule, now, [row], look)
-        return self._objects(pairs[found], now)
+        return self._objects(pairs[found])
 
-    def _objects(self, pairs: Floats, now: float) -> list[Gradient]:
-        return [self._buffer.gradient_of(pair, now) for pair in pairs]
+    def _objects(self, pairs: Floats) -> list[Gradient]:
+        return [gradient_of(self._buffer, pair) for pair in pairs]
 
 
 @kernel

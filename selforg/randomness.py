@@ -19,6 +19,7 @@ class DirectionStream:
     Attributes:
         vectors: (N, block, 3) float64, drawn unit vectors, the third component zero in the plane.
         cursor: (N,) int64, next vector of each row; compiled code advances it.
+
     """
 
     def __init__(self, generators: Sequence[np.random.Generator], dim: int = 2, block: int = 256) -> None:

@@ -32,6 +32,7 @@ class BufferSettings:
         channels: channels to keep.
         whole_seconds: evaporate as the original does, by whole seconds of age (Q3), instead of exactly.
         smallest_cell: bound of the lowest level of reaches [m]; changes speed, never results.
+
     """
 
     view_distance: float = 1.5

@@ -63,8 +63,7 @@ class Torus(Space):
     def _wrap(self, positions: Floats) -> Floats:
         wrapped: Floats = np.mod(positions, self.extent)
         # np.mod rounds a tiny negative number up to the extent itself
-        wrapped = np.where(wrapped >= self.extent, 0.0, wrapped)
-        return wrapped
+        return np.where(wrapped >= self.extent, 0.0, wrapped)
 
 
 @kernel

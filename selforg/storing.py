@@ -9,6 +9,7 @@ from selforg.cells import (
     level_for,
     link,
     remove,
+    space_of,
     take_slot,
 )
 from selforg.columns import (
@@ -20,6 +21,7 @@ from selforg.columns import (
     FREE,
     HEAD,
     HISTORY,
+    KEY,
     LAST_SERIAL,
     LAYER,
     LEVELS,
@@ -30,10 +32,11 @@ from selforg.columns import (
     RANK,
     SERIAL,
     SOURCE,
-    SPACE,
+    SPACES,
     STAMP,
     SWEEP,
     TAG_CHANNEL,
+    TAG_KEY,
     TAG_MOVING,
     TAG_SIGN,
     TAG_SOURCE,
@@ -72,7 +75,7 @@ def deposit_rows(rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float
             continue
         message[X], message[Y], message[Z] = own[row, 0, X], own[row, 0, Y], own[row, 0, Z]
         message[STAMP] = message[CLOCK] = now
-        tag[TAG_SPACE], tag[TAG_SOURCE] = row_table[row, SPACE], row
+        tag[TAG_SPACE], tag[TAG_SOURCE] = space_of(row, row_table, store[5]), row
         store_one(message, tag, rules, now, store)
 
 
@@ -87,7 +90,7 @@ def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Store)
     slot = take_slot(links, counters)
     numbers[slot] = message
     links[slot, SOURCE], links[slot, ATTRACTION] = tag[TAG_SOURCE], tag[TAG_SIGN]
-    links[slot, SERIAL] = counters[LAST_SERIAL]
+    links[slot, SERIAL], links[slot, KEY] = counters[LAST_SERIAL], tag[TAG_KEY]
     start_evaporation(numbers, slot, now, whole_seconds)
     first = layer_of(int(tag[TAG_CHANNEL]), int(tag[TAG_SPACE]), 0, counters)
     if tag[TAG_MOVING]:
@@ -157,7 +160,7 @@ def sweep(layer: int, amount: int, now: float, store: Store) -> None:
 def evaporate_space(space: int, now: float, store: Store) -> None:
     """Bring everything in one space to `now` [s] and delete what evaporated away."""
     numbers, links, layers, buckets, _, counters, settings, _, _ = store
-    channels = len(layers) // (LEVELS * int(counters[4]))
+    channels = len(layers) // (LEVELS * int(counters[SPACES]))
     for channel in range(channels):
         first = layer_of(channel, space, 0, counters)
         for layer in range(first, first + LEVELS):
@@ -177,22 +180,10 @@ def evaporate_space(space: int, now: float, store: Store) -> None:
 def clear_space(space: int, store: Store) -> None:
     """Delete everything in one space and bring its lists to where they were at the beginning."""
     _, links, layers, buckets, _, counters, _, _, _ = store
-    channels = len(layers) // (LEVELS * int(counters[4]))
+    channels = len(layers) // (LEVELS * int(counters[SPACES]))
     for channel in range(channels):
         first = layer_of(channel, space, 0, counters)
         for layer in range(first, first + LEVELS):
             while layers[layer, HEAD] >= 0:
                 remove(int(layers[layer, HEAD]), links, layers, buckets, counters)
             layers[layer, SWEEP] = -1
-
-
-@kernel
-def delete_serials(serials: Ints, store: Store) -> int:
-    """Delete the gradients with one of the labels `serials` (K,); return how many were there."""
-    links, layers, buckets, counters = store[1], store[2], store[3], store[5]
-    deleted = 0
-    for slot in range(int(counters[2])):
-        if links[slot, LAYER] >= 0 and (serials == links[slot, SERIAL]).any():
-            remove(slot, links, layers, buckets, counters)
-            deleted += 1
-    return deleted

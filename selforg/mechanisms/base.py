@@ -47,8 +47,8 @@ class Mechanism(ABC):
 
     def _channels_now(self) -> Ints:
         """Return the channel table, made anew when the buffer has heard of new channels."""
-        if self._table_for != len(self.buffer.channel_names):
-            self._table_for = len(self.buffer.channel_names)
+        if self._table_for != len(self.buffer.channels):
+            self._table_for = len(self.buffer.channels)
             self._channel_table = self.buffer.channel_table(self.channels)
         return self._channel_table
 
@@ -61,6 +61,7 @@ class MovementMechanism(Mechanism):
     Example:
         >>> mechanism = RepulsionFernandez(poses, view_distance=2.0)
         >>> vectors, active = mechanism.move(now=0.2, rows=np.array([0, 3]))
+
     """
 
     def __init__(
@@ -83,20 +84,15 @@ class MovementMechanism(Mechanism):
 
     @final
     def move(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> tuple[Floats, Flags]:
-        """Return the movement (R, D) [m/s] of `rows` (R,), each at most once (None: all), and whether they have one (R,).
+        """Return movements (R, D) [m/s] of `rows` (R,), each at most once (None: all), and whether there is one (R,).
 
         Without a movement the vector is zero. A movement may be zero too: gradients in view that cancel out.
         """
-        if rows is None:
-            rows, vectors, active = self._all_rows, self._vectors, self._active
-        else:
-            count = len(rows)
-            rows, vectors, active = (
-                np.ascontiguousarray(rows, dtype=np.int64),
-                self._vectors[:count],
-                self._active[:count],
-            )
-        self._move(float(now), rows, vectors, active)
+        chosen, vectors, active = self._all_rows, self._vectors, self._active
+        if rows is not None:
+            chosen = np.ascontiguousarray(rows, dtype=np.int64)
+            vectors, active = vectors[: len(chosen)], active[: len(chosen)]
+        self._move(float(now), chosen, vectors, active)
         return vectors, active
 
     @abstractmethod

@@ -16,6 +16,7 @@ from selforg.columns import (
     PERIOD,
     TAG_CHANNEL,
     TAG_COLUMNS,
+    TAG_KEY,
     TAG_SIGN,
 )
 from selforg.gradient import check_fields
@@ -57,6 +58,7 @@ class DepositingMechanism(RuleMechanism):
         self._tag: Ints = np.zeros(TAG_COLUMNS, dtype=np.int64)
         self._tag[TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
         self._tag[TAG_SIGN] = pheromone.attraction
+        self._tag[TAG_KEY] = -1
 
     @final
     def deposit(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:

@@ -1,10 +1,11 @@
 """Which replayer takes which golden file: one line a file."""
 
-from tests.golden import buffer, conditions, movement, network
+from tests.golden import buffer, conditions, decisions, gradients, movement, network
 from tests.golden.runner import REPLAYERS, replays
 
 replays("buffer.json", buffer.replay)
 replays("conditions.json", conditions.replay)
+replays("decisions.json", decisions.replay)
 replays("gradients.json", gradients.replay)
 replays("movement.json", movement.replay)
 replays("network.json", network.replay)

@@ -1,0 +1,64 @@
+"""Decision rules: what one row makes of its neighbours' spread values. Compiled, chosen by an integer."""
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.columns import DISTANCE, KEY, POSES, SLOT, VALUE
+from selforg.compiled import kernel
+from selforg.gathering import Store, gather
+from selforg.moving import UNLIMITED
+from selforg.pose_cells import Poses
+
+QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2
+
+
+@kernel
+def decide_rows(
+    begin: int, rule: int, now: float, see: int, view: float, threshold: float, key: int, rows: Ints, channels: Ints,
+    poses: Poses, store: Store, pairs: Floats, before: Floats, values: Floats, states: Ints, decided: Flags,
+) -> int:  # fmt: skip
+    """Write value, state and whether there is a decision for rows[begin:] (R,) into `values`, `states`, `decided` (R,).
+
+    before: (N,) values up to now; key: code of the payload entry that is compared; states come in as they are now.
+    Returns how many rows are done, fewer than R if `pairs` is too short.
+    """
+    for index in range(begin, len(rows)):
+        row = int(rows[index])
+        values[index] = before[row]
+        decided[index] = poses[1][row, POSES] > 0
+        if not decided[index]:
+            continue
+        found = gather(row, (view, view, view), see, UNLIMITED, now, channels, poses, store, pairs)
+        if found > len(pairs):
+            return index
+        if rule == QUORUM:
+            values[index] = found
+            states[index] = found >= threshold
+        elif rule == GOSSIP_MAX:
+            values[index] = highest(before[row], pairs, found, key, store)
+        elif found > 0:
+            values[index] = 0.0
+            for other in range(found):
+                values[index] += pairs[other, DISTANCE]
+            states[index] = all_above(values[index], pairs, found, key, store)
+    return len(rows)
+
+
+@kernel
+def highest(own: float, pairs: Floats, found: int, key: int, store: Store) -> float:
+    """Return the maximum of the own value and those that the first `found` pairs carry under `key`."""
+    numbers, links = store[0], store[1]
+    for index in range(found):
+        slot = int(pairs[index, SLOT])
+        if slot >= 0 and links[slot, KEY] == key:
+            own = max(own, numbers[slot, VALUE])
+    return own
+
+
+@kernel
+def all_above(own: float, pairs: Floats, found: int, key: int, store: Store) -> bool:
+    """Tell whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
+    numbers, links = store[0], store[1]
+    for index in range(found):
+        slot = int(pairs[index, SLOT])
+        if slot < 0 or links[slot, KEY] != key or not numbers[slot, VALUE] > own:
+            return False
+    return True

@@ -1,0 +1,94 @@
+"""Spreading: gradients that robots carry or leave, with a value or without one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from selforg.arrays import Floats, Ints
+from selforg.buffer import SoBuffer
+from selforg.columns import (
+    CLOCK,
+    DIFFUSION,
+    FACTOR,
+    GOAL,
+    PERIOD,
+    STAMP,
+    TAG_KEY,
+    TAG_MOVING,
+    TAG_SIGN,
+    TAG_SOURCE,
+    VALUE,
+    X,
+)
+from selforg.gradient import check_fields
+from selforg.mechanisms.base import Mechanism
+from selforg.mechanisms.registry import register
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A gradient to spread at the own pose.
+
+    Attributes:
+        channel: where it is heard.
+        key: name of the value it carries, empty for none.
+        attraction, diffusion [m], goal_radius [m], evaporation_factor [-], evaporation_period [s]: as in `Gradient`.
+        moving: carried along (the newest counts) or left behind.
+
+    """
+
+    channel: str
+    key: str = ""
+    attraction: int = 1
+    diffusion: float = 1.0
+    goal_radius: float = 0.0
+    evaporation_factor: float = 1.0
+    evaporation_period: float = 0.0
+    moving: bool = True
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        check_fields(
+            np.zeros(2), self.attraction, self.diffusion, self.goal_radius, self.evaporation_factor,
+            self.evaporation_period, 0.0,
+        )  # fmt: skip
+
+
+class Spreader:
+    """Spreads one kind of gradient from the own pose of many rows at once."""
+
+    def __init__(self, buffer: SoBuffer, carried: Carried) -> None:
+        self.carried = carried
+        self._buffer = buffer
+        self._key = buffer.keys.code(carried.key) if carried.key else -1
+
+    def spread(self, now: float, rows: Ints, values: Floats | None = None, diffusions: Floats | None = None) -> None:
+        """Spread from `rows` (R,) that know their pose; values (R,) to carry, diffusions (R,) [m] of their own."""
+        if len(rows) == 0:
+            return
+        buffer, carried = self._buffer, self.carried
+        messages, tags = buffer.blank(len(rows), carried.channel)
+        messages[:, X : X + 3] = buffer.poses.own[rows, 0, X : X + 3]
+        messages[:, DIFFUSION] = carried.diffusion if diffusions is None else diffusions
+        messages[:, GOAL] = carried.goal_radius
+        messages[:, FACTOR], messages[:, PERIOD] = carried.evaporation_factor, carried.evaporation_period
+        messages[:, STAMP] = messages[:, CLOCK] = now
+        messages[:, VALUE] = 0.0 if values is None else values
+        tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = rows, carried.attraction
+        tags[:, TAG_MOVING], tags[:, TAG_KEY] = carried.moving, self._key
+        buffer.spread(messages, tags, now)
+
+
+@register
+class SpreadGradient(Mechanism):
+    """Spreads a configured gradient at the robot; it neither moves nor decides."""
+
+    def __init__(self, buffer: SoBuffer, *, carried: Carried) -> None:
+        super().__init__(buffer)
+        self._spreader = Spreader(buffer, carried)
+
+    def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
+        """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""
+        chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        self._spreader.spread(float(now), chosen[self.poses.known[chosen]])

@@ -1,0 +1,55 @@
+"""Reading: stored rows of tables back as `Gradient` objects."""
+
+import numpy as np
+
+from selforg.arrays import Floats
+from selforg.buffer import SoBuffer
+from selforg.columns import (
+    ATTRACTION,
+    CLOCK,
+    DIFFUSION,
+    DUE,
+    FACTOR,
+    GOAL,
+    HX,
+    KEY,
+    LAYER,
+    LEVELS,
+    MOVING,
+    PERIOD,
+    SERIAL,
+    SLOT,
+    SOURCE,
+    STAMP,
+    VALUE,
+    X,
+)
+from selforg.gradient import Gradient
+
+
+def gradient_of(buffer: SoBuffer, pair: Floats) -> Gradient:
+    """Return the gradient of one pair (PAIR_COLUMNS,) as it was seen; `clock` is when it last evaporated."""
+    slot, dim = int(pair[SLOT]), buffer.space.dim
+    if slot < 0:
+        age, row = divmod(-1 - slot, buffer.poses.rows)
+        return buffer.poses.gradient(row, age)
+    fields, link = buffer.table.numbers[slot], buffer.table.links[slot]
+    clock = fields[DUE] - fields[PERIOD] if np.isfinite(fields[DUE]) else fields[CLOCK]
+    payload = buffer.payloads.get(int(link[SERIAL]), {})
+    if not payload and link[KEY] >= 0:
+        payload = {buffer.keys.name(int(link[KEY])): float(fields[VALUE])}
+    return Gradient(
+        channel=buffer.channels.name(int(link[LAYER]) // (LEVELS * buffer.table.spaces)),
+        position=tuple(fields[X : X + dim].tolist()),
+        source=buffer.source_name(int(link[SOURCE])),
+        heading=tuple(fields[HX : HX + dim].tolist()),
+        attraction=int(link[ATTRACTION]),
+        diffusion=float(fields[DIFFUSION]),
+        goal_radius=float(fields[GOAL]),
+        evaporation_factor=float(fields[FACTOR]),
+        evaporation_period=float(fields[PERIOD]),
+        stamp=float(fields[STAMP]),
+        clock=float(clock),
+        moving=int(link[LAYER]) % LEVELS == MOVING,
+        payload=payload,
+    )
