@@ -2,7 +2,7 @@
 
 
 class Codes:
-    """Numbers names in the order in which they come up, from `first` on; the names known from the start are 0, 1, ..."""
+    """Numbers names in the order in which they come up, from `first` on; names known from the start are 0, 1, ..."""
 
     def __init__(self, first: int = 0, known: tuple[str, ...] = ()) -> None:
         self._first = first

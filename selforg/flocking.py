@@ -1,4 +1,4 @@
-"""Flocking: the terms of Reynolds (1987) and of Olfati-Saber (2006), and the kernel that runs them for many rows.
+"""Flocking: the terms of Reynolds (1987) and Olfati-Saber (2006, doi:10.1109/TAC.2005.864190), and their kernel.
 
 A boid is a row of a table, float64 (M, BOID_COLUMNS): its offset from the robot [m], its velocity [m/s] (Olfati-Saber)
 or unit heading (Reynolds), its goal radius [m].
@@ -40,8 +40,8 @@ FLOCK_PARAMETERS = 8
 
 @kernel
 def sigma_norm(squared: float, epsilon: float) -> float:
-    """Return the sigma-norm of a vector of squared length `squared` [m2]: smooth at zero; doi:10.1109/TAC.2005.864190."""
-    return float((np.sqrt(1.0 + epsilon * squared) - 1.0) / epsilon
+    """Return the sigma-norm of a vector of squared length `squared` [m2], smooth at zero; Olfati-Saber (2006)."""
+    return float((np.sqrt(1.0 + epsilon * squared) - 1.0) / epsilon)
 
 
 @kernel
@@ -56,7 +56,7 @@ def bump(z: float, h: float) -> float:
 
 @kernel
 def adjacency(squared: float, epsilon: float, h: float, view: float) -> float:
-    """Return the spatial adjacency [-] of two boids at squared distance `squared` [m2] with interaction range `view`."""
+    """Return the spatial adjacency [-] of two boids at squared distance `squared` [m2]; `view` is their range [m]."""
     return bump(sigma_norm(squared, epsilon) / sigma_norm(view * view, epsilon), h)
 
 
