@@ -1,7 +1,7 @@
 """Delivery: who receives what is spread, and when. The input side of a buffer.
 
-Ideal delivery (the default) needs nothing of this: all rows of a team share one content. With a limited range, losses or
-a delay every row has a content of its own, and what is spread is stored once for each row that receives it.
+Ideal delivery (the default) needs nothing of this: all rows of a team share one content. With a limited range, losses
+or a delay every row has a content of its own, and what is spread is stored once for each row that receives it.
 """
 
 from collections.abc import Sequence
@@ -92,9 +92,7 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         rows = poses.members(team)
         offsets = poses.space.offsets(message[X : X + poses.space.dim], poses.positions[rows])
         near = poses.known[rows] & (np.sqrt((offsets * offsets).sum(axis=1)) <= delivery.reach)
-        if (
-            0 < delivery.loss < 1
-        ):  # one draw for every row of the team, whether in range or not: the stream stays aligned
+        if 0 < delivery.loss < 1:  # a draw for every row, in range or not: who moves changes no luck
             near &= delivery.generators[team].random(len(rows)) >= delivery.loss
         elif delivery.loss == 1:
             near[:] = False

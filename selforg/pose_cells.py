@@ -8,7 +8,7 @@ from selforg.compiled import kernel
 CROWD = 32
 
 # own (N, K, POSE_COLUMNS), rows (N, ROW_COLUMNS), first member of each team (T + 1,), members (N,),
-# largest reach in each team (T,) [m], extent (3,) [m], cells (1, GRID_COLUMNS), buckets, next row in the bucket and cell (N, 2)
+# largest reach in each team (T,) [m], extent (3,) [m], cells (1, GRID_COLUMNS), buckets, next in bucket and cell (N, 2)
 Poses = tuple[Floats, Ints, Ints, Ints, Floats, Floats, Floats, Links, Links]
 
 

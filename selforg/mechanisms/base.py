@@ -22,7 +22,7 @@ from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW
 from selforg.settings import BufferSettings
 
 
-class Mechanism(ABC):
+class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract method of its own)
     """What all mechanisms share: whose gradients they look at, on which channels and how far."""
 
     def __init__(
@@ -54,7 +54,7 @@ class Mechanism(ABC):
 
 
 class MovementMechanism(Mechanism):
-    """Blueprint of a mechanism that answers: in which direction, how fast, and is there anything to react to?
+    """Blueprint of a mechanism that says in which direction to move, how fast, and whether there is a reason to.
 
     Subclasses implement `_move`. The arrays that `move` returns belong to the mechanism and hold until its next call.
 

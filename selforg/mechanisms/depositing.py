@@ -47,7 +47,7 @@ class Pheromone:
 
 
 class DepositingMechanism(RuleMechanism):
-    """A movement mechanism that also deposits. `move` never sees what the same tick deposits: call `deposit` after it."""
+    """A movement mechanism that also deposits: call `deposit` after `move`, which must not see it in the same tick."""
 
     def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
         super().__init__(buffer, **options)

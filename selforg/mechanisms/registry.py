@@ -29,6 +29,6 @@ def find(name: str) -> type[Mechanism]:
     return _known[name]
 
 
-def create(name: str, *arguments: Any, **parameters: Any) -> Mechanism:
+def create(name: str, *arguments: object, **parameters: object) -> Any:  # noqa: ANN401  (any class, by name)
     """Return a new mechanism by name; arguments and parameters are those of its class."""
     return find(name)(*arguments, **parameters)
