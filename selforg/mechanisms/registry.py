@@ -31,4 +31,5 @@ def find(name: str) -> type[Mechanism]:
 
 def create(name: str, *arguments: object, **parameters: object) -> Any:  # noqa: ANN401  (any class, by name)
     """Return a new mechanism by name; arguments and parameters are those of its class."""
-    return find(name)(*arguments, **parameters)
+    factory: Any = find(name)
+    return factory(*arguments, **parameters)
