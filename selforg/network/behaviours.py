@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 from selforg.network.conditions import Optional, Tree
 
 SensorKind = Literal["fact", "number"]
+Algorithm = Literal["default", "uniform"]
 
 
 @dataclass(frozen=True)
@@ -18,6 +20,9 @@ class Sensor:
     name: str
     kind: SensorKind = "number"
 
+    def __post_init__(self) -> None:
+        _check_choice(f"sensor {self.name!r}: kind", self.kind, get_args(SensorKind))
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -25,6 +30,10 @@ class Effect:
 
     sensor: str
     change: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.change):
+            raise ValueError(f"effect on {self.sensor!r}: expected a finite change, got {self.change}")
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,7 @@ class NetworkSettings:
 
     """
 
-    algorithm: Literal["default", "uniform"] = "default"
+    algorithm: Algorithm = "default"
     weights: Weights = field(default_factory=Weights)
     activation_decay: float = 0.9
     activation_threshold: float = 7.0
@@ -133,9 +142,17 @@ class NetworkSettings:
     strict_progress: bool = False
 
     def __post_init__(self) -> None:
+        _check_choice("algorithm", self.algorithm, get_args(Algorithm))
+        if not math.isfinite(self.activation_threshold):
+            raise ValueError(f"activation_threshold must be finite, got {self.activation_threshold}")
         if not 0.0 < self.threshold_decay <= 1.0:
             raise ValueError(f"threshold_decay must lie in (0, 1], got {self.threshold_decay}")
         if not 0.0 <= self.activation_decay <= 1.0:
             raise ValueError(f"activation_decay must lie in [0, 1], got {self.activation_decay}")
         if self.max_parallel is not None and self.max_parallel < 1:
             raise ValueError(f"max_parallel must be at least 1 or None, got {self.max_parallel}")
+
+
+def _check_choice(what: str, given: str, known: tuple[str, ...]) -> None:
+    if given not in known:
+        raise ValueError(f"{what} must be one of {', '.join(known)}, got {given!r}")

@@ -5,12 +5,13 @@ A model is built once; `BehaviourNetwork` runs it for any number of rows.
 
 from __future__ import annotations
 
+import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from selforg.network import tables as t
 from selforg.network.activators import BOOLEAN, EQUAL, THRESHOLD
-from selforg.network.behaviours import Behaviour, Goal, NetworkSettings, Sensor
+from selforg.network.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.conditions import Condition, Conjunction, Disjunction, Leaf, Negation, Optional, Tree, leaves
 
 _COMPOSED = {Conjunction: t.CONJUNCTION, Disjunction: t.DISJUNCTION}
@@ -21,6 +22,9 @@ class NetworkModel:
 
     Raises:
         ValueError: for a doubled name, an unknown sensor, or an activator that does not fit the sensor's kind.
+
+    Warns:
+        UserWarning: for an effect larger than 1, by which the default algorithm turns inhibition into support (Q17).
 
     """
 
@@ -96,6 +100,7 @@ class _Packer:
                     self.ints[t.PRECONDITION_NODE].append(node)
                     self.ints[t.PRECONDITION_TAG].append(tag)
             for effect in interface.effects:
+                self._warn_of_large(effect, where)
                 self.ints[t.EFFECT_OWNER].append(b)
                 self.ints[t.EFFECT_SENSOR].append(self.model.sensor(effect.sensor, where))
                 self.ints[t.EFFECT_TAG].append(tag)
@@ -103,6 +108,13 @@ class _Packer:
         self.ints[t.INTERRUPTABLE].append(int(behaviour.interruptable))
         self.ints[t.TIMEOUT].append(-1 if behaviour.timeout is None else behaviour.timeout)
         self.floats[t.READY_THRESHOLD].append(behaviour.ready_threshold)
+
+    def _warn_of_large(self, effect: Effect, where: str) -> None:
+        if abs(effect.change) > 1.0 and self.model.settings.algorithm == "default":
+            told = (
+                f"{where}: effect {effect.change} on {effect.sensor!r} is larger than 1: it can support what it hinders"
+            )
+            warnings.warn(told, stacklevel=5)
 
     def _goal(self, g: int) -> None:
         goal = self.model.goals[g]

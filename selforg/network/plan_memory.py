@@ -80,12 +80,13 @@ def _or(value: int | None, otherwise: int) -> int:
 
 @kernel
 def hashed(key: Ints) -> np.int64:
-    """Return a non-negative hash of the key's words (FNV-1a with a final mix)."""
-    value = np.uint64(14695981039346656037)
+    """Return a non-negative hash of the key's words (FNV-1a on thirds of words; small enough never to overflow)."""
+    value = np.int64(18652613)
     for word in key:
-        value = (value ^ np.uint64(word)) * np.uint64(1099511628211)
-        value = value ^ (value >> np.uint64(29))
-    return np.int64(value >> np.uint64(1))
+        for shift in (0, 30, 60):
+            part = (word >> np.int64(shift)) & np.int64(0x3FFFFFFF)
+            value = ((value ^ part) * np.int64(16777619)) & np.int64(0x7FFFFFFF)
+    return value ^ (value >> np.int64(15))
 
 
 @kernel

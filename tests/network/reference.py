@@ -1,6 +1,7 @@
 """One robot's behaviour network, naive: plain dictionaries and loops, written from the rules in `golden/README.md`.
 
-Nothing of `selforg.network` but the declarations is used, so that the compiled kernels have something to be compared with.
+Nothing of `selforg.network` but the declarations is used, so that the compiled kernels have something to be compared
+with.
 """
 
 import math
@@ -313,9 +314,7 @@ class ReferenceNetwork:
 
     def yields(self, running: str, starting: str) -> bool:
         one, other = self.nodes[running], self.nodes[starting]
-        weaker = one.priority < other.priority or (
-            one.priority == other.priority and one.activation < other.activation
-        )
+        weaker = one.priority < other.priority or (one.priority == other.priority and one.activation < other.activation)
         return self.declared[running].interruptable and not one.manual and weaker
 
     def stop(self, name: str) -> None:
