@@ -105,11 +105,14 @@ def ring_cell(coordinate: float, number: float, width: float) -> int:
 
 @kernel
 def bucket_of(layer: int, cell: int, buckets: Links) -> int:
-    """Return the bucket of a cell; the number of buckets is a power of two."""
-    mixed = cell * 1540483477 + layer * 1013904223  # both below 2**31: no overflow of 64 bits
+    """Return the bucket of a cell; the number of buckets is a power of two.
+
+    Sixteen neighbouring cells of a line share a cache line of buckets: a window then waits for few of them.
+    """
+    mixed = (cell >> 4) * 1540483477 + layer * 1013904223  # both below 2**31: no overflow of 64 bits
     mixed ^= mixed >> 17
     mixed ^= mixed >> 9
-    return mixed & (len(buckets) - 1)
+    return ((mixed << 4) | (cell & 15)) & (len(buckets) - 1)
 
 
 @kernel

@@ -19,13 +19,14 @@ VALUE = 14  # a number that it carries; which one, KEY says
 GRADIENT_COLUMNS = 15
 
 # Table of links of stored gradients, int32 (M, LINK_COLUMNS)
-LAYER = 0  # row of the layer table, -1 for a free slot
+# Those that a walk reads come first.
+NEXT = 0  # next slot in the bucket (or in the list of free slots), -1 at the end
 CELL = 1  # cell of a static gradient, source of a moving one
-SOURCE = 2  # who spread it
+LAYER = 2  # row of the layer table, -1 for a free slot
 ATTRACTION = 3  # +1, 0, -1
-NEXT = 4  # next slot in the bucket (or in the list of free slots), -1 at the end
-AFTER, BEFORE = 5, 6  # neighbours in the list of the layer, in the order of storing
-RANK = 7  # age of a moving gradient among those of its source, 0 is the newest
+RANK = 4  # age of a moving gradient among those of its source, 0 is the newest
+SOURCE = 5  # who spread it
+AFTER, BEFORE = 6, 7  # neighbours in the list of the layer, in the order of storing
 SERIAL = 8  # label under which the border finds payloads
 KEY = 9  # code of the payload entry that VALUE is, -1 for none
 LINK_COLUMNS = 10

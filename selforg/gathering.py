@@ -111,7 +111,7 @@ def gather_layer(
             here, slot = slot, int(links[slot, step])  # before `here` may be removed
             if cells >= 0 and (links[here, CELL] != cell or links[here, LAYER] != layer):
                 continue
-            if (newest_only and links[here, RANK] != 0) or links[here, SOURCE] == skipped >= 0:
+            if (newest_only and links[here, RANK] != 0) or (skipped >= 0 and links[here, SOURCE] == skipped):
                 continue
             if now >= numbers[here, DUE]:
                 evaporate(numbers, here, now)

@@ -5,14 +5,20 @@ import numpy as np
 from selforg.arrays import Floats, Ints, Links
 from selforg.cells import make_grid, rebuild
 from selforg.columns import (
+    AFTER,
     AGGREGATION_DISTANCE,
+    BEFORE,
+    CELL,
     CHANNELS,
     COUNT,
     COUNTERS,
     FREE,
     GRADIENT_COLUMNS,
+    HEAD,
+    HIGH,
     HISTORY,
     LAST_SERIAL,
+    LAYER,
     LAYER_COLUMNS,
     LEVELS,
     LINK_COLUMNS,
@@ -20,6 +26,8 @@ from selforg.columns import (
     PER_ROW,
     SETTINGS,
     SPACES,
+    SWEEP,
+    TAIL,
     USED,
     WHOLE_SECONDS,
 )
@@ -29,6 +37,8 @@ from selforg.space import Space
 from selforg.windows import MOST_CELLS
 
 SMALLEST_CAPACITY = 64  # gradients
+SMALLEST_MESS = 4096  # gradients: as many fit a fast cache in any order
+LARGEST_MESS = 1 << 18  # gradients: beyond, a second copy of the tables would take too much memory
 
 
 class Tables:
@@ -56,6 +66,7 @@ class Tables:
         self._grid = make_grid(space.padded_extent, space.dim, settings.smallest_cell)
         self._window: Ints = np.zeros(MOST_CELLS, dtype=np.int64)
         self._extent = space.padded_extent
+        self._tidy_at = SMALLEST_MESS  # serial number from which on neighbours are moved together again
         self.packed: Store = self._pack()
 
     @property
@@ -87,21 +98,37 @@ class Tables:
         return int(counts[channel, spaces].sum())
 
     def reserve(self, more: int) -> None:
-        """Make room for `more` gradients, by doubling."""
-        needed, stored = self.used + more, len(self.links)
-        if needed <= stored:
-            return
-        capacity = stored
+        """Make room for `more` gradients, by doubling; called before each storing."""
+        needed, capacity = self.used + more, len(self.links)
         while capacity < needed:
             capacity *= 2
+        untidy = self._counters[LAST_SERIAL] >= self._tidy_at and capacity <= LARGEST_MESS
+        if capacity > len(self.links) or untidy:
+            self._move_to(capacity)
+
+    def _move_to(self, capacity: int) -> None:
+        """Move to tables of `capacity`, neighbours in space next to each other: a walk then waits for few cache lines.
+
+        Done whenever half as many have come as there were, so at a cost per gradient that hardly grows.
+        """
+        live = np.flatnonzero(self.links[: int(self._counters[HIGH]), LAYER] >= 0)
+        order = live[np.lexsort((self.links[live, CELL], self.links[live, LAYER]))]
+        place = np.full(len(self.links) + 1, -1, dtype=np.int32)  # new slot of each old one; the last: of "none"
+        place[order] = np.arange(len(order), dtype=np.int32)
         numbers = np.empty((capacity, GRADIENT_COLUMNS))
-        numbers[:stored] = self.numbers
-        self.numbers = numbers
+        np.take(self.numbers, order, axis=0, out=numbers[: len(order)])
+        self.numbers = numbers  # the old ones go before the next are made
         links = np.empty((capacity, LINK_COLUMNS), dtype=np.int32)
-        links[:stored] = self.links
+        np.take(self.links, order, axis=0, out=links[: len(order)])
+        for column in (AFTER, BEFORE):
+            links[: len(order), column] = place[links[: len(order), column]]
+        for column in (HEAD, TAIL, SWEEP):
+            self.layers[:, column] = place[self.layers[:, column]]
         self.links = links
+        self._counters[[FREE, HIGH]] = -1, len(order)
         self._buckets = np.empty(capacity, dtype=np.int32)
         rebuild(self.links, self.layers, self._buckets, self._counters)
+        self._tidy_at = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 2)
         self.packed = self._pack()
 
     def _pack(self) -> Store:

@@ -25,7 +25,12 @@ def run(worlds, capacity=64, late=()):
     streams = [np.random.default_rng((seed, row)) for seed in worlds for row in range(ROBOTS)]
     patrol = Patrol(trail, directions=DirectionStream(streams, block=16), channels=["Pheromone"])
     patrol._message[7:9] = 0.9, 1.0  # evaporates fast: much comes and goes
-    mechanisms = [RepulsionFernandez(poses, view_distance=2.0), RepulsionGradient(poses), ChemotaxisBalch(items), patrol]
+    mechanisms = [
+        RepulsionFernandez(poses, view_distance=2.0),
+        RepulsionGradient(poses),
+        ChemotaxisBalch(items),
+        patrol,
+    ]
     positions = np.concatenate([rng.random((ROBOTS, 2)) * 11 for rng in rngs])
     for team, rng in enumerate(rngs):
         items.store_static(team, "garbage", rng.random((10, 2)) * 11, 0.0)

@@ -34,7 +34,9 @@ class NaiveBuffer:
 
     def store(self, g, now):
         self.prune(now)
-        distances = [np.linalg.norm(self.space.offsets(np.array(g.position), np.array(o.position))) for o in self.stored]
+        distances = [
+            np.linalg.norm(self.space.offsets(np.array(g.position), np.array(o.position))) for o in self.stored
+        ]
         nearest = int(np.argmin(distances)) if distances else -1
         if nearest < 0 or distances[nearest] > self.distance:
             self.stored.append(g)
@@ -88,7 +90,8 @@ def test_when_it_is_looked_at_does_not_change_what_is_left():
     for tick in range(100):
         eager.evaporate(tick * 0.1)
     one, other = (
-        sorted((g.position, g.diffusion, g.clock) for g in Queries(b).gradients(0, 9.9, EVERYTHING)) for b in (lazy, eager)
+        sorted((g.position, g.diffusion, g.clock) for g in Queries(b).gradients(0, 9.9, EVERYTHING))
+        for b in (lazy, eager)
     )
     assert one == other
     assert len(one) > 0
