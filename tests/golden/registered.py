@@ -1,6 +1,6 @@
 """Which replayer takes which golden file: one line a file."""
 
-from tests.golden import buffer, conditions, decisions, gradients, movement, network
+from tests.golden import buffer, conditions, decisions, gradients, movement, network, selection
 from tests.golden.runner import REPLAYERS, replays
 
 replays("buffer.json", buffer.replay)
@@ -9,5 +9,6 @@ replays("decisions.json", decisions.replay)
 replays("gradients.json", gradients.replay)
 replays("movement.json", movement.replay)
 replays("network.json", network.replay)
+replays("selection.json", selection.replay)
 
 FILES = tuple(REPLAYERS)
