@@ -29,7 +29,7 @@ from selforg.columns import (
 )
 from selforg.delivery import Delivery, Mail, address
 from selforg.gathering import Store
-from selforg.gradient import Gradient, check_fields, check_gradient
+from selforg.gradient import Gradient, check_fields, check_gradient, require
 from selforg.poses import OwnPoses
 from selforg.settings import BufferSettings
 from selforg.space import Space
@@ -105,7 +105,11 @@ class SoBuffer:
         messages[:, DIFFUSION], messages[:, GOAL] = diffusion, goal_radius
         messages[:, FACTOR], messages[:, PERIOD] = evaporation_factor, evaporation_period
         messages[:, STAMP] = messages[:, CLOCK] = now
-        tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = source, attraction
+        sources = np.asarray(source)
+        require(
+            "source", sources, (sources >= -1) & (sources < self.poses.rows), f"a row below {self.poses.rows}, or -1"
+        )
+        tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = sources, attraction
         tags[:, TAG_SPACE] = self._check_teams(teams)
         self.store_tables(*self._for_all(messages, tags), now)
 
@@ -203,7 +207,13 @@ class SoBuffer:
 
     def source_code(self, source: int | str) -> int:
         """Return the number of `source`: a row is its own number, names are numbered after the rows."""
-        return self.sources.code(source) if isinstance(source, str) else int(source)
+        if isinstance(source, str):
+            return self.sources.code(source)
+        if isinstance(source, bool) or not isinstance(source, (int, np.integer)) or not -1 <= source < self.poses.rows:
+            raise ValueError(
+                f"gradient: source must be a name or a row in 0..{self.poses.rows - 1} (-1: nobody), got {source!r}"
+            )
+        return int(source)
 
     def source_name(self, code: int) -> int | str:
         """Return what `source_code` numbered; rows without names are numbers."""

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-FARTHEST = 1e9  # [m], [s]: beyond, doubles no longer resolve a micrometre
+FARTHEST = 1e9  # [m]: beyond, doubles no longer resolve a micrometre
+LATEST = 1e12  # [s]
+SHORTEST = 1e-6  # [s]: shorter periods would need more evaporations than can be counted
 
 
 @dataclass(frozen=True)
@@ -62,22 +64,28 @@ def check_fields(
 ) -> None:
     """Raise ValueError naming the first field with an impossible value; each a number or an array of them."""
     require("position", position, np.abs(position) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
-    sign = np.asarray(attraction)
+    sign = numbers("attraction", attraction)
     require("attraction", sign, (sign == -1) | (sign == 0) | (sign == 1), "-1, 0 or 1")
-    for name, radius, infinite in (("diffusion", diffusion, True), ("goal_radius", goal_radius, False)):
-        value = np.asarray(radius, dtype=np.float64)
-        fits = (value >= 0) & ((value <= FARTHEST) | (infinite & np.isinf(value)))
-        require(
-            name, value, fits, f"at least 0 and {'at most' if not infinite else 'infinite or at most'} {FARTHEST:g} m"
-        )
-    factor = np.asarray(evaporation_factor, dtype=np.float64)
+    radius = numbers("diffusion", diffusion)
+    fits = (radius >= 0) & ((radius <= FARTHEST) | np.isinf(radius))
+    require("diffusion", radius, fits, f"at least 0 and at most {FARTHEST:g} m, or infinite")
+    radius = numbers("goal_radius", goal_radius)
+    require("goal_radius", radius, (radius >= 0) & (radius <= FARTHEST), f"at least 0 and at most {FARTHEST:g} m")
+    factor = numbers("evaporation_factor", evaporation_factor)
     require("evaporation_factor", factor, (factor >= 0) & (factor <= 1), "in [0, 1]")
-    period = np.asarray(evaporation_period, dtype=np.float64)
-    require(
-        "evaporation_period", period, (period == 0) | ((period >= 1e-6) & (period < np.inf)), "0 or at least 1e-6 s"
-    )
-    clock = np.asarray(stamp, dtype=np.float64)
-    require("stamp", clock, np.abs(clock) <= 1e12, "finite, at most 1e12 s")
+    period = numbers("evaporation_period", evaporation_period)
+    fits = (period == 0) | ((period >= SHORTEST) & (period < np.inf))
+    require("evaporation_period", period, fits, f"0 or at least {SHORTEST:g} s")
+    clock = numbers("stamp", stamp)
+    require("stamp", clock, np.abs(clock) <= LATEST, f"finite, at most {LATEST:g} s")
+
+
+def numbers(name: str, value: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return `value` as float64; raises ValueError for field `name` if it is not a number or an array of them."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"gradient: {name} must be a number, got {value!r}") from None
 
 
 def require(name: str, value: npt.NDArray[Any], fits: npt.NDArray[np.bool_] | np.bool_, expected: str) -> None:
@@ -89,15 +97,19 @@ def require(name: str, value: npt.NDArray[Any], fits: npt.NDArray[np.bool_] | np
 
 def padded(vector: Sequence[float], dim: int, name: str) -> npt.NDArray[np.float64]:
     """Return `vector` (D,) as (3,) float64; raises ValueError if it has another number of components than `dim`."""
-    out = np.zeros(3)
-    if len(vector) not in ((dim,) if name == "position" else (0, dim)):
-        raise ValueError(f"gradient: {name} must have {dim} components, got {len(vector)}")
-    out[: len(vector)] = vector
+    out, given = np.zeros(3), numbers(name, vector)
+    if given.shape not in ((dim,), (0,) if name == "heading" else (dim,)):
+        raise ValueError(f"gradient: {name} must have {dim} components, got {vector!r}")
+    out[: len(given)] = given
     return out
 
 
 def check_gradient(gradient: Gradient, dim: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Return position and heading as (3,) float64; raises ValueError naming the first impossible field."""
+    if not isinstance(gradient.channel, str):
+        raise ValueError(f"gradient: channel must be a name, got {gradient.channel!r}")
+    if not isinstance(gradient.payload, Mapping):
+        raise ValueError(f"gradient: payload must be a mapping, got {gradient.payload!r}")
     place, heading = padded(gradient.position, dim, "position"), padded(gradient.heading, dim, "heading")
     check_fields(
         place, gradient.attraction, gradient.diffusion, gradient.goal_radius, gradient.evaporation_factor,
@@ -105,5 +117,6 @@ def check_gradient(gradient: Gradient, dim: int) -> tuple[npt.NDArray[np.float64
     )  # fmt: skip
     require("heading", heading, np.abs(heading) <= FARTHEST, "finite")
     if gradient.clock is not None:
-        require("clock", np.asarray(gradient.clock), np.abs(gradient.clock) <= 1e12, "finite, at most 1e12 s")
+        clock = numbers("clock", gradient.clock)
+        require("clock", clock, np.abs(clock) <= LATEST, f"finite, at most {LATEST:g} s")
     return place, heading

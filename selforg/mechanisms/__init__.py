@@ -23,6 +23,7 @@ from selforg.mechanisms.following import FollowMaxReach as FollowMaxReach
 from selforg.mechanisms.following import FollowMin as FollowMin
 from selforg.mechanisms.following import FollowMinReach as FollowMinReach
 from selforg.mechanisms.following import FollowStrongest as FollowStrongest
+from selforg.mechanisms.formula import FormulaMechanism as FormulaMechanism
 from selforg.mechanisms.registry import create as create
 from selforg.mechanisms.registry import find as find
 from selforg.mechanisms.registry import names as names

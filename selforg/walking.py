@@ -1,0 +1,59 @@
+"""Walking: a kernel for a formula of your own, which then runs for one robot or a million pairs."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import TypeAlias
+
+import numpy as np
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
+from selforg.compiled import kernel
+from selforg.gathering import Store, gather
+from selforg.moving import UNLIMITED
+from selforg.pose_cells import Poses
+from selforg.rules import add, full_length, limit
+
+# (distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of the contribution:
+# towards the gradient if positive, away from it if negative; minus infinity is full repulsion, of the gradient's reach
+Formula: TypeAlias = Callable[[float, float, float, float, float, float], float]
+Walk: TypeAlias = Callable[..., tuple[int, bool]]
+
+
+@cache
+def make_walk(formula: Formula) -> Walk:
+    """Return a kernel that sums `formula`, a function compiled with `selforg.compiled.kernel`, over what rows see.
+
+    The kernel is called as `FormulaMechanism` does it; it takes and returns what `selforg.moving.move_rows` does.
+    """
+
+    @kernel
+    def walk(
+        begin: int, now: float, see: int, view: float, lowest: float, highest: float, rows: Ints, channels: Ints,
+        poses: Poses, store: Store, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
+    ) -> tuple[int, bool]:  # fmt: skip
+        own, known = poses[0], poses[1]
+        low = False
+        for index in range(begin, len(rows)):
+            row = int(rows[index])
+            total = np.zeros(3)
+            found = 0
+            if known[row, POSES] > 0:
+                found = gather(row, (view, view, view), see, UNLIMITED, now, channels, poses, store, pairs)
+            if found > len(pairs):
+                return index, low
+            own_goal, own_reach = own[row, 0, GOAL], own[row, 0, DIFFUSION] + own[row, 0, GOAL]
+            for i in range(found):
+                length = formula(
+                    pairs[i, DISTANCE], own_goal, own_reach, pairs[i, PAIR_DIFFUSION], pairs[i, PAIR_GOAL],
+                    pairs[i, SIGN],
+                )  # fmt: skip
+                add(total, pairs, i, length, full_length(pairs, i), row, drawn, cursor)
+            limit(total, lowest, highest)
+            active[index] = found > 0
+            for axis in range(vectors.shape[1]):
+                vectors[index, axis] = total[axis]
+            low |= 2 * cursor[row] >= drawn.shape[1]
+        return len(rows), low
+
+    return walk
