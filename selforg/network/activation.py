@@ -1,7 +1,8 @@
 """Activation of one row's behaviours: who gets how much from whom (compiled).
 
 The terms are those of Maes ("How to do the right thing", 1989, doi:10.1080/09540098908915643), extended by the paper.
-Each is added to its own layer of the state, so that every step can be explained.
+Each is added to its own layer of the state, so that every step can be explained. Which effect meets which wish is known
+when the model is built (`tables`, pairs); a step only walks those pairs.
 """
 
 from __future__ import annotations
@@ -12,6 +13,16 @@ from selforg.compiled import kernel
 from selforg.network import state as st
 from selforg.network import tables as t
 from selforg.network.plan_watch import INDEX, LENGTH
+from selforg.network.sharing import (
+    COUNTS,
+    count_effects,
+    count_wishes,
+    find_live,
+    helpers,
+    operational,
+    opponents,
+    wishers,
+)
 from selforg.network.tables import Floats, Ints, floats_of, ints_of
 
 
@@ -36,86 +47,15 @@ def hindering(effect: float, wish: float, uniform: int) -> float:
 
 
 @kernel
-def operational(marks: Ints, row: int, b: int) -> bool:
-    """Whether the other behaviours take notice of behaviour `b`."""
-    return bool(marks[st.PRESENT, row, b] == 1 and marks[st.ENABLED, row, b] == 1)
-
-
-@kernel
-def total_activation(values: Floats, marks: Ints, row: int) -> float:
-    """Activation of all operational behaviours, 1 if there is none."""
-    total = 0.0
-    for b in range(values.shape[2]):
-        if operational(marks, row, b):
-            total += values[st.ACTIVATION, row, b]
-    return total if total != 0.0 else 1.0
-
-
-@kernel
-def count_effects(ints: Ints, floats: Floats, marks: Ints, row: int, sensor: int) -> tuple[int, int, int]:
-    """Operational behaviours with a positive, a negative and any effect on `sensor`."""
-    first, entry = ints_of(ints, t.SENSOR_EFFECT_FIRST), ints_of(ints, t.SENSOR_EFFECT)
-    owner, tag = ints_of(ints, t.EFFECT_OWNER), ints_of(ints, t.EFFECT_TAG)
-    change = floats_of(floats, t.EFFECT_CHANGE)
-    positive, negative, either = 0, 0, 0
-    last_positive, last_negative, last = -1, -1, -1  # a behaviour's effects on one sensor follow each other
-    for k in range(first[sensor], first[sensor + 1]):
-        e = entry[k]
-        b = owner[e]
-        if change[e] == 0.0 or not operational(marks, row, b):
-            continue
-        if tag[e] >= 0 and tag[e] != marks[st.ALTERNATIVE, row, b]:
-            continue
-        if change[e] > 0.0 and b != last_positive:
-            positive += 1
-            last_positive = b
-        if change[e] < 0.0 and b != last_negative:
-            negative += 1
-            last_negative = b
-        if b != last:
-            either += 1
-            last = b
-    return positive, negative, either
-
-
-@kernel
-def count_wishes(ints: Ints, marks: Ints, wishes: Floats, kept: Ints, row: int, sensor: int) -> tuple[int, int]:
-    """Operational behaviours that wish more and that wish less of `sensor`."""
-    first, entry = ints_of(ints, t.SENSOR_WISH_FIRST), ints_of(ints, t.SENSOR_WISH)
-    owner = ints_of(ints, t.WISH_OWNER)
-    positive, negative = 0, 0
-    last_positive, last_negative = -1, -1
-    for k in range(first[sensor], first[sensor + 1]):
-        u = entry[k]
-        b = owner[u]
-        if not kept[row, u] or not operational(marks, row, b):
-            continue
-        if wishes[row, u] > 0.0 and b != last_positive:
-            positive += 1
-            last_positive = b
-        if wishes[row, u] < 0.0 and b != last_negative:
-            negative += 1
-            last_negative = b
-    return positive, negative
-
-
-@kernel
-def opposing(wish: float, positive: int, negative: int, either: int) -> int:
-    """How many share the inhibition of a wish: those whose effect goes against it, at least 1."""
-    count = either if wish == 0.0 else (negative if wish > 0.0 else positive)
-    return max(count, 1)
-
-
-@kernel
-def weigh_goals(row: int, ints: Ints, floats: Floats, goal_enabled: Ints, weight: Floats) -> None:
+def weigh_goals(floats: Floats, by_priority: int, enabled: Ints, weight: Floats) -> None:
     """Fill `weight` (G,): 1, or the priorities of the goals that are on mapped linearly onto [1, 2]."""
-    priority = floats_of(floats, t.GOAL_PRIORITY)
     weight[:] = 1.0
-    if not ints_of(ints, t.OPTIONS)[2]:
+    if not by_priority:
         return
+    priority = floats_of(floats, t.GOAL_PRIORITY)
     least, most = math.inf, -math.inf
     for g in range(weight.shape[0]):
-        if goal_enabled[row, g]:
+        if enabled[g]:
             least, most = min(least, priority[g]), max(most, priority[g])
     if most > least:
         for g in range(weight.shape[0]):
@@ -123,86 +63,118 @@ def weigh_goals(row: int, ints: Ints, floats: Floats, goal_enabled: Ints, weight
 
 
 @kernel
-def spread_of_sensor(
-    row: int, sensor: int, ints: Ints, floats: Floats, values: Floats, marks: Ints, wishes: Floats, kept: Ints,
-    goal_enabled: Ints, goal_weight: Floats, total: float,
+def flow_from_goals(
+    ints: Ints, floats: Floats, wishes: Floats, live: Ints, counts: Ints, enabled: Ints, goal_weight: Floats,
+    goals: Floats, inhibition: Floats,
 ) -> None:  # fmt: skip
-    """Add what flows over one sensor: from goals to behaviours and between behaviours."""
-    first = ints_of(ints, t.SENSOR_EFFECT_FIRST)
-    if first[sensor] == first[sensor + 1]:
-        return
-    entry = ints_of(ints, t.SENSOR_EFFECT)
-    owner, tag, change = ints_of(ints, t.EFFECT_OWNER), ints_of(ints, t.EFFECT_TAG), floats_of(floats, t.EFFECT_CHANGE)
-    wish_first, wish_entry = ints_of(ints, t.SENSOR_WISH_FIRST), ints_of(ints, t.SENSOR_WISH)
-    goal_first, goal_entry = ints_of(ints, t.SENSOR_GOAL_WISH_FIRST), ints_of(ints, t.SENSOR_GOAL_WISH)
-    wish_owner, behaviours = ints_of(ints, t.WISH_OWNER), ints_of(ints, t.SIZES)[1]
-    weight = floats_of(floats, t.WEIGHTS)
-    uniform = ints_of(ints, t.OPTIONS)[0]
-    positive, negative, either = count_effects(ints, floats, marks, row, sensor)
-    wish_more, wish_less = count_wishes(ints, marks, wishes, kept, row, sensor)
-    for k in range(first[sensor], first[sensor + 1]):
-        e = entry[k]
-        b = owner[e]
-        effect = change[e]
-        if not marks[st.PRESENT, row, b] or (tag[e] >= 0 and tag[e] != marks[st.ALTERNATIVE, row, b]):
+    """Add what goals give to the behaviours whose effects meet their wishes; `live` (E,), `enabled` (G,)."""
+    pair_effect, pair_wish = ints_of(ints, t.GOAL_PAIR_EFFECT), ints_of(ints, t.GOAL_PAIR_WISH)
+    owner, sensors = ints_of(ints, t.EFFECT_OWNER), ints_of(ints, t.EFFECT_SENSOR)
+    wish_owner, uniform = ints_of(ints, t.WISH_OWNER), ints_of(ints, t.OPTIONS)[0]
+    change, weight = floats_of(floats, t.EFFECT_CHANGE), floats_of(floats, t.WEIGHTS)
+    for p in range(pair_effect.shape[0]):
+        e, u = pair_effect[p], pair_wish[p]
+        goal = wish_owner[u] - goals.shape[0]
+        if not live[e] or not enabled[goal]:
             continue
-        same_effects = max(positive if effect > 0.0 else negative, 1)
-        for j in range(goal_first[sensor], goal_first[sensor + 1]):
-            u = goal_entry[j]
-            goal = wish_owner[u] - behaviours
-            wish = wishes[row, u]
-            if not goal_enabled[row, goal]:
-                continue
-            if effect * wish > 0.0:
-                share = helping(effect, wish, uniform) * goal_weight[goal] / same_effects
-                values[st.GOALS, row, b] += weight[1] * share
-            elif effect != 0.0:
-                share = hindering(effect, wish, uniform) * goal_weight[goal]
-                values[st.INHIBITION, row, b] += weight[2] * share / opposing(wish, positive, negative, either)
-        for j in range(wish_first[sensor], wish_first[sensor + 1]):
-            u = wish_entry[j]
-            q = wish_owner[u]
-            wish = wishes[row, u]
-            if q == b or not kept[row, u] or not marks[st.PRESENT, row, q]:
-                continue
-            if effect * wish > 0.0:
-                help_ = helping(effect, wish, uniform) / total
-                if operational(marks, row, q) and not marks[st.READY, row, q]:
-                    share = help_ * values[st.ACTIVATION, row, q] / same_effects
-                    values[st.SUCCESSORS, row, b] += weight[4] * share
-                if operational(marks, row, b) and marks[st.READY, row, b] and values[st.SATISFACTION, row, b] > 0.0:
-                    share = help_ * values[st.ACTIVATION, row, b] / max(wish_more if wish > 0.0 else wish_less, 1)
-                    values[st.PREDECESSORS, row, q] += weight[3] * share
-            elif effect != 0.0 and operational(marks, row, q):
-                share = hindering(effect, wish, uniform) * values[st.ACTIVATION, row, q] / total
-                values[st.CONFLICTORS, row, b] += weight[2] * share / opposing(wish, positive, negative, either)
+        effect, wish, b, sensor = change[e], wishes[u], owner[e], sensors[e]
+        if effect * wish > 0.0:
+            share = helping(effect, wish, uniform) * goal_weight[goal] / helpers(effect, sensor, counts)
+            goals[b] += weight[1] * share
+        else:
+            share = hindering(effect, wish, uniform) * goal_weight[goal]
+            inhibition[b] += weight[2] * share / opponents(wish, sensor, counts)
+
+
+@kernel
+def flow_between(
+    ints: Ints, floats: Floats, wishes: Floats, live: Ints, live_wish: Ints, counts: Ints, heard: Ints, ready: Ints,
+    satisfaction: Floats, activation: Floats, total: float, predecessors: Floats, successors: Floats,
+    conflictors: Floats,
+) -> None:  # fmt: skip
+    """Add what behaviours give each other, where an effect of one meets a wish of another."""
+    pair_effect, pair_wish = ints_of(ints, t.PAIR_EFFECT), ints_of(ints, t.PAIR_WISH)
+    owner, sensors = ints_of(ints, t.EFFECT_OWNER), ints_of(ints, t.EFFECT_SENSOR)
+    wish_owner, uniform = ints_of(ints, t.WISH_OWNER), ints_of(ints, t.OPTIONS)[0]
+    change, weight = floats_of(floats, t.EFFECT_CHANGE), floats_of(floats, t.WEIGHTS)
+    for p in range(pair_effect.shape[0]):
+        e, u = pair_effect[p], pair_wish[p]
+        if not live[e] or not live_wish[u]:
+            continue
+        effect, wish, b, q, sensor = change[e], wishes[u], owner[e], wish_owner[u], sensors[e]
+        if effect * wish > 0.0:
+            help_ = helping(effect, wish, uniform) / total
+            if heard[q] and not ready[q]:
+                successors[b] += weight[4] * (help_ * activation[q] / helpers(effect, sensor, counts))
+            if heard[b] and ready[b] and satisfaction[b] > 0.0:
+                predecessors[q] += weight[3] * (help_ * activation[b] / wishers(wish, sensor, counts))
+        elif heard[q]:
+            share = hindering(effect, wish, uniform) * activation[q] / total
+            conflictors[b] += weight[2] * share / opponents(wish, sensor, counts)
 
 
 @kernel
 def activate_row(
     row: int, ints: Ints, floats: Floats, values: Floats, marks: Ints, row_values: Floats, wishes: Floats, kept: Ints,
-    goal_enabled: Ints, goal_weight: Floats, plan: Ints, plan_marks: Ints,
+    goal_enabled: Ints, goal_weight: Floats, plan: Ints, plan_marks: Ints, scratch: Ints,
 ) -> None:  # fmt: skip
     """Compute the activations of `row`, every term from the old ones.
 
-    `goal_weight` (G,) is scratch; `plan` (R, T) holds behaviours, `plan_marks` where in it the row stands.
+    `goal_weight` (G,) and `scratch` (`scratch_size`,) are overwritten; `plan` (R, T) holds behaviours, `plan_marks`
+    where in it the row stands.
     """
-    sensors, behaviours = ints_of(ints, t.SIZES)[0], ints_of(ints, t.SIZES)[1]
-    weight, dynamics = floats_of(floats, t.WEIGHTS), floats_of(floats, t.DYNAMICS)
-    total = total_activation(values, marks, row)
+    sizes, weight = ints_of(ints, t.SIZES), floats_of(floats, t.WEIGHTS)
+    behaviours, effects = sizes[1], ints_of(ints, t.EFFECT_OWNER).shape[0]
+    heard, live = scratch[:behaviours], scratch[behaviours : behaviours + effects]
+    live_wish = scratch[behaviours + effects : behaviours + effects + sizes[4]]
+    counts = scratch[behaviours + effects + sizes[4] :].reshape(COUNTS, sizes[0])
+    activation, satisfaction = values[st.ACTIVATION, row], values[st.SATISFACTION, row]
+    total = begin_step(row, values, marks, weight[0], heard)
     row_values[st.TOTAL, row] = total
-    for b in range(behaviours):
-        for layer in range(st.PRECONDITIONS, st.VALUE_LAYERS):
-            values[layer, row, b] = 0.0
-        values[st.PRECONDITIONS, row, b] = weight[0] * values[st.SATISFACTION, row, b]
-    weigh_goals(row, ints, floats, goal_enabled, goal_weight)
-    for sensor in range(sensors):
-        spread_of_sensor(row, sensor, ints, floats, values, marks, wishes, kept, goal_enabled, goal_weight, total)
+    find_live(ints, floats, marks[st.PRESENT, row], marks[st.ALTERNATIVE, row], kept[row], live, live_wish)
+    count_effects(ints, floats, heard, live, counts)
+    count_wishes(ints, heard, live_wish, wishes[row], counts)
+    weigh_goals(floats, ints_of(ints, t.OPTIONS)[2], goal_enabled[row], goal_weight)
+    flow_from_goals(
+        ints, floats, wishes[row], live, counts, goal_enabled[row], goal_weight, values[st.GOALS, row],
+        values[st.INHIBITION, row],
+    )  # fmt: skip
+    flow_between(
+        ints, floats, wishes[row], live, live_wish, counts, heard, marks[st.READY, row], satisfaction, activation,
+        total, values[st.PREDECESSORS, row], values[st.SUCCESSORS, row], values[st.CONFLICTORS, row],
+    )  # fmt: skip
     index, length = plan_marks[INDEX, row], plan_marks[LENGTH, row]
     for k in range(length - 1, index - 1, -1):  # backwards: the first occurrence is written last
         values[st.PLAN, row, plan[row, k]] = weight[5] / (k - index + 1)
-    for b in range(behaviours):
+    add_up(row, values, floats_of(floats, t.DYNAMICS)[0])
+
+
+@kernel
+def begin_step(row: int, values: Floats, marks: Ints, situation: float, heard: Ints) -> float:
+    """Clear the terms and note in `heard` (B,) who is operational; returns their old activation, 1 if that is none."""
+    activation, satisfaction = values[st.ACTIVATION, row], values[st.SATISFACTION, row]
+    values[st.PRECONDITIONS : st.VALUE_LAYERS, row] = 0.0
+    preconditions = values[st.PRECONDITIONS, row]
+    total = 0.0
+    for b in range(heard.shape[0]):
+        heard[b] = 1 if operational(marks, row, b) else 0
+        total += activation[b] if heard[b] else 0.0
+        preconditions[b] = situation * satisfaction[b]
+    return total if total != 0.0 else 1.0
+
+
+@kernel
+def add_up(row: int, values: Floats, decay: float) -> None:
+    """Let the old activations decay and add the terms; activation never falls below 0."""
+    for b in range(values.shape[2]):
         step = 0.0
         for layer in range(st.PRECONDITIONS, st.VALUE_LAYERS):
             step += values[layer, row, b]
-        values[st.ACTIVATION, row, b] = max(0.0, dynamics[0] * values[st.ACTIVATION, row, b] + step)
+        values[st.ACTIVATION, row, b] = max(0.0, decay * values[st.ACTIVATION, row, b] + step)
+
+
+@kernel
+def scratch_size(ints: Ints) -> int:
+    """Length of the integers that `activate_row` needs for its own use."""
+    sizes = ints_of(ints, t.SIZES)
+    return int(sizes[1] + ints_of(ints, t.EFFECT_OWNER).shape[0] + sizes[4] + COUNTS * sizes[0])

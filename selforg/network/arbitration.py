@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from selforg.compiled import kernel
 from selforg.network import state as st
 from selforg.network import tables as t
-from selforg.network.activation import operational
+from selforg.network.sharing import operational
 from selforg.network.tables import Floats, Ints, floats_of, ints_of
 
 
@@ -34,6 +32,14 @@ def stop(row: int, b: int, marks: Ints) -> None:
 
 
 @kernel
+def start(row: int, b: int, marks: Ints) -> None:
+    """Start behaviour `b`."""
+    marks[st.EXECUTING, row, b] = 1
+    marks[st.EXECUTION_TIME, row, b] = 0
+    marks[st.STARTED, row, b] = 1
+
+
+@kernel
 def influences_same(row: int, b: int, other: int, ints: Ints, marks: Ints) -> bool:
     """Whether the two behaviours have effects on one sensor."""
     first, sensor, tag = ints_of(ints, t.EFFECT_FIRST), ints_of(ints, t.EFFECT_SENSOR), ints_of(ints, t.EFFECT_TAG)
@@ -48,8 +54,11 @@ def influences_same(row: int, b: int, other: int, ints: Ints, marks: Ints) -> bo
 
 
 @kernel
-def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted: Ints) -> bool:
-    """Stop the running behaviours that influence a sensor of `b`, if every one of them yields; else leave all."""
+def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted: Ints) -> int:
+    """Stop the running behaviours that influence a sensor of `b`, if every one of them yields; else leave all.
+
+    Returns how many of the `counted` were stopped, -1 if one does not yield.
+    """
     interruptable = ints_of(ints, t.INTERRUPTABLE)
     priority, activation = marks[st.PRIORITY, row], values[st.ACTIVATION, row]
     clashes = False
@@ -60,13 +69,15 @@ def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted
         weaker = priority[other] == priority[b] and activation[other] < activation[b]
         yields = interruptable[other] and not marks[st.MANUAL, row, other]
         if not (yields and (priority[other] < priority[b] or weaker)):
-            return False
+            return -1
+    freed = 0
     if clashes:
         for other in range(counted.shape[0]):
             if other != b and marks[st.EXECUTING, row, other] and influences_same(row, b, other, ints, marks):
                 stop(row, other, marks)
+                freed += counted[other]
                 counted[other] = 0
-    return True
+    return freed
 
 
 @kernel
@@ -88,6 +99,16 @@ def keeps_running(row: int, b: int, ints: Ints, values: Floats, marks: Ints, thr
 
 
 @kernel
+def waiting_by_hand(row: int, marks: Ints, counted: Ints) -> int:
+    """How many that are started by hand have not been counted yet."""
+    waiting = 0
+    for b in range(counted.shape[0]):
+        by_hand = marks[st.PRESENT, row, b] and marks[st.MANUAL, row, b]
+        waiting += 1 if by_hand and not counted[b] else 0
+    return waiting
+
+
+@kernel
 def select_row(
     row: int, ints: Ints, floats: Floats, values: Floats, marks: Ints, row_values: Floats, advance: bool, counted: Ints,
     order: Ints,
@@ -97,52 +118,46 @@ def select_row(
     `counted` and `order` are scratch (B,). With `advance` the time of what keeps running goes on.
     """
     threshold, limit = row_values[st.THRESHOLD, row], ints_of(ints, t.OPTIONS)[1]
-    behaviours = counted.shape[0]
-    order_by_activation(values[st.ACTIVATION, row], order)
+    executing, activation = marks[st.EXECUTING, row], values[st.ACTIVATION, row]
+    order_by_activation(activation, order)
     counted[:] = 0
-    any_started, any_running, any_operational = False, False, False
-    for k in range(behaviours):
-        b = order[k]
+    selected, any_started, any_operational = 0, False, False
+    for b in order:
         if not marks[st.PRESENT, row, b]:
             continue
-        any_operational = any_operational or operational(marks, row, b)
-        manual = marks[st.MANUAL, row, b] == 1
-        selected = int(np.sum(counted))
-        if marks[st.EXECUTING, row, b]:
-            if keeps_running(row, b, ints, values, marks, threshold, selected):
-                counted[b] = 1
-                marks[st.EXECUTION_TIME, row, b] += 1 if advance else 0
-            else:
+        any_operational = any_operational or marks[st.ENABLED, row, b] == 1
+        if executing[b]:
+            if not keeps_running(row, b, ints, values, marks, threshold, selected):
                 stop(row, b, marks)
-            continue
-        if not manual:
-            if (
-                not marks[st.ENABLED, row, b]
-                or not marks[st.READY, row, b]
-                or values[st.ACTIVATION, row, b] < threshold
-            ):
                 continue
-            if not make_room(row, b, ints, values, marks, counted):
-                continue
-            waiting = 0
-            for other in range(behaviours):
-                by_hand = marks[st.PRESENT, row, other] and marks[st.MANUAL, row, other]
-                waiting += 1 if by_hand and not counted[other] else 0
-            if limit > 0 and int(np.sum(counted)) + waiting >= limit:
-                continue
-        marks[st.EXECUTING, row, b] = 1
-        marks[st.EXECUTION_TIME, row, b] = 0
-        marks[st.STARTED, row, b] = 1
+            marks[st.EXECUTION_TIME, row, b] += 1 if advance else 0
+        else:
+            if not marks[st.MANUAL, row, b]:
+                if not (marks[st.ENABLED, row, b] and marks[st.READY, row, b] and activation[b] >= threshold):
+                    continue
+                freed = make_room(row, b, ints, values, marks, counted)
+                selected -= max(freed, 0)
+                if freed < 0 or (limit > 0 and selected + waiting_by_hand(row, marks, counted) >= limit):
+                    continue
+            start(row, b, marks)
+            any_started = True
         counted[b] = 1
-        any_started = True
-    for b in range(behaviours):
-        any_running = any_running or marks[st.EXECUTING, row, b] == 1
-    decay = floats_of(floats, t.DYNAMICS)[1]
-    if any_started:
-        row_values[st.THRESHOLD, row] = threshold / decay
-    elif not any_running and any_operational:
-        row_values[st.THRESHOLD, row] = threshold * decay
+        selected += 1
+    any_running = False
+    for b in range(executing.shape[0]):
+        any_running = any_running or executing[b] == 1
+    adapt_threshold(row, floats, row_values, any_started, any_operational and not any_running)
     return any_running
+
+
+@kernel
+def adapt_threshold(row: int, floats: Floats, row_values: Floats, started: bool, idle: bool) -> None:
+    """Raise the threshold when something started, lower it when something could run and nothing does."""
+    decay = floats_of(floats, t.DYNAMICS)[1]
+    if started:
+        row_values[st.THRESHOLD, row] /= decay
+    elif idle:
+        row_values[st.THRESHOLD, row] *= decay
 
 
 @kernel

@@ -92,23 +92,41 @@ def evaluate_row(
     evaluate_nodes(ints, leaf_scratch[0], node_scratch)
     alternative = marks[st.ALTERNATIVE, row]
     evaluate_wishes(ints, floats, leaf_scratch[1], alternative, wishes[row], kept[row])
+    judge_behaviours(
+        ints, floats, node_scratch, alternative, values[st.SATISFACTION, row], marks[st.READY, row], wishes[row],
+        kept[row],
+    )  # fmt: skip
+    judge_goals(ints, floats, node_scratch, goal_satisfaction[row], goal_enabled[row])
+
+
+@kernel
+def judge_behaviours(
+    ints: Ints, floats: Floats, node_value: Floats, alternative: Ints, satisfaction: Floats, ready: Ints,
+    wishes: Floats, kept: Ints,
+) -> None:  # fmt: skip
+    """Satisfaction and readiness (B,) of behaviours from their nodes' values (C,)."""
     first, node = ints_of(ints, t.PRECONDITION_FIRST), ints_of(ints, t.PRECONDITION_NODE)
     tag, ready_threshold = ints_of(ints, t.PRECONDITION_TAG), floats_of(floats, t.READY_THRESHOLD)
-    for b in range(first.shape[0] - 1):
-        satisfaction = 1.0
+    for b in range(satisfaction.shape[0]):
+        product = 1.0
         for k in range(first[b], first[b + 1]):
             if tag[k] < 0 or tag[k] == alternative[b]:
-                satisfaction *= node_scratch[node[k]]
-        values[st.SATISFACTION, row, b] = satisfaction
-        marks[st.READY, row, b] = 1 if satisfaction >= ready_threshold[b] else 0
-        if satisfaction > ready_threshold[b]:
-            keep_smallest(ints, b, wishes[row], kept[row])
+                product *= node_value[node[k]]
+        satisfaction[b] = product
+        ready[b] = 1 if product >= ready_threshold[b] else 0
+        if product > ready_threshold[b]:
+            keep_smallest(ints, b, wishes, kept)
+
+
+@kernel
+def judge_goals(ints: Ints, floats: Floats, node_value: Floats, satisfaction: Floats, enabled: Ints) -> None:
+    """Satisfaction (G,) of goals; those that are satisfied and not permanent switch off."""
     first, node = ints_of(ints, t.GOAL_FIRST), ints_of(ints, t.GOAL_NODE)
     permanent, threshold = ints_of(ints, t.PERMANENT), floats_of(floats, t.GOAL_THRESHOLD)
-    for g in range(permanent.shape[0]):
-        satisfaction = 1.0
+    for g in range(satisfaction.shape[0]):
+        product = 1.0
         for k in range(first[g], first[g + 1]):
-            satisfaction *= node_scratch[node[k]]
-        goal_satisfaction[row, g] = satisfaction
-        if satisfaction >= threshold[g] and not permanent[g]:
-            goal_enabled[row, g] = 0
+            product *= node_value[node[k]]
+        satisfaction[g] = product
+        if product >= threshold[g] and not permanent[g]:
+            enabled[g] = 0

@@ -14,6 +14,7 @@ from selforg.network.activators import BOOLEAN, EQUAL, THRESHOLD
 from selforg.network.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.conditions import Condition, Conjunction, Disjunction, Leaf, Negation, Optional, Tree, leaves
 
+Entry = tuple[int, int]  # an effect or a wish, and the sensor it is about
 _COMPOSED = {Conjunction: t.CONJUNCTION, Disjunction: t.DISJUNCTION}
 
 
@@ -194,6 +195,17 @@ class _Packer:
                 self._close(first, content)
                 self.ints[content].extend(k for k, s in entries if s == sensor)
             self._close(first, content)
+        self._pair(effects, of_behaviours, t.PAIR_EFFECT, t.PAIR_WISH)
+        self._pair(effects, of_goals, t.GOAL_PAIR_EFFECT, t.GOAL_PAIR_WISH)
+
+    def _pair(self, effects: list[Entry], wishes: list[Entry], effect_section: int, wish_section: int) -> None:
+        """List which effect meets which wish: same sensor, different owners."""
+        for sensor in range(len(self.model.sensors)):
+            about = [u for u, s in wishes if s == sensor]
+            for e in (e for e, s in effects if s == sensor):
+                met = [u for u in about if self.ints[t.WISH_OWNER][u] != self.ints[t.EFFECT_OWNER][e]]
+                self.ints[effect_section].extend([e] * len(met))
+                self.ints[wish_section].extend(met)
 
     def _settings(self) -> None:
         model, settings = self.model, self.model.settings

@@ -11,7 +11,7 @@ from selforg.compiled import kernel
 from selforg.network import plan_watch as pw
 from selforg.network import state as st
 from selforg.network import tables as t
-from selforg.network.activation import activate_row
+from selforg.network.activation import activate_row, scratch_size
 from selforg.network.arbitration import arbitrate_row
 from selforg.network.evaluation import evaluate_row
 from selforg.network.model import NetworkModel
@@ -186,6 +186,7 @@ def _step(
     node_scratch = np.empty(nodes)
     goal_weight = np.empty(goal_satisfaction.shape[1])
     counted, order = np.empty(behaviours, np.int64), np.empty(behaviours, np.int64)
+    scratch = np.empty(scratch_size(ints), np.int64)
     missing = 0
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -204,8 +205,9 @@ def _step(
                     continue
                 plan_marks[pw.NEEDED, row] = 0
         activate_row(
-            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, goal_weight, plan, plan_marks
-        )
+            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, goal_weight, plan, plan_marks,
+            scratch,
+        )  # fmt: skip
         timed_out = arbitrate_row(row, ints, floats, values, marks, row_values, guarantee, counted, order)
         if timed_out:
             plan_marks[pw.ALARM, row] = 1

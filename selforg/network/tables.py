@@ -48,11 +48,15 @@ Floats = NDArray[np.float64]
     SENSOR_WISH,
     SENSOR_GOAL_WISH_FIRST,  # (S + 1,)
     SENSOR_GOAL_WISH,
+    PAIR_EFFECT,  # pairs of an effect and a wish of another behaviour about one sensor, by sensor
+    PAIR_WISH,
+    GOAL_PAIR_EFFECT,  # pairs of an effect and a goal's wish about one sensor, by sensor
+    GOAL_PAIR_WISH,
     INTERRUPTABLE,  # (B,)
     TIMEOUT,  # (B,) steps, -1: never
     PERMANENT,  # (G,)
     INT_SECTIONS,
-) = range(33)
+) = range(37)
 
 (
     WEIGHTS,  # situation, goal, conflictor, predecessor, successor, plan

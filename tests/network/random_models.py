@@ -1,5 +1,6 @@
 """Random networks and random lives for them: everything a model can say, in small."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -99,7 +100,9 @@ class Draw:
     def model(self) -> NetworkModel:
         behaviours = [self.behaviour(f"b{k}") for k in range(self.rng.integers(1, 7))]
         goals = [self.goal(f"g{k}") for k in range(self.rng.integers(1, 4))]
-        return NetworkModel(self.sensors, behaviours, goals, self.settings())
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*larger than 1")  # on purpose: the rule holds beyond 1 too
+            return NetworkModel(self.sensors, behaviours, goals, self.settings())
 
     def readings(self, before: dict[str, float]) -> dict[str, float]:
         """Some of the sensors change."""

@@ -7,8 +7,6 @@ from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
 from tests.network.random_models import Draw
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*larger than 1")
-
 ROWS, STEPS = 6, 25
 SEEDS = range(12)
 

@@ -3,8 +3,6 @@ import pytest
 from tests.network.side_by_side import first_difference
 from tests.network.soak import STEPS
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*larger than 1")
-
 CHUNK = 20
 
 
