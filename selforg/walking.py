@@ -14,7 +14,7 @@ from selforg.moving import UNLIMITED
 from selforg.pose_cells import Poses
 from selforg.rules import add, full_length, limit
 
-# (distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of the contribution:
+# (distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
 # towards the gradient if positive, away from it if negative; minus infinity is full repulsion, of the gradient's reach
 Formula: TypeAlias = Callable[[float, float, float, float, float, float], float]
 Walk: TypeAlias = Callable[..., tuple[int, bool]]

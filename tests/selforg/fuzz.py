@@ -1,6 +1,6 @@
-"""Plays sequences of messages into a buffer, with all mechanisms looking on. Also a soak: `python -m tests.selforg.fuzz`.
+"""Plays sequences of messages into a buffer, with all mechanisms looking on.
 
-The soak plays sequences of random messages (10^5 by default) and stops at the first crash or movement that is not
+`python -m tests.selforg.fuzz` is a soak: it plays sequences of random messages (10^5 by default) and stops at the first crash or movement that is not
 finite, naming the seed of the sequence.
 """
 
@@ -20,8 +20,8 @@ from selforg.settings import BufferSettings
 from selforg.space import Euclidean, Torus
 
 FIELDS = (
-    "position", "heading", "attraction", "diffusion", "goal_radius", "evaporation_factor", "evaporation_period", "stamp",
-    "clock", "source", "payload", "channel",
+    "position", "heading", "attraction", "diffusion", "goal_radius", "evaporation_factor", "evaporation_period",
+    "stamp", "clock", "source", "payload", "channel",
 )  # fmt: skip
 MOVEMENTS = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), MovementMechanism)]
 RULES = ("max", "min", "average", "new", "newparent", "newframe")
@@ -62,7 +62,8 @@ def random_sequence(rng):
             "channel": str(rng.choice(["f", "g", "robot", ""])), "position": (number(-5, 15), number(-5, 15)),
             "source": str(rng.choice(["a", "b", ""])), "attraction": int(rng.integers(-1, 2)),
             "diffusion": number(0, 5), "goal_radius": number(0, 1), "evaporation_factor": number(0, 1),
-            "evaporation_period": number(0, 3), "moving": bool(rng.random() < 0.3), "heading": (number(-1, 1), number(-1, 1)),
+            "evaporation_period": number(0, 3), "moving": bool(rng.random() < 0.3),
+            "heading": (number(-1, 1), number(-1, 1)),
         }  # fmt: skip
         if rng.random() < 0.3:
             message["stamp"] = number(-5, 20)

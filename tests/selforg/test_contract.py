@@ -148,7 +148,6 @@ def test_depositing_leaves_one_pheromone_per_row_with_a_pose(name):
 def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
     world = crowded()
     world.poses.forget([2])
-    parameters = {"probability": 1.0} if name == "ForagingDecision" else REQUIRED.get(name, {})
     mechanism = mechanisms.create(name, world.buffer, **REQUIRED.get(name, {}))
     before = mechanism.values.copy(), mechanism.state_codes.copy()
     decision = mechanism.decide(1.0)
