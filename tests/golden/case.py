@@ -53,7 +53,7 @@ def difference(expected: Any, actual: Any, where: str = "") -> str | None:
     if is_number(expected) and is_number(actual):
         same = expected == actual or math.isclose(expected, actual, rel_tol=RELATIVE, abs_tol=ABSOLUTE)
     else:
-        same = bool(expected == actual)
+        same = bool(expected == actual) and isinstance(expected, bool) == isinstance(actual, bool)
     return None if same else f"{where}: expected {expected}, got {actual}"
 
 

@@ -1,0 +1,23 @@
+import ast
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_examples_of_the_guide_run():
+    text = (ROOT / "docs" / "selforg.md").read_text()
+    examples = "\n".join(re.findall(r"```python\n(.*?)```", text, re.S)).replace("Spring", "SpringOfTheGuide")
+    namespace = {}
+    exec(compile(examples, "docs/selforg.md", "exec"), namespace)
+    assert namespace["vectors"].shape == (5, 2)
+
+
+def test_selforg_imports_nothing_but_numpy_numba_and_the_standard_library():
+    allowed = {"numpy", "numba", "selforg", *sys.stdlib_module_names}
+    for path in (ROOT / "selforg").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert all(name.split(".")[0] in allowed for name in names), f"{path} imports {names}"
