@@ -106,17 +106,18 @@ BOXES = {
     "Basic": {"Spreading": (0, 0), "Aggregation": (0, 1), "Evaporation": (0, 2), "Repulsion": (0, 3)},
     "Composed": {"Gradients": (1, 0.5), "Digital pheromones": (1, 1.6), "Gossip": (1, 2.7)},
     "Movement": {
-        "Chemotaxis": (2, 0), "Collision avoidance": (2, 0.8), "Flocking": (2, 1.6), "Exploration, Exploitation": (2, 2.4),
-        "Patrol": (2, 3.2),
+        "Chemotaxis": (2, 0), "Collision avoidance": (2, 0.8), "Flocking": (2, 1.6),
+        "Exploration, Exploitation": (2, 2.4), "Patrol": (2, 3.2),
     },
     "Decision": {"Morphogenesis": (3, 0.4), "Quorum sensing": (3, 1.4), "Foraging": (3, 2.4)},
 }  # fmt: skip
 BUILDS_ON = (
     ("Gradients", "Spreading"), ("Gradients", "Aggregation"), ("Digital pheromones", "Aggregation"),
-    ("Digital pheromones", "Evaporation"), ("Gossip", "Spreading"), ("Gossip", "Aggregation"), ("Chemotaxis", "Gradients"),
-    ("Collision avoidance", "Gradients"), ("Flocking", "Gradients"), ("Exploration, Exploitation", "Digital pheromones"),
-    ("Patrol", "Digital pheromones"), ("Patrol", "Repulsion"), ("Morphogenesis", "Chemotaxis"),
-    ("Foraging", "Exploration, Exploitation"), ("Quorum sensing", "Gradients"), ("Flocking", "Repulsion"),
+    ("Digital pheromones", "Evaporation"), ("Gossip", "Spreading"), ("Gossip", "Aggregation"),
+    ("Chemotaxis", "Gradients"), ("Collision avoidance", "Gradients"), ("Flocking", "Gradients"),
+    ("Flocking", "Repulsion"), ("Exploration, Exploitation", "Digital pheromones"), ("Patrol", "Digital pheromones"),
+    ("Patrol", "Repulsion"), ("Morphogenesis", "Chemotaxis"), ("Foraging", "Exploration, Exploitation"),
+    ("Quorum sensing", "Gradients"),
 )  # fmt: skip
 TINTS = {"Basic": "#e8edf4", "Composed": "#d7e6f5", "Movement": "#d9f0e6", "Decision": "#fbe3d4"}
 
@@ -127,8 +128,8 @@ def draw_catalogue() -> Figure:
     places = {name: place for boxes in BOXES.values() for name, place in boxes.items()}
     for upper, lower in BUILDS_ON:
         (x1, y1), (x0, y0) = places[upper], places[lower]
-        arrow = FancyArrowPatch((x1 - 0.39, -y1), (x0 + 0.39, -y0), arrowstyle="-|>", mutation_scale=9, color=PALE, lw=1.1,
-                                connectionstyle="arc3,rad=0.05")  # fmt: skip
+        style = {"arrowstyle": "-|>", "mutation_scale": 9, "connectionstyle": "arc3,rad=0.05"}
+        arrow = FancyArrowPatch((x1 - 0.39, -y1), (x0 + 0.39, -y0), color=PALE, lw=1.1, **style)
         axis.add_patch(arrow)
     for kind, boxes in BOXES.items():
         column = next(iter(boxes.values()))[0]
