@@ -34,9 +34,7 @@ from selector.coordinator import CoordinatorModel
 from selector.knowledge import load_knowledge
 from selector.library import Library
 
-Step = tuple[
-    dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
-]
+Step = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]
 
 
 class CleanSwarm(ParallelEnv[str, Observations, int]):
@@ -60,7 +58,7 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
         reward: RewardConfig | None = None,
         render_mode: str | None = None,
     ) -> None:
-        if render_mode not in (None, *self.metadata["render_modes"]):
+        if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")
         self.mission = load_mission(mission) if isinstance(mission, str) else mission
         self.reward = reward or RewardConfig()
@@ -76,23 +74,20 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
         self._observations: Observations = np.zeros((rows, self._observer.width), dtype=np.float32)
         self._default = np.full(rows, int(np.argmax(knowledge.scores(GOAL))))
         self._ticks_per_step = round(self.mission.decision_period * self.mission.world.control_rate)
-        self._tick_limit = round(self.mission.time_limit * self.mission.world.control_rate)
+        self._tick_limit = max(round(self.mission.time_limit * self.mission.world.control_rate), 1)
         self._seed: int | None = None
         self._episode = 0
-        low, high = np.float32(-1.0), np.float32(1.0)
-        self.observation_spaces = {
-            agent: gymnasium.spaces.Box(low, high, (self._observer.width,), np.float32)
-            for agent in self.possible_agents
-        }
+        self.observation_spaces = {agent: _box(self._observer.width) for agent in self.possible_agents}
         self.action_spaces = {agent: gymnasium.spaces.Discrete(len(self.options)) for agent in self.possible_agents}
+        self.state_space = _box(self._observations.size)
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Box:
         """Return the space of an agent's observations: always the same object."""
-        return self.observation_spaces[agent]  # type: ignore[return-value]
+        return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> gymnasium.spaces.Discrete:
         """Return the space of an agent's actions: always the same object."""
-        return self.action_spaces[agent]  # type: ignore[return-value]
+        return self.action_spaces[agent]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
@@ -126,7 +121,7 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
             entered += self._worlds.tick()
             if garbage.done[0] == self.mission.garbage.count or self._worlds.ticks[0] == self._tick_limit:
                 break
-        seconds = (self._worlds.ticks - ticks) * self._worlds.period
+        seconds = np.array([(int(self._worlds.ticks[0]) - ticks) * self._worlds.period])
         dumped = garbage.done - before
         gained = rewards(self.reward, dumped, seconds, entered, self._worlds.robots)
         terminated = bool(garbage.done[0] == self.mission.garbage.count)
@@ -177,6 +172,10 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
             if not self.action_spaces[agent].contains(action):
                 raise ValueError(f"actions[{agent!r}]: expected 0..{len(self.options) - 1}, got {action!r}")
         return np.fromiter((actions[agent] for agent in self.agents), np.int64, len(self.agents))
+
+
+def _box(width: int) -> gymnasium.spaces.Box:
+    return gymnasium.spaces.Box(-1.0, 1.0, (width,), np.float32)
 
 
 def parallel_env(

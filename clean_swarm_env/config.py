@@ -167,10 +167,6 @@ class NetworkConfig(Closed):
     """Whether a plan adds to the activation of its next behaviours."""
     transport_full_range: Positive = 1.0
     """Distance to a station from which its linear condition is fully satisfied [m]."""
-    avoidance_full_length: Positive = 1.5
-    """Length of the avoidance vector at which its wish is full [m]."""
-    presence_threshold: NonNegative = 1e-9
-    """Length above which an avoidance vector counts as present [m]."""
     weights: WeightsConfig = WeightsConfig()
     """Weights of the terms of the activation step."""
 

@@ -57,7 +57,7 @@ def distance(ax: float, ay: float, bx: float, by: float, extent: Floats) -> floa
 
 @kernel
 def nearest_lying(x: float, y: float, positions: Floats, stage: Ints, extent: Floats) -> tuple[int, float]:
-    """The nearest lying item of one world and its distance [m]; (NOTHING, inf) if none lies."""
+    """Return the nearest lying item of one world and its distance [m]; (NOTHING, inf) if none lies."""
     best, shortest = NOTHING, np.inf
     for item in range(positions.shape[0]):
         if stage[item] == LYING:
@@ -74,16 +74,9 @@ def handle_cargo(
 ) -> int:  # fmt: skip
     """Let the rows act that have just started to pick, recycle or dump, in the order of rows.
 
-    Args:
-        started: (R, B), `columns` (3,) of it are picking, recycling and dumping.
-        robots: (R, 2) positions [m]; extent (2,) [m].
-        pick_distance: within which the nearest item is taken [m].
-        positions, stage, cargo, recycled, done: of `Garbage`, changed in place.
-        picked: (R, 2) filled with (row, item) of what was picked.
-
-    Returns:
-        How many items were picked.
-
+    started (R, B): `columns` (3,) of it are picking, recycling and dumping. robots (R, 2) and extent (2,) [m].
+    pick_distance [m]: within which the nearest item is taken. positions, stage, cargo, recycled, done: of `Garbage`,
+    changed in place. picked (R, 2): filled with (row, item) of what was picked; their number is returned.
     """
     count = 0
     per_world = robots.shape[0] // positions.shape[0]

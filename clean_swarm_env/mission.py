@@ -68,9 +68,9 @@ def result_of(worlds: Worlds, world: int) -> MissionResult:
     mission = worlds.mission
     ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
     completed = done == mission.garbage.count
-    time = max(ticks * worlds.period, worlds.period)
+    time = max(ticks, 1) * worlds.period
     # the last item is dumped at the beginning of its control period
-    duration = (ticks - 1) * worlds.period if completed and ticks else mission.time_limit
+    duration = max(ticks - 1, 0) * worlds.period if completed else mission.time_limit
     return MissionResult(
         completed=completed,
         duration_s=round(duration, 9),

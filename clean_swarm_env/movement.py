@@ -29,7 +29,11 @@ def to_stations(
     executing: Ints, behaviours: Ints, robots: Floats, extent: Floats, stations: Floats, vectors: Floats,
     commanded: NDArray[np.bool_],
 ) -> None:  # fmt: skip
-    """Unit vectors (R, 2) from `robots` (R, 2) [m] to `stations` (K, 2) [m] where `behaviours` (K,) of `executing` run."""
+    """Write unit vectors (R, 2) towards a station where the behaviour that goes there runs.
+
+    executing (R, B): `behaviours` (K,) of it go to `stations` (K, 2) [m]. robots (R, 2) and extent (2,) [m].
+    commanded (R,): set where a vector was written.
+    """
     for row in range(robots.shape[0]):
         for k in range(behaviours.shape[0]):
             if executing[row, behaviours[k]]:

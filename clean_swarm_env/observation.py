@@ -1,7 +1,7 @@
 """What a selector sees of each robot: named terms, all within [-1, 1], computed for all rows at once.
 
-Directions are unit vectors in the robot's own frame (first component ahead, second to the left); distances are divided by
-the longest way on the torus, or by the range within which the thing is seen, and are 1 where nothing is seen.
+Directions are unit vectors in the robot's own frame (first component ahead, second to the left); distances are divided
+by the longest way on the torus, or by the range within which the thing is seen, and are 1 where nothing is seen.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def fill(
     scales: Floats, positions: Floats, stage: Ints, cargo: Ints, recycled: Ints, readings: Floats, length_column: int,
     share_done: Floats, time_left: Floats, held: Ints, out: Observations,
 ) -> None:  # fmt: skip
-    """Fill `out` (R, F) in the order of TERMS; `scales` (6,) divide sight, torus, neighbours, vector, speed, turning."""
+    """Fill `out` (R, F) in the order of TERMS; `scales` (6,): sight, torus, neighbours, vector, speed, turn rate."""
     per_world = robots.shape[0] // positions.shape[0]
     for row in range(robots.shape[0]):
         x, y, heading = robots[row, 0], robots[row, 1], headings[row]

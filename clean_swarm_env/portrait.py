@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.garbage import LYING, NOTHING
 from clean_swarm_env.picture import GARBAGE, LEFTOVERS, SEARCHING, Scene, draw_world
 from clean_swarm_env.worlds import PHEROMONES, Worlds
+from selforg.queries import Filter, Queries
 
 
 def scene_of(worlds: Worlds, world: int) -> Scene:
@@ -16,7 +17,7 @@ def scene_of(worlds: Worlds, world: int) -> Scene:
     rows, garbage, mission = worlds.rows_of(world), worlds.garbage, worlds.mission
     loaded = garbage.cargo[rows] != NOTHING
     cargo = np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING)
-    trail, diffusions = worlds.pheromones.stored(world, PHEROMONES, worlds.now)
+    trail, diffusions = _trail(worlds, world)
     return Scene(
         worlds.physics.positions[rows].copy(), worlds.physics.headings[rows].copy(), mission.stations.recycling,
         mission.stations.dump, width=mission.world.width, height=mission.world.height, radius=mission.robots.radius,
@@ -27,9 +28,18 @@ def scene_of(worlds: Worlds, world: int) -> Scene:
     )  # fmt: skip
 
 
+def _trail(worlds: Worlds, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones of a world."""
+    everything = Filter((PHEROMONES,), moving=False, view_distance=np.inf)
+    trail = Queries(worlds.pheromones).gradients(int(worlds.rows_of(world)[0]), worlds.now, everything)
+    places = np.array([gradient.position for gradient in trail], dtype=np.float64).reshape(-1, 2)
+    return places, np.array([gradient.diffusion for gradient in trail], dtype=np.float64)
+
+
 def portrait(worlds: Worlds, world: int) -> NDArray[np.uint8]:
     """Return a picture (height, width, 3) of a world now."""
     figure = draw_world(scene_of(worlds, world), title=f"{worlds.ticks[world] * worlds.period:.0f} s")
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    canvas.draw()  # type: ignore[no-untyped-call]
+    pixels = np.asarray(canvas.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
+    return pixels[:, :, :3].copy()

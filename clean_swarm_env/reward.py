@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config import Closed, Number
+from selector.documents import Closed, Number
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""The cleaning robot's behaviour network: its sensors, behaviours and goals (the paper's Fig. 6), by name and column."""
+"""The cleaning robot's behaviour network: its sensors, behaviours and goals (the paper's Fig. 6)."""
 
 from __future__ import annotations
 
@@ -73,9 +73,7 @@ def _task_behaviours(config: NetworkConfig) -> tuple[Behaviour, ...]:
     far = Linear(0.0, config.transport_full_range)
     carrying, recycled = _is("carrying"), _is("recycled")
     return (
-        Behaviour(
-            "Patrol", (_is_not("garbage_found"),), (Effect("patrolled", 1.0), Effect("garbage_seen", 1.0))
-        ),
+        Behaviour("Patrol", (_is_not("garbage_found"),), (Effect("patrolled", 1.0), Effect("garbage_seen", 1.0))),
         Behaviour(
             "MoveToGarbage",
             (_is("garbage_seen"), _is_not("garbage_at"), _is_not("carrying")),
@@ -122,13 +120,8 @@ def read_sensors(
 ) -> None:  # fmt: skip
     """Write the robot's own sensors into `readings` (R, S).
 
-    Args:
-        robots: (R, 2) positions [m]; extent (2,) [m].
-        stations: (2, 2) recycling and dump station [m].
-        limits: (3,) distances of seeing an item, of being at an item, of being at a station [m].
-        positions, stage, cargo, recycled: of `Garbage`.
-        readings: (R, S), changed in place.
-
+    robots (R, 2) and extent (2,) [m]; stations (2, 2): recycling and dump [m]; limits (3,): distances of seeing an
+    item, of being at an item, of being at a station [m]; positions, stage, cargo, recycled: of `Garbage`.
     """
     per_world = robots.shape[0] // positions.shape[0]
     for row in range(robots.shape[0]):

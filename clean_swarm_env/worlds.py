@@ -1,6 +1,7 @@
 """W worlds of N cleaning robots each, stepped together: the story of one control period.
 
-Rows are robots, R = W * N. A world depends on its own start and seed only: alone or in a batch it takes the same course.
+Rows are robots, R = W * N. A world depends on its own start and seed only: alone or in a batch it takes the same
+course.
 """
 
 from __future__ import annotations
@@ -87,7 +88,9 @@ class Worlds:
         )  # fmt: skip
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         self.items = SoBuffer(
-            BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0), space, self.poses
+            BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0),
+            space,
+            self.poses,
         )
         self.pheromones = SoBuffer(
             BufferSettings(
@@ -96,9 +99,7 @@ class Worlds:
         )  # fmt: skip
         self.avoidance_buffer = SoBuffer(BufferSettings(), space, self.poses)
         self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
-        pheromone = Pheromone(
-            PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period
-        )
+        pheromone = Pheromone(PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period)
         self.patrol = Patrol(
             self.pheromones, pheromone=pheromone, min_speed=patrol.min_speed, max_speed=patrol.max_speed,
             channels=(PHEROMONES,), directions=self.directions,

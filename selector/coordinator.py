@@ -1,8 +1,8 @@
-"""The coordinator: a sub-network for one goal, whose content is the configuration of the option that serves the goal now.
+"""The coordinator: a sub-network for one goal, whose content is the configuration of the option that serves it now.
 
 To the network that holds it a coordinator shows the preconditions and effects of the configuration held now, so that
-arbitration sees what it would see without the nesting. Different robots may hold different options at the same time; the work
-grows with the number of options in use, not with robots.
+arbitration sees what it would see without the nesting. Different robots may hold different options at the same time;
+the work grows with the number of options in use, not with robots.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ class Coordinator:
                     read_vector(rows, vectors, active, presence, threshold, self.parent.readings, column)
 
     def act(self, vectors: Floats, commanded: Flags) -> None:
-        """Run the content of the rows in which the parent runs the coordinator; their movement goes into `vectors` (R, D)."""
+        """Run the content where the parent runs the coordinator; its movement goes into `vectors` (R, D)."""
         running = self.parent.executing[:, self.index] == 1
         if not running.any():
             return
