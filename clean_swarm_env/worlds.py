@@ -33,6 +33,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ITEMS, PHEROMONES = "garbage", "pheromone"  # channels
+CLOCK_GRID = 2.0**-30
+"""Times of the buffers are multiples of this [s]: exact up to 2^23 s, and too long by 5e-9 at most."""
 
 
 class Worlds:
@@ -47,6 +49,9 @@ class Worlds:
         self.worlds, self.robots = worlds, mission.robots.count
         self.rows = worlds * self.robots
         self.period = 1.0 / mission.world.control_rate
+        # On a grid that floats hold exactly, times are sums without rounding: how long ago something was does not
+        # depend on when its world was reset. Rounded up, so that a period of whole ticks is over with the last one.
+        self._clock_period = float(np.ceil(self.period / CLOCK_GRID) * CLOCK_GRID)
         self.ticks: Ints = np.zeros(worlds, dtype=np.int64)
         self._now_ticks = 0
         self.extent = np.array([mission.world.width, mission.world.height])
@@ -124,8 +129,8 @@ class Worlds:
 
     @property
     def now(self) -> float:
-        """Time of the buffers [s]."""
-        return self._now_ticks * self.period
+        """Time of the buffers [s]; it goes on through resets."""
+        return self._now_ticks * self._clock_period
 
     def rows_of(self, world: int) -> Ints:
         """Rows (N,) of the robots of a world."""
