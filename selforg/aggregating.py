@@ -115,7 +115,7 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
         cells = -1
         if level < UNBOUNDED:
             cells = near_cells(
-                numbers[slot, X], numbers[slot, Y], numbers[slot, Z], radius, grid, level, members, window
+                numbers[slot, X], numbers[slot, Y], numbers[slot, Z], radius, grid, level, float(members), window
             )
         for index in range(max(cells, 1)):
             other = int(layers[layer, HEAD])

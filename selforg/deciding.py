@@ -4,7 +4,6 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.columns import DISTANCE, KEY, POSES, SLOT, VALUE
 from selforg.compiled import kernel
 from selforg.gathering import Store, gather
-from selforg.moving import UNLIMITED
 from selforg.pose_cells import Poses
 
 QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2
@@ -26,7 +25,7 @@ def decide_rows(
         decided[index] = poses[1][row, POSES] > 0
         if not decided[index]:
             continue
-        found = gather(row, (view, view, view), see, UNLIMITED, now, channels, poses, store, pairs)
+        found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
         if found > len(pairs):
             return index
         if rule == QUORUM:

@@ -24,7 +24,6 @@ from selforg.columns import (
 )
 from selforg.compiled import kernel
 from selforg.gathering import Store, gather
-from selforg.moving import UNLIMITED
 from selforg.pose_cells import Poses
 from selforg.randomness import take_direction
 from selforg.rules import limit
@@ -144,7 +143,7 @@ def flock_rows(
         total = np.zeros(3)
         active[index] = known[row, POSES] >= (1 if reynolds else 2)
         if active[index]:
-            found = gather(row, (view, view, view), see, UNLIMITED, now, channels, poses, store, pairs)
+            found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
             if found > len(pairs):
                 return index, low
             if reynolds:

@@ -70,8 +70,8 @@ def gather(
 ) -> int:  # fmt: skip
     """Write what `row` sees into `pairs` (P, PAIR_COLUMNS) and return how many there are.
 
-    see: SEE_ bits; limit: stop once that many are found; channels: (C + 1,) first 1 if the channel of the poses is
-    among them, then the others. Beyond P pairs are counted, not written: the caller comes again with a longer table.
+    see: SEE_ bits; limit: stop once that many are found (P + 1: all); channels: (C + 1,) first 1 if the channel of the
+    poses is among them, then the others. Beyond P pairs are counted, not written: the caller comes again with a longer table.
     """
     found = 0
     if see & SEE_MOVING and channels[0] == 1:
@@ -89,7 +89,7 @@ def gather(
                 continue
             cells = -1
             if level < UNBOUNDED:
-                cells = near_cells(x, y, z, radius + grid[level, BOUND], grid, level, members, store[7])
+                cells = near_cells(x, y, z, radius + grid[level, BOUND], grid, level, float(members), store[7])
             found = gather_layer(row, first + level, cells, margins, see, limit, now, x, y, z, store, pairs, found)
     return found
 
@@ -119,6 +119,8 @@ def gather_layer(
                     remove(here, links, layers, buckets, counters)
                     continue
             sign = int(links[here, ATTRACTION])
+            if margins[sign + 1] == -np.inf:
+                continue
             diffusion, goal = numbers[here, DIFFUSION], numbers[here, GOAL]
             dx, dy, dz, distance = offset_within(
                 numbers[here, X] - x, numbers[here, Y] - y, numbers[here, Z] - z,
@@ -139,7 +141,7 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
     found, cells = 0, -1
     if end - begin > CROWD and see & SEE_HISTORY == 0:  # cells know the newest poses only
         radius = max(margins[0], margins[1], margins[2]) + reach[team]
-        cells = near_cells(x, y, z, radius, grid, 0, end - begin, window)
+        cells = near_cells(x, y, z, radius, grid, min(team, 0), float(end - begin), window)
     for index in range(end - begin if cells < 0 else cells):
         cell = int(window[index]) if cells >= 0 else 0
         other = int(members[begin + index]) if cells < 0 else int(buckets[bucket_of(team, cell, buckets)])
@@ -149,6 +151,8 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
                 continue
             for age in range(rows[here, POSES] if see & SEE_HISTORY else min(rows[here, POSES], 1)):
                 sign, diffusion, goal = own[here, age, POSE_SIGN], own[here, age, DIFFUSION], own[here, age, GOAL]
+                if margins[int(sign) + 1] == -np.inf:
+                    continue
                 dx, dy, dz, distance = offset_within(
                     own[here, age, X] - x, own[here, age, Y] - y, own[here, age, Z] - z,
                     extent[0], extent[1], extent[2], margins[int(sign) + 1] + (diffusion + goal),

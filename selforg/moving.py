@@ -43,8 +43,6 @@ from selforg.rules import (
     sum_rule,
 )
 
-UNLIMITED = 1 << 62
-
 # Rules that are fed from less than the view, so that finding nothing does not mean that nothing is in view
 NARROWED = (COLLISION, FOLLOW_ALL, AVOID_ALL, CHEMOTAXIS_BALCH, CHEMOTAXIS_GE)
 
@@ -60,6 +58,7 @@ def move_rows(
     too short for the next one - and whether some row's directions run low.
     """
     low = False
+    any_one = min(1, len(pairs))  # not a constant: Numba would compile all it is handed to once more
     total = np.zeros(3)
     own, known = poses[0], poses[1]
     for index in range(begin, len(rows)):
@@ -71,7 +70,7 @@ def move_rows(
             margins, moves = support(rule, parameters, own_goal), False
             found = 0
             if rule != WANDER:
-                found = gather(row, margins, see, UNLIMITED, now, channels, poses, store, pairs)
+                found = gather(row, margins, see, len(pairs) + 1, now, channels, poses, store, pairs)
             if found > len(pairs):
                 return index, low
             if rule == EXPLOIT:
@@ -79,7 +78,7 @@ def move_rows(
             if found > 0:
                 moves = apply(rule, row, pairs, found, parameters, own_goal, own_reach, drawn, cursor, total)
             if not moves and rule in NARROWED:
-                moves = gather(row, whole_view(rule, parameters), see, 1, now, channels, poses, store, pairs) > 0
+                moves = gather(row, whole_view(rule, parameters), see, any_one, now, channels, poses, store, pairs) > 0
             moves = moves or rule == WANDER
             if moves:
                 finish(rule, row, parameters, own_reach, drawn, cursor, total)

@@ -18,7 +18,7 @@ from selforg.columns import GOAL, PAIR_COLUMNS, POSES, SEE_HISTORY, SEE_MOVING, 
 from selforg.compiled import kernel
 from selforg.gathering import Margins, Store, gather
 from selforg.gradient import Gradient
-from selforg.moving import UNLIMITED, keep_ahead
+from selforg.moving import keep_ahead
 from selforg.pose_cells import Poses
 from selforg.reading import gradient_of
 
@@ -210,7 +210,7 @@ def see_rows(
         if known[row, POSES] == 0 and not everything:
             continue
         mine = pairs[here:]
-        found = gather(row, margins, see, UNLIMITED, now, channels, poses, store, mine)
+        found = gather(row, margins, see, len(mine) + 1, now, channels, poses, store, mine)
         if found > len(mine):
             return index
         if angle_xy < np.inf or angle_yz < np.inf:

@@ -10,7 +10,6 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
 from selforg.compiled import kernel
 from selforg.gathering import Store, gather
-from selforg.moving import UNLIMITED
 from selforg.pose_cells import Poses
 from selforg.rules import add, full_length, limit
 
@@ -39,7 +38,7 @@ def make_walk(formula: Formula) -> Walk:
             total = np.zeros(3)
             found = 0
             if known[row, POSES] > 0:
-                found = gather(row, (view, view, view), see, UNLIMITED, now, channels, poses, store, pairs)
+                found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
             if found > len(pairs):
                 return index, low
             own_goal, own_reach = own[row, 0, GOAL], own[row, 0, DIFFUSION] + own[row, 0, GOAL]

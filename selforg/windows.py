@@ -11,7 +11,9 @@ MOST_CELLS = 4096  # a window of more cells is not walked; the whole list is
 
 
 @kernel
-def near_cells(x: float, y: float, z: float, radius: float, grid: Floats, level: int, members: int, cells: Ints) -> int:
+def near_cells(
+    x: float, y: float, z: float, radius: float, grid: Floats, level: int, members: float, cells: Ints
+) -> int:
     """Write the cells that come within `radius` [m] of (x, y, z) into `cells` and return how many.
 
     grid: (levels, GRID_COLUMNS). Returns -1 where looking at all `members` of the layer one by one is cheaper. That

@@ -1,7 +1,7 @@
 """Plays sequences of messages into a buffer, with all mechanisms looking on.
 
-`python -m tests.selforg.fuzz` is a soak: it plays sequences of random messages (10^5 by default) and stops at the first crash or movement that is not
-finite, naming the seed of the sequence.
+`python -m tests.selforg.fuzz` is a soak: it plays sequences of random messages (10^5 by default) and stops at the
+first crash or movement that is not finite, naming the seed of the sequence.
 """
 
 import argparse
