@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from selforg.compiled import kernel
+from selforg.network import reasons as why
 from selforg.network import state as st
 from selforg.network import tables as t
 from selforg.network.sharing import operational
@@ -18,6 +19,14 @@ def order_by_activation(activation: Floats, order: Ints) -> None:
             order[k] = order[k - 1]
             k -= 1
         order[k] = b
+
+
+@kernel
+def explain(row: int, b: int, marks: Ints, reason: int, by: int) -> None:
+    """Note why `b` runs or does not, in an explained network; what was stopped in this step keeps that reason."""
+    if marks.shape[0] == st.EXPLAINED_LAYERS and not marks[st.STOPPED, row, b]:
+        marks[st.REASON, row, b] = reason
+        marks[st.BY, row, b] = by
 
 
 @kernel
@@ -37,6 +46,9 @@ def start(row: int, b: int, marks: Ints) -> None:
     marks[st.EXECUTING, row, b] = 1
     marks[st.EXECUTION_TIME, row, b] = 0
     marks[st.STARTED, row, b] = 1
+    if marks.shape[0] == st.EXPLAINED_LAYERS:
+        marks[st.REASON, row, b] = why.STARTED_BY_HAND if marks[st.MANUAL, row, b] else why.STARTED
+        marks[st.BY, row, b] = -1
 
 
 @kernel
@@ -69,11 +81,13 @@ def make_room(row: int, b: int, ints: Ints, values: Floats, marks: Ints, counted
         weaker = priority[other] == priority[b] and activation[other] < activation[b]
         yields = interruptable[other] and not marks[st.MANUAL, row, other]
         if not (yields and (priority[other] < priority[b] or weaker)):
+            explain(row, b, marks, why.BLOCKED, other)
             return -1
     freed = 0
     if clashes:
         for other in range(counted.shape[0]):
             if other != b and marks[st.EXECUTING, row, other] and influences_same(row, b, other, ints, marks):
+                explain(row, other, marks, why.DISPLACED, b)
                 stop(row, other, marks)
                 freed += counted[other]
                 counted[other] = 0
@@ -99,6 +113,34 @@ def keeps_running(row: int, b: int, ints: Ints, values: Floats, marks: Ints, thr
 
 
 @kernel
+def explain_running(row: int, b: int, ints: Ints, values: Floats, marks: Ints, threshold: float, keeps: bool) -> None:
+    """Note why a running behaviour goes on or not."""
+    if marks[st.MANUAL, row, b]:
+        reason = why.KEPT_BY_HAND
+    elif not ints_of(ints, t.INTERRUPTABLE)[b]:
+        reason = why.KEPT_STUBBORN
+    elif keeps:
+        reason = why.KEPT
+    elif is_timed_out(row, b, ints, marks):
+        reason = why.TIMED_OUT
+    elif not marks[st.READY, row, b]:
+        reason = why.LOST_READINESS
+    else:
+        reason = why.FELL_BELOW if values[st.ACTIVATION, row, b] < threshold else why.CROWDED_OUT
+    explain(row, b, marks, reason, -1)
+
+
+@kernel
+def explain_idle(row: int, b: int, marks: Ints) -> None:
+    """Note why a behaviour cannot start whatever the others do."""
+    if not marks[st.ENABLED, row, b]:
+        reason = why.DISABLED
+    else:
+        reason = why.BELOW_THRESHOLD if marks[st.READY, row, b] else why.NOT_READY
+    explain(row, b, marks, reason, -1)
+
+
+@kernel
 def waiting_by_hand(row: int, marks: Ints, counted: Ints) -> int:
     """How many that are started by hand have not been counted yet."""
     waiting = 0
@@ -118,26 +160,35 @@ def select_row(
     `counted` and `order` are scratch (B,). With `advance` the time of what keeps running goes on.
     """
     threshold, limit = row_values[st.THRESHOLD, row], ints_of(ints, t.OPTIONS)[1]
+    row_values[st.DECIDING, row] = threshold
     executing, activation = marks[st.EXECUTING, row], values[st.ACTIVATION, row]
     order_by_activation(activation, order)
     counted[:] = 0
+    explained = marks.shape[0] == st.EXPLAINED_LAYERS
     selected, any_started, any_operational = 0, False, False
     for b in order:
         if not marks[st.PRESENT, row, b]:
             continue
         any_operational = any_operational or marks[st.ENABLED, row, b] == 1
         if executing[b]:
-            if not keeps_running(row, b, ints, values, marks, threshold, selected):
+            keeps = keeps_running(row, b, ints, values, marks, threshold, selected)
+            if explained:
+                explain_running(row, b, ints, values, marks, threshold, keeps)
+            if not keeps:
                 stop(row, b, marks)
                 continue
             marks[st.EXECUTION_TIME, row, b] += 1 if advance else 0
         else:
             if not marks[st.MANUAL, row, b]:
                 if not (marks[st.ENABLED, row, b] and marks[st.READY, row, b] and activation[b] >= threshold):
+                    if explained:
+                        explain_idle(row, b, marks)
                     continue
                 freed = make_room(row, b, ints, values, marks, counted)
                 selected -= max(freed, 0)
                 if freed < 0 or (limit > 0 and selected + waiting_by_hand(row, marks, counted) >= limit):
+                    if explained and freed >= 0:
+                        explain(row, b, marks, why.NO_PLACE, -1)
                     continue
             start(row, b, marks)
             any_started = True

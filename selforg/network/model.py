@@ -21,6 +21,10 @@ _COMPOSED = {Conjunction: t.CONJUNCTION, Disjunction: t.DISJUNCTION}
 class NetworkModel:
     """The declared network and its packed form.
 
+    Attributes:
+        ints, floats: the packed form, see `tables`.
+        precondition_roots: for each behaviour the nodes of its preconditions, of optional ones and alternatives too.
+
     Raises:
         ValueError: for a doubled name, an unknown sensor, or an activator that does not fit the sensor's kind.
 
@@ -43,7 +47,9 @@ class NetworkModel:
         self.sensor_index = _index("sensor", [s.name for s in self.sensors])
         self.behaviour_index = _index("behaviour", [b.name for b in self.behaviours])
         self.goal_index = _index("goal", [g.name for g in self.goals])
-        self.ints, self.floats = _Packer(self).packed()
+        packer = _Packer(self)
+        self.ints, self.floats = packer.packed()
+        self.precondition_roots = tuple(map(tuple, packer.roots))
 
     def sensor(self, name: str, where: str) -> int:
         """Index of the sensor `name`, which `where` refers to."""
@@ -68,6 +74,7 @@ class _Packer:
         self.model = model
         self.ints: dict[int, list[int]] = defaultdict(list)
         self.floats: dict[int, list[float]] = defaultdict(list)
+        self.roots: list[list[int]] = [[] for _ in model.behaviours]
 
     def packed(self) -> tuple[t.Ints, t.Floats]:
         self.ints[t.NODE_FIRST].append(0)
@@ -97,6 +104,7 @@ class _Packer:
             for precondition in interface.preconditions:
                 optional = isinstance(precondition, Optional)
                 node = self._tree(precondition.of if optional else precondition, b, tag, where)  # type: ignore[union-attr,arg-type]
+                self.roots[b].append(node)
                 if not optional:
                     self.ints[t.PRECONDITION_NODE].append(node)
                     self.ints[t.PRECONDITION_TAG].append(tag)

@@ -29,15 +29,16 @@ class BehaviourNetwork:
     """R rows (robots) that decide by one model.
 
     Every decision period: fill `readings` (R, S), call `step()`, then act on what runs (`started`, `executing`).
-    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` or not at all.
+    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` or not at all. An
+    `explained` network also notes why each behaviour runs or does not (`recording`, `explanation`).
     """
 
-    def __init__(self, model: NetworkModel, rows: int, planner: Planner | None = None) -> None:
+    def __init__(self, model: NetworkModel, rows: int, planner: Planner | None = None, explained: bool = False) -> None:
         self.model = model
         self.rows = rows
         self.planner = planner
         sizes = ints_of(model.ints, t.SIZES)
-        self.state = NetworkState(rows, int(sizes[1]), int(sizes[2]), int(sizes[4]))
+        self.state = NetworkState(rows, int(sizes[1]), int(sizes[2]), int(sizes[4]), explained)
         self.readings: NDArray[np.float64] = np.zeros((rows, int(sizes[0])))
         self.plans = PlanState(rows, int(sizes[0]))
         self._memory = planner.memory if planner else PlanMemory([], [], [], 0)

@@ -45,23 +45,28 @@ COMPONENTS = {
     MANUAL,  # started by hand: skips the checks and is never stopped
     PRIORITY,
     ALTERNATIVE,  # which of its alternatives it holds, -1: none
-    MARK_LAYERS,
-) = range(12)
+    REASON,  # why it runs or does not, see `reasons`; this and the next layer exist only in an explained network
+    BY,  # the behaviour that the reason is about, -1: none
+    EXPLAINED_LAYERS,
+) = range(14)
+MARK_LAYERS = REASON
 
 # row_values (ROW_LAYERS, R)
 (
     THRESHOLD,
     TOTAL,  # activation of all operational behaviours before the last step
+    DECIDING,  # the threshold by which the last step decided
     ROW_LAYERS,
-) = range(3)
+) = range(4)
 
 
 class NetworkState:
-    """State arrays of R rows of a network with B behaviours, G goals and U wishes."""
+    """State arrays of R rows of a network with B behaviours, G goals and U wishes; `explained`: reasons are noted."""
 
-    def __init__(self, rows: int, behaviours: int, goals: int, wishes: int) -> None:
+    def __init__(self, rows: int, behaviours: int, goals: int, wishes: int, explained: bool = False) -> None:
+        layers = EXPLAINED_LAYERS if explained else MARK_LAYERS
         self.values: NDArray[np.float64] = np.zeros((VALUE_LAYERS, rows, behaviours))
-        self.marks: NDArray[np.int64] = np.zeros((MARK_LAYERS, rows, behaviours), dtype=np.int64)
+        self.marks: NDArray[np.int64] = np.zeros((layers, rows, behaviours), dtype=np.int64)
         self.row_values: NDArray[np.float64] = np.zeros((ROW_LAYERS, rows))
         self.goal_satisfaction: NDArray[np.float64] = np.zeros((rows, goals))
         self.goal_enabled: NDArray[np.int64] = np.ones((rows, goals), dtype=np.int64)
@@ -78,6 +83,7 @@ class NetworkState:
         self.marks[PRIORITY, rows] = priorities
         self.row_values[THRESHOLD, rows] = threshold
         self.row_values[TOTAL, rows] = 0.0
+        self.row_values[DECIDING, rows] = threshold
         self.goal_enabled[rows] = 1
         self.goal_satisfaction[rows] = 0.0
         self.wishes[rows] = 0.0
