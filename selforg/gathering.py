@@ -71,7 +71,8 @@ def gather(
     """Write what `row` sees into `pairs` (P, PAIR_COLUMNS) and return how many there are.
 
     see: SEE_ bits; limit: stop once that many are found (P + 1: all); channels: (C + 1,) first 1 if the channel of the
-    poses is among them, then the others. Beyond P pairs are counted, not written: the caller comes again with a longer table.
+    poses is among them, then the others. Beyond P pairs are counted, not written: the caller comes again with a longer
+    table.
     """
     found = 0
     if see & SEE_MOVING and channels[0] == 1:
