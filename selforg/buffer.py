@@ -14,17 +14,15 @@ from selforg.columns import (
     FACTOR,
     GOAL,
     GRADIENT_COLUMNS,
-    HX,
     PERIOD,
+    SERIALS,
     STAMP,
     TAG_CHANNEL,
     TAG_COLUMNS,
     TAG_KEY,
-    TAG_MOVING,
     TAG_SIGN,
     TAG_SOURCE,
     TAG_SPACE,
-    VALUE,
     X,
 )
 from selforg.delivery import Delivery, Mail, address
@@ -35,6 +33,9 @@ from selforg.settings import BufferSettings
 from selforg.space import Space
 from selforg.storing import clear_space, deposit_rows, evaporate_space, store_rows
 from selforg.tables import Tables
+from selforg.writing import write_gradient
+
+MOST_STALE_PAYLOADS = 1024
 
 
 class SoBuffer:
@@ -233,26 +234,24 @@ class SoBuffer:
         store_rows(messages, tags, self.rules, float(now), self.tables)
 
     def _store_gradient(self, gradient: Gradient, now: float, spaces: Ints) -> None:
-        g = gradient
-        place, heading = check_gradient(gradient, self.space.dim)
-        if not self.keeps(g.channel):
+        check_gradient(gradient, self.space.dim)
+        source = self.source_code(gradient.source)
+        if not self.keeps(gradient.channel):
             return
-        messages, tags = self.blank(len(spaces), g.channel)
-        messages[:, X : X + self.space.dim] = self.space.wrap(place[: self.space.dim])
-        messages[:, HX : HX + 3] = heading
-        messages[:, DIFFUSION], messages[:, GOAL] = g.diffusion, g.goal_radius
-        messages[:, FACTOR], messages[:, PERIOD] = g.evaporation_factor, g.evaporation_period
-        messages[:, STAMP], messages[:, CLOCK] = g.stamp, g.stamp if g.clock is None else g.clock
-        tags[:, TAG_SPACE], tags[:, TAG_SOURCE] = spaces, self.source_code(g.source)
-        tags[:, TAG_SIGN], tags[:, TAG_MOVING] = g.attraction, g.moving
-        for key, value in g.payload.items():
-            if type(value) in (int, float):  # the first number travels in the table, where compiled code sees it
-                messages[:, VALUE], tags[:, TAG_KEY] = value, self.keys.code(str(key))
-                break
-        if g.payload:
-            first = self.table.next_serial
-            self.payloads.update((serial, g.payload) for serial in range(first, first + len(spaces)))
+        messages, tags = self.blank(len(spaces), gradient.channel)
+        write_gradient(gradient, self.space, self.keys, messages, tags)
+        tags[:, TAG_SPACE], tags[:, TAG_SOURCE] = spaces, source
+        if gradient.payload:
+            self._keep_payload(gradient.payload, len(spaces))
         self.store_tables(messages, tags, now)
+
+    def _keep_payload(self, payload: Mapping[str, Any], copies: int) -> None:
+        """Keep the payload of the next `copies` messages, and forget those of gradients that are gone."""
+        if len(self.payloads) > 2 * len(self) + MOST_STALE_PAYLOADS:
+            live = self.table.serials()
+            self.payloads = {serial: kept for serial, kept in self.payloads.items() if serial in live}
+        first = self.table.next_serial
+        self.payloads.update((serial % SERIALS, payload) for serial in range(first, first + copies))
 
     def _spaces(self, team: int) -> Ints:
         """Return the information spaces of a team."""

@@ -27,7 +27,8 @@ ATTRACTION = 3  # +1, 0, -1
 RANK = 4  # age of a moving gradient among those of its source, 0 is the newest
 SOURCE = 5  # who spread it
 AFTER, BEFORE = 6, 7  # neighbours in the list of the layer, in the order of storing
-SERIAL = 8  # label under which the border finds payloads
+SERIAL = 8  # running number of the message, modulo SERIALS; the border finds payloads by it
+SERIALS = 1 << 31
 KEY = 9  # code of the payload entry that VALUE is, -1 for none
 LINK_COLUMNS = 10
 

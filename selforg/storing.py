@@ -31,6 +31,7 @@ from selforg.columns import (
     POSES,
     RANK,
     SERIAL,
+    SERIALS,
     SOURCE,
     SPACES,
     STAMP,
@@ -90,7 +91,7 @@ def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Store)
     slot = take_slot(links, counters)
     numbers[slot] = message
     links[slot, SOURCE], links[slot, ATTRACTION] = tag[TAG_SOURCE], tag[TAG_SIGN]
-    links[slot, SERIAL], links[slot, KEY] = counters[LAST_SERIAL], tag[TAG_KEY]
+    links[slot, SERIAL], links[slot, KEY] = counters[LAST_SERIAL] % SERIALS, tag[TAG_KEY]
     start_evaporation(numbers, slot, now, whole_seconds)
     first = layer_of(int(tag[TAG_CHANNEL]), int(tag[TAG_SPACE]), 0, counters)
     if tag[TAG_MOVING]:

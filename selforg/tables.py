@@ -24,6 +24,7 @@ from selforg.columns import (
     LINK_COLUMNS,
     MIN_DIFFUSION,
     PER_ROW,
+    SERIAL,
     SETTINGS,
     SPACES,
     SWEEP,
@@ -78,6 +79,11 @@ class Tables:
     def next_serial(self) -> int:
         """Serial number that the next message will get."""
         return int(self._counters[LAST_SERIAL]) + 1
+
+    def serials(self) -> set[int]:
+        """Return the serial numbers (modulo SERIALS) of all stored gradients."""
+        used = self.links[: int(self._counters[HIGH])]
+        return set(used[used[:, LAYER] >= 0, SERIAL].tolist())
 
     @property
     def nbytes(self) -> int:

@@ -3,12 +3,12 @@
 from selforg.mechanisms.base import MovementMechanism as MovementMechanism
 from selforg.mechanisms.chemotaxis import ChemotaxisBalch as ChemotaxisBalch
 from selforg.mechanisms.chemotaxis import ChemotaxisGe as ChemotaxisGe
-from selforg.mechanisms.decision import Decision as Decision
-from selforg.mechanisms.decision import DecisionMechanism as DecisionMechanism
 from selforg.mechanisms.decision import ForagingDecision as ForagingDecision
 from selforg.mechanisms.decision import GossipMax as GossipMax
 from selforg.mechanisms.decision import MorphogenesisBarycenter as MorphogenesisBarycenter
 from selforg.mechanisms.decision import Quorum as Quorum
+from selforg.mechanisms.decision_base import Decision as Decision
+from selforg.mechanisms.decision_base import DecisionMechanism as DecisionMechanism
 from selforg.mechanisms.depositing import DepositPheromones as DepositPheromones
 from selforg.mechanisms.depositing import DepositPheromonesMin as DepositPheromonesMin
 from selforg.mechanisms.depositing import DepositPheromonesRandom as DepositPheromonesRandom

@@ -153,3 +153,12 @@ def test_moving_gradients_keep_a_history_of_newer_ones_only():
     assert [g.stamp for g in history] == [2.0, 3.0, 4.0]
     (newest,) = Queries(buffer).neighbours(0, 4.0, EVERYTHING)
     assert newest.stamp == 4.0
+
+
+def test_payloads_of_gradients_that_are_gone_are_forgotten():
+    space = Euclidean(2)
+    buffer = SoBuffer(BufferSettings(), space, OwnPoses(space, 1))
+    for stamp in range(5000):
+        buffer.store(Gradient("f", (0.0, 0.0), source="x", stamp=stamp, moving=True, payload={"n": stamp}), stamp)
+    assert len(buffer.payloads) < 2000
+    assert [g.payload["n"] for g in Queries(buffer).gradients(0, 5000.0, EVERYTHING)] == [4999]
