@@ -1,6 +1,6 @@
 # The environment of the repository if there is one, else the one that is active.
 BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
-BENCHMARKS := benchmarks.floor
+BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack
 
 .PHONY: check lint test bench clean-cache
 
