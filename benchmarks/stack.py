@@ -99,7 +99,7 @@ def parts_of_a_tick(mission: MissionConfig) -> dict[str, float]:
 
 
 def early_and_late(mission: MissionConfig) -> dict[str, float]:
-    """Return microseconds of a tick and pheromones stored, early and late in one world without garbage: all robots patrol."""
+    """Return microseconds of a tick and pheromones stored, early and late, where all robots patrol: without garbage."""
     nothing = mission.garbage.model_copy(update={"count": 0})
     worlds = worlds_at_start(mission.model_copy(update={"garbage": nothing}), 1)
     figures: dict[str, float] = {}
