@@ -129,7 +129,10 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
                 here = cells < 0 or (links[other, LAYER] == layer and links[other, CELL] == window[index])
                 if here and still_there(other, now, store):
                     distance = centre_distance(slot, other, store)
-                    older = nearest >= 0 and (links[other, SERIAL] - links[nearest, SERIAL]) % SERIALS > SERIALS // 2
+                    older = (
+                        nearest >= 0
+                        and (int(links[other, SERIAL]) - int(links[nearest, SERIAL])) % SERIALS > SERIALS // 2
+                    )
                     if distance < best or (distance == best and (nearest < 0 or older)):
                         best, nearest = distance, other
                 other = following

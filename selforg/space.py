@@ -82,5 +82,5 @@ def wrapped(coordinate: float, extent: float) -> float:
     """Return `coordinate` [m] brought into [0, extent), unchanged on an open axis (extent 0)."""
     if extent > 0.0 and (coordinate < 0.0 or coordinate >= extent):
         inside = coordinate - extent * np.floor(coordinate / extent)
-        return inside if inside < extent else 0.0
+        return inside if 0.0 <= inside < extent else 0.0  # the quotient may have been rounded across a whole number
     return coordinate
