@@ -1,0 +1,29 @@
+"""Self-organisation inside a behaviour network: sensors over mechanisms, and behaviours that let mechanisms act."""
+
+from selforg.components.actions import Act as Act
+from selforg.components.actions import Action as Action
+from selforg.components.actions import Commands as Commands
+from selforg.components.actions import Decide as Decide
+from selforg.components.actions import DecideState as DecideState
+from selforg.components.actions import Move as Move
+from selforg.components.actions import SetState as SetState
+from selforg.components.actions import Turn as Turn
+from selforg.components.drives import DriveLimits as DriveLimits
+from selforg.components.drives import differential as differential
+from selforg.components.drives import holonomic as holonomic
+from selforg.components.knowledge import Knowledge as Knowledge
+from selforg.components.robot import OrganisedRobots as OrganisedRobots
+from selforg.components.sensors import Changed as Changed
+from selforg.components.sensors import FartherThan as FartherThan
+from selforg.components.sensors import GoalDistance as GoalDistance
+from selforg.components.sensors import GoalPresent as GoalPresent
+from selforg.components.sensors import GoalReached as GoalReached
+from selforg.components.sensors import Known as Known
+from selforg.components.sensors import SensorComponent as SensorComponent
+from selforg.components.sensors import StateIs as StateIs
+from selforg.components.sensors import Value as Value
+from selforg.components.sensors import VectorLength as VectorLength
+from selforg.components.sensors import VectorPresent as VectorPresent
+from selforg.components.sources import DecisionSource as DecisionSource
+from selforg.components.sources import GoalSource as GoalSource
+from selforg.components.sources import MovementSource as MovementSource

@@ -1,0 +1,169 @@
+"""Sensor components: how a source or the own knowledge becomes a reading of a behaviour network."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+import numpy.typing as npt
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.components.knowledge import Knowledge
+from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
+from selforg.network.behaviours import SensorKind
+
+
+class SensorComponent(ABC):
+    """Blueprint of a sensor: `read` is called once a tick, after the sources were asked.
+
+    Subclasses state their `kind`, name their `sources` and implement `_read`.
+
+    Example:
+        >>> class Heading(SensorComponent):
+        ...     def _read(self, rows):
+        ...         return compass[rows]
+
+    """
+
+    kind: SensorKind = "number"
+    sources: Sequence[Source] = ()
+
+    @final
+    def read(self, rows: Ints) -> Floats:
+        """Return the readings (K,) of `rows` (K,); facts are 1 or 0."""
+        return np.asarray(self._read(rows), dtype=np.float64)
+
+    @abstractmethod
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        """Return what `rows` (K,) sense: bool or number (K,)."""
+
+
+class VectorPresent(SensorComponent):
+    """A fact: there is a movement vector, longer than `longer_than` [m/s] (so a zero vector is none)."""
+
+    kind = "fact"
+
+    def __init__(self, source: MovementSource, longer_than: float = 1e-9) -> None:
+        self.source, self.longer_than = source, longer_than
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        lengths: Floats = np.linalg.norm(self.source.vectors[rows], axis=1)
+        return self.source.active[rows] & (lengths > self.longer_than)
+
+
+class VectorLength(SensorComponent):
+    """Length of the movement vector [m/s], 0 without one."""
+
+    def __init__(self, source: MovementSource) -> None:
+        self.source = source
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return np.where(self.source.active[rows], np.linalg.norm(self.source.vectors[rows], axis=1), 0.0)
+
+
+class GoalSensor(SensorComponent):
+    """What the sensors over a goal gradient share."""
+
+    def __init__(self, source: GoalSource) -> None:
+        self.source = source
+        self.sources = (source,)
+
+
+class GoalPresent(GoalSensor):
+    """A fact: a goal gradient is in view."""
+
+    kind = "fact"
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return self.source.present[rows]
+
+
+class GoalReached(GoalSensor):
+    """A fact: the own goal area touches the goal's."""
+
+    kind = "fact"
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return self.source.present[rows] & (self.source.clearance[rows] <= 0.0)
+
+
+class GoalDistance(SensorComponent):
+    """Clearance to the goal [m], at least 0; `unseen` [m] where there is none in view."""
+
+    def __init__(self, source: GoalSource, unseen: float) -> None:
+        if not (unseen >= 0.0 and np.isfinite(unseen)):
+            raise ValueError(f"GoalDistance: unseen must be a distance, got {unseen}")
+        self.source, self.unseen = source, unseen
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return np.where(self.source.present[rows], np.maximum(self.source.clearance[rows], 0.0), self.unseen)
+
+
+class FartherThan(SensorComponent):
+    """A fact: a goal is in view, its clearance larger than `distance` [m]."""
+
+    kind = "fact"
+
+    def __init__(self, source: GoalSource, distance: float) -> None:
+        self.source, self.distance = source, distance
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return self.source.present[rows] & (self.source.clearance[rows] > self.distance)
+
+
+class Value(SensorComponent):
+    """The value that a decision mechanism would decide now [-]."""
+
+    def __init__(self, source: DecisionSource) -> None:
+        self.source = source
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return self.source.values[rows]
+
+
+class StateIs(SensorComponent):
+    """A fact: a decision mechanism would decide for one certain state now."""
+
+    kind = "fact"
+
+    def __init__(self, source: DecisionSource, state: str) -> None:
+        known = source.mechanism.states
+        if state not in known:
+            raise ValueError(f"StateIs: state must be one of {', '.join(known)}, got {state!r}")
+        self.source, self.code = source, known.index(state)
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        there: Flags = self.source.states[rows] == self.code
+        return there
+
+
+class Changed(SensorComponent):
+    """A fact: a decision mechanism would decide something else now than what it has spread last."""
+
+    kind = "fact"
+
+    def __init__(self, source: DecisionSource) -> None:
+        self.source = source
+        self.sources = (source,)
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return self.source.differs[rows]
+
+
+class Known(SensorComponent):
+    """What the robot knows under a name."""
+
+    def __init__(self, knowledge: Knowledge, name: str) -> None:
+        self._values = knowledge.values(name)
+        self.kind = knowledge.kinds[name]
+
+    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+        return self._values[rows]

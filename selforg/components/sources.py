@@ -1,0 +1,92 @@
+"""Sources: a mechanism or a query asked once a tick, whatever number of sensors and behaviours look at its answer."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import final
+
+import numpy as np
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.buffer import SoBuffer
+from selforg.columns import DISTANCE, DX, GOAL, PAIR_GOAL
+from selforg.mechanisms.base import MovementMechanism
+from selforg.mechanisms.decision_base import DecisionMechanism
+from selforg.queries import Filter, Queries
+
+EVERYTHING_IN_VIEW = Filter()
+
+
+class Source(ABC):
+    """Blueprint of what is asked once a tick, before anything is sensed; its answers hold until the next tick."""
+
+    @final
+    def ask(self, now: float, rows: Ints) -> None:
+        """Renew the answers for `rows` (K,) at `now` [s]."""
+        if len(rows):
+            self._ask(now, rows)
+
+    @abstractmethod
+    def _ask(self, now: float, rows: Ints) -> None:
+        """Renew the answers for `rows` (K,), of which there is at least one."""
+
+
+class MovementSource(Source):
+    """What a movement mechanism says.
+
+    vectors: (N, D) [m/s] movement, zero where there is none.
+    active: (N,) whether there is one.
+    """
+
+    def __init__(self, mechanism: MovementMechanism) -> None:
+        self.mechanism = mechanism
+        rows, dim = mechanism.poses.rows, mechanism.poses.space.dim
+        self.vectors: Floats = np.zeros((rows, dim))
+        self.active: Flags = np.zeros(rows, dtype=np.bool_)
+
+    def _ask(self, now: float, rows: Ints) -> None:
+        self.vectors[rows], self.active[rows] = self.mechanism.move(now, rows)
+
+
+class GoalSource(Source):
+    """The gradient that a query chooses, by default the nearest attractive one.
+
+    offsets: (N, D) [m] from the own centre to the goal's, zero where there is none.
+    clearance: (N,) [m] centre distance less both goal radii, 0 where there is none.
+    present: (N,) whether there is one.
+    """
+
+    def __init__(self, buffer: SoBuffer, rule: str = "nearest_attractive", look: Filter = EVERYTHING_IN_VIEW) -> None:
+        self._queries, self._poses = Queries(buffer), buffer.poses
+        self.rule, self.look = rule, look
+        rows, dim = self._poses.rows, self._poses.space.dim
+        self.offsets: Floats = np.zeros((rows, dim))
+        self.clearance: Floats = np.zeros(rows)
+        self.present: Flags = np.zeros(rows, dtype=np.bool_)
+
+    def _ask(self, now: float, rows: Ints) -> None:
+        pairs, found = self._queries.choose(self.rule, now, rows, self.look)
+        clearance = pairs[:, DISTANCE] - pairs[:, PAIR_GOAL] - self._poses.own[rows, 0, GOAL]
+        self.offsets[rows] = pairs[:, DX : DX + self.offsets.shape[1]]
+        self.clearance[rows] = np.where(found, clearance, 0.0)
+        self.present[rows] = found
+
+
+class DecisionSource(Source):
+    """What a decision mechanism would decide now; it is kept and spread only by a behaviour.
+
+    values: (N,) [-]; states: (N,) codes of the mechanism's `states`.
+    differs: (N,) whether that is something else than the value and state that the mechanism holds.
+    """
+
+    def __init__(self, mechanism: DecisionMechanism) -> None:
+        self.mechanism = mechanism
+        self.values: Floats = mechanism.values.copy()
+        self.states: Ints = mechanism.state_codes.copy()
+        self.differs: Flags = np.zeros(len(self.values), dtype=np.bool_)
+
+    def _ask(self, now: float, rows: Ints) -> None:
+        decision = self.mechanism.decide(now, rows)
+        self.values[rows], self.states[rows] = decision.values, decision.states
+        held = (decision.values == self.mechanism.values[rows]) & (decision.states == self.mechanism.state_codes[rows])
+        self.differs[rows] = ~held
