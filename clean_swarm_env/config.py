@@ -8,7 +8,7 @@ settings of the reference experiment (see `configs/missions`), with solid robots
 import math
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from selector.documents import Closed, NonNegative, Number, Positive, Share
@@ -152,6 +152,11 @@ class WeightsConfig(Closed):
     """Weight of the place on the plan [-]."""
 
 
+def _planner(given: object) -> object:
+    """Read a truth value, which is what YAML makes of a bare `off`, as "built-in" or "off"."""
+    return ("built-in" if given else "off") if isinstance(given, bool) else given
+
+
 class NetworkConfig(Closed):
     """The behaviour network of each robot."""
 
@@ -163,8 +168,8 @@ class NetworkConfig(Closed):
     """Share of a behaviour's activation that stays from one step to the next [-]."""
     max_parallel: Count = 1
     """Number of behaviours of one robot that may run at the same time."""
-    planner: bool = Field(default=True, strict=True)
-    """Whether a plan adds to the activation of its next behaviours."""
+    planner: Annotated[str, BeforeValidator(_planner), Field(strict=True, min_length=1)] = "built-in"
+    """Whose plan adds to the activation of its next behaviours: "built-in", "off", or an engine of unified-planning."""
     transport_full_range: Positive = 1.0
     """Distance to a station from which its linear condition is fully satisfied [m]."""
     weights: WeightsConfig = WeightsConfig()

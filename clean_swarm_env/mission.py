@@ -44,16 +44,30 @@ class MissionResult:
 
 def run_mission(mission: MissionConfig, start: StartConfiguration, seed: int, scores: Scores) -> MissionResult:
     """Run one mission with the options of the highest scores; `scores` are laid over the expert knowledge."""
+    worlds = at_start(mission, start, seed, scores)
+    while in_progress(worlds):
+        worlds.tick()
+    return result_of(worlds, 0)
+
+
+def at_start(
+    mission: MissionConfig, start: StartConfiguration, seed: int, scores: Scores, *, explained: bool = False
+) -> Worlds:
+    """Return the one world of a mission, ready for its first tick."""
     knowledge = load_knowledge(mission.knowledge).with_scores(scores)
     library = Library()
     library.check(knowledge)
-    worlds = Worlds(mission, CoordinatorModel(GOAL, knowledge, library))
+    worlds = Worlds(mission, CoordinatorModel(GOAL, knowledge, library), explained=explained)
     worlds.reset(0, start, seed)
     choose(worlds, knowledge)
+    return worlds
+
+
+def in_progress(worlds: Worlds) -> bool:
+    """Whether the mission of the first world still has garbage and time left."""
+    mission = worlds.mission
     limit = round(mission.time_limit / worlds.period)
-    while worlds.garbage.done[0] < mission.garbage.count and worlds.ticks[0] < limit:
-        worlds.tick()
-    return result_of(worlds, 0)
+    return bool(worlds.garbage.done[0] < mission.garbage.count and worlds.ticks[0] < limit)
 
 
 def choose(worlds: Worlds, knowledge: Knowledge) -> None:

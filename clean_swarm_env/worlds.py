@@ -23,7 +23,7 @@ from selector.coordinator import Coordinator, CoordinatorModel
 from selforg.buffer import SoBuffer
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone, find
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning import BuiltInPlanner
+from selforg.network.planner_names import planner_named
 from selforg.poses import OwnPoses
 from selforg.randomness import DirectionStream
 from selforg.settings import BufferSettings
@@ -41,10 +41,13 @@ class Worlds:
     """The batch of worlds of one mission.
 
     Call `reset` for every world, then `tick` as long as you like; between ticks `hold` says which option serves
-    AvoidCollision in which robot. `ticks` (W,) counts control periods since the reset of each world.
+    AvoidCollision in which robot. `ticks` (W,) counts control periods since the reset of each world. With `explained`
+    the robots' network also notes why each behaviour runs or does not; the course is the same.
     """
 
-    def __init__(self, mission: MissionConfig, avoidance: CoordinatorModel, worlds: int = 1) -> None:
+    def __init__(
+        self, mission: MissionConfig, avoidance: CoordinatorModel, worlds: int = 1, *, explained: bool = False
+    ) -> None:
         self.mission = mission
         self.worlds, self.robots = worlds, mission.robots.count
         self.rows = worlds * self.robots
@@ -57,7 +60,7 @@ class Worlds:
         self.extent = np.array([mission.world.width, mission.world.height])
         self._build_world()
         self._build_stack()
-        self._build_robots(avoidance)
+        self._build_robots(avoidance, explained)
         self._commanded = np.zeros(self.rows, dtype=np.bool_)
         self._entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self._vectors: Floats = np.zeros((self.rows, 2))
@@ -110,10 +113,10 @@ class Worlds:
             channels=(PHEROMONES,), directions=self.directions,
         )  # fmt: skip
 
-    def _build_robots(self, avoidance: CoordinatorModel) -> None:
+    def _build_robots(self, avoidance: CoordinatorModel, explained: bool) -> None:
         model = robot_model(self.mission.network, avoidance)
-        planner = BuiltInPlanner(model) if self.mission.network.planner else None
-        self.network = BehaviourNetwork(model, self.rows, planner)
+        planner = planner_named(model, self.mission.network.planner)
+        self.network = BehaviourNetwork(model, self.rows, planner, explained)
         self.coordinator = Coordinator(avoidance, self.network, self._make_mechanism)
         index = model.behaviour_index
         self._cargo = np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")])

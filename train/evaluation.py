@@ -11,7 +11,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from train.figure import draw
 from train.grids import markdown, on_terminal
-from train.plan import Plan, Request, check_scores, plan_of
+from train.plan import Plan, Request, check_planner, check_scores, plan_of
+from train.preparing import compile_first
 from train.report import Report, report_of, summary_json
 from train.results import Results, default_directory
 from train.runs import MissionRunner, RunTask, execute_all, tasks_of
@@ -31,6 +32,7 @@ def evaluate(
     """
     plan = plan_of(request)
     check_scores(plan.experiment)
+    check_planner(plan.experiment)
     tasks = tasks_of(plan.experiment, plan.seed)
     results = Results(output or default_directory(plan.stem, resume=resume), plan.manifest, resume=resume)
     try:
@@ -53,6 +55,8 @@ def evaluate(
 def _run_missing(tasks: Sequence[RunTask], results: Results, workers: int, run_mission: MissionRunner) -> None:
     finished = {record.key for record in results.records}
     missing = [task for task in tasks if (task.scenario, task.condition) not in finished]
+    if missing:
+        compile_first(missing[0], run_mission)
     with _progress(len(tasks), len(finished)) as advance, closing(execute_all(missing, workers, run_mission)) as runs:
         for record in runs:
             results.add(record)

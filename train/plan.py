@@ -16,10 +16,13 @@ from clean_swarm_env.experiment import ExperimentConfig
 from clean_swarm_env.starts import load_starts, random_start
 from selector.documents import unknown
 from selector.knowledge import load_knowledge
+from selforg.network.planner_names import check_planner as check_planner_name
 from train.reference import Measured
 
 PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages whose versions the manifest states."""
+FINGERPRINTED = ("knowledge", "mechanisms")
+"""Kinds of shipped files that decide what a run is, beside its configuration."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +63,10 @@ class Plan:
                 "experiment": self.experiment.name,
                 "seed": self.seed,
                 "configuration": self.experiment.model_dump(mode="json"),
-                "files": _fingerprints(("knowledge", "mechanisms")),
+                "files": fingerprints(FINGERPRINTED),
             },
             "starts_from": self.starts_from,
-            "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+            "versions": versions(),
             "platform": platform.platform(),
         }
 
@@ -90,6 +93,14 @@ def plan_of(request: Request) -> Plan:
     return Plan(experiment, request.seed, {}, False, source, f"{stem}-{count}-scenarios")
 
 
+def check_planner(experiment: ExperimentConfig) -> None:
+    """Raise an error of one line if the mission names a planner that there is not."""
+    try:
+        check_planner_name(experiment.mission.network.planner)
+    except (ValueError, ModuleNotFoundError) as error:
+        raise ConfigurationError(f"{experiment.name}: mission.network.planner: {error}") from error
+
+
 def check_scores(experiment: ExperimentConfig) -> None:
     """Raise an error of one line if a condition scores a goal or an option that the expert knowledge does not have."""
     knowledge = load_knowledge(experiment.mission.knowledge)
@@ -113,7 +124,12 @@ def _random_starts(experiment: ExperimentConfig, seed: int, count: int) -> tuple
     return tuple(random_start(experiment.mission, seed, index) for index in range(count))
 
 
-def _fingerprints(kinds: Sequence[str]) -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of the packages that results depend on."""
+    return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+
+
+def fingerprints(kinds: Sequence[str]) -> dict[str, str]:
     """Return file -> SHA-256 for the shipped files of these kinds."""
     root = configs.directory()
     paths = sorted(path for kind in kinds for path in (root / kind).glob("*.yaml"))

@@ -10,6 +10,19 @@ from selforg.network.planner import Outcome, Search, State, Unknown, Unsolvable
 from selforg.network.planning_problem import PlanningProblem
 
 
+def check_engine(engine: str) -> None:
+    """Refuse a name of an engine that is not installed.
+
+    Raises:
+        ValueError: an engine that is not installed; lists those that are.
+        ModuleNotFoundError: the extra `planning` is not installed.
+
+    """
+    known = environment().factory.engines
+    if engine not in known:
+        raise ValueError(f"unknown planning engine {engine!r} (installed: {', '.join(sorted(known))})")
+
+
 class EngineSearch(Search):
     """Asks an engine for plans; what the engine guarantees about cost and order of a plan is what one gets.
 
@@ -28,9 +41,7 @@ class EngineSearch(Search):
 
     def __init__(self, problem: PlanningProblem, engine: str, timeout: float | None = 10.0) -> None:
         super().__init__(problem)
-        known = environment().factory.engines
-        if engine not in known:
-            raise ValueError(f"unknown planning engine {engine!r} (installed: {', '.join(sorted(known))})")
+        check_engine(engine)
         self.engine = engine
         self.timeout = timeout
 

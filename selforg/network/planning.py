@@ -8,7 +8,7 @@ take no part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from selforg.network.plan_guards import FactTest, NumberTest, all_tests, make_gu
 from selforg.network.plan_memory import PlanMemory
 from selforg.network.plan_priorities import plan_by_priority
 from selforg.network.plan_task import PlanTask
-from selforg.network.planner import ForwardSearch, Plan
+from selforg.network.planner import ForwardSearch, Plan, Search
 from selforg.network.planning_problem import (
     AllOf,
     AnyOf,
@@ -58,11 +58,16 @@ class Planner(ABC):
 
 
 class BuiltInPlanner(Planner):
-    """Forward search over the model's own planning problem, goals by priority."""
+    """Plans for the model's own planning problem, goals by priority.
 
-    def __init__(self, model: NetworkModel) -> None:
+    `make_search` makes what searches one problem: the built-in forward search, or an engine in its place (see
+    `planner_named`).
+    """
+
+    def __init__(self, model: NetworkModel, make_search: Callable[[PlanningProblem], Search] = ForwardSearch) -> None:
         self.model = model
-        self._searches: dict[tuple[int, ...], ForwardSearch] = {}
+        self._make_search = make_search
+        self._searches: dict[tuple[int, ...], Search] = {}
         self._columns = _Columns(model)
         self._coordinators = [b for b, behaviour in enumerate(model.behaviours) if behaviour.alternatives]
         self.memory = self._make_memory()
@@ -71,7 +76,7 @@ class BuiltInPlanner(Planner):
         """Behaviours in order for one row; None if no goal has a plan."""
         held = tuple(int(alternatives[b]) for b in self._coordinators)
         if held not in self._searches:
-            self._searches[held] = ForwardSearch(self._problem(held))
+            self._searches[held] = self._make_search(self._problem(held))
         search = self._searches[held]
         wanted = np.flatnonzero(goal_enabled).tolist()
         facts, numbers = readings[self._columns.facts] > 0.5, readings[self._columns.numbers]
