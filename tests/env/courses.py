@@ -1,6 +1,9 @@
 """What the tests of worlds and environment share: missions, worlds at their start, and the course they take."""
 
+import os
+
 import numpy as np
+import pytest
 
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.config_files import laid_over, load_mission
@@ -11,6 +14,9 @@ from selector.coordinator import CoordinatorModel
 from selector.knowledge import load_knowledge
 from selector.library import Library
 
+long_course = pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="takes minutes in plain Python; the short courses do run"
+)
 OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
 
 

@@ -11,7 +11,7 @@ from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config_errors import ConfigurationError
 from clean_swarm_env.reward import RewardConfig
 from clean_swarm_env.starts import random_start
-from tests.env.courses import OPTIONS, mission
+from tests.env.courses import OPTIONS, long_course, mission
 
 
 def _episode(env, policy, seed=None, options=None, limit=10_000):
@@ -31,6 +31,7 @@ def _bytes(env, observations, rewards, others):
     return seen, tuple(rewards.items()), repr(others), bodies.positions.tobytes() + bodies.headings.tobytes()
 
 
+@long_course
 def test_the_parallel_environment_passes_pettingzoos_test():
     parallel_api_test(clean_swarm_v0.parallel_env(), num_cycles=400)
 
@@ -40,6 +41,7 @@ def test_the_turn_based_environment_passes_pettingzoos_test():
     api_test(clean_swarm_v0.env(), num_cycles=200)
 
 
+@long_course
 @pytest.mark.parametrize("name", ["table1", "reference"])
 def test_equal_seeds_give_equal_episodes_in_two_environments_and_after_other_episodes(name):
     first, second = clean_swarm_v0.parallel_env(name), clean_swarm_v0.parallel_env(name)
@@ -64,6 +66,7 @@ def test_without_a_seed_every_environment_begins_elsewhere():
     assert first != second
 
 
+@long_course
 @pytest.mark.parametrize(
     "changes",
     [{}, {"robots": {"count": 40}}, {"robots": {"count": 1}, "garbage": {"count": 1}}],
@@ -89,6 +92,7 @@ def test_spaces_are_the_same_objects_all_the_time():
     assert env.options == OPTIONS
 
 
+@long_course
 def test_an_episode_terminates_when_all_garbage_is_dumped_and_agents_stay_gone():
     env = clean_swarm_v0.parallel_env()
     env.reset(seed=1)
@@ -130,6 +134,7 @@ def test_an_action_is_the_option_held_in_the_next_period():
     assert [int(observations[agent][-3:].argmax()) for agent in env.agents] == [0, 1, 2, 2, 0]
 
 
+@long_course
 def test_actions_change_the_course():
     env = clean_swarm_v0.parallel_env()
     ends = []

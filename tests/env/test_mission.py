@@ -4,13 +4,14 @@ import pytest
 
 from clean_swarm_env.mission import result_of, run_mission
 from clean_swarm_env.starts import random_start, run_seed
-from tests.env.courses import OPTIONS, mission, worlds_at_start
+from tests.env.courses import OPTIONS, long_course, mission, worlds_at_start
 
 
 def _forced(option):
     return {"AvoidCollision": {name: float(name == option) for name in OPTIONS}}
 
 
+@long_course
 @pytest.mark.parametrize("name", ["table1", "reference"])
 @pytest.mark.parametrize("option", OPTIONS)
 def test_whole_missions_complete_and_are_the_same_again(name, option):
@@ -28,6 +29,7 @@ def test_whole_missions_complete_and_are_the_same_again(name, option):
         assert run_mission(config, start, run_seed(seed, "1"), _forced(option)) == result
 
 
+@long_course
 @pytest.mark.parametrize("robots", [1, 2, 12])
 def test_few_and_many_robots_clean_up(robots):
     config = mission(robots={"count": robots})
@@ -51,6 +53,7 @@ def test_a_mission_without_garbage_is_over_at_once():
     assert result.collision_samples_per_s == (0.0, 0.0)
 
 
+@long_course
 def test_the_highest_score_is_the_option_held():
     config = mission()
     start = random_start(config, 1, 0)
@@ -61,6 +64,7 @@ def test_the_highest_score_is_the_option_held():
         assert run_mission(config, start, run_seed(1, "test"), _forced(name)) == result_of(worlds, 0)
 
 
+@long_course
 def test_without_the_planner_missions_are_harder():
     """On the original network these missions take 768 s without the planner instead of 221 s."""
     planned, unplanned = mission("reference"), mission("reference", network={"planner": False}, time_limit=1500.0)

@@ -1,16 +1,23 @@
 """Worlds: a world of a batch is the world alone, rows do not matter, and garbage goes its way."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from clean_swarm_env.config import StartConfiguration
 from clean_swarm_env.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.starts import random_start
-from tests.env.courses import begin, course, difference, mission, moved, snapshot, worlds_at_start
+from tests.env.courses import begin, course, difference, long_course, mission, moved, snapshot, worlds_at_start
 
+ROOT = Path(__file__).parents[2]
 MISSIONS = ("table1", "reference")
 
 
+@long_course
 @pytest.mark.parametrize("name", MISSIONS)
 @pytest.mark.parametrize("option", [0, 2])
 def test_a_world_of_a_batch_has_the_bits_it_has_alone(name, option):
@@ -19,6 +26,7 @@ def test_a_world_of_a_batch_has_the_bits_it_has_alone(name, option):
     assert difference(alone, batch) == ""
 
 
+@long_course
 @pytest.mark.parametrize("name", MISSIONS)
 def test_a_world_has_the_same_bits_later_and_while_others_begin_anew(name):
     """300 s: pheromones of the first course are long gone, those of the second evaporate ten times."""
@@ -60,6 +68,7 @@ def test_the_order_of_the_robots_does_not_matter(name, seed):
         assert np.array_equal(one["samples"], other["samples"])
 
 
+@long_course
 @pytest.mark.parametrize("name", MISSIONS)
 def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
     worlds = worlds_at_start(mission(name), [3])
@@ -109,6 +118,7 @@ def test_of_two_robots_at_one_item_one_gets_it():
     assert worlds.garbage.stage[0, 0] != LYING
 
 
+@long_course
 @pytest.mark.parametrize("name", MISSIONS)
 def test_a_forced_option_is_held_and_the_only_one_that_runs(name):
     for option in range(3):
@@ -126,6 +136,7 @@ def test_the_option_decides_the_course():
     assert difference(nearer, balch) != ""
 
 
+@long_course
 def test_switching_at_random_in_every_period_is_deterministic_and_the_same_in_a_batch():
     def switched(seeds: list[int], world: int) -> list[dict[str, np.ndarray]]:
         worlds, steps, rng = worlds_at_start(mission(), seeds), [], np.random.default_rng(4)
@@ -174,3 +185,18 @@ def test_the_clock_of_the_buffers_keeps_time():
     for _ in range(150):
         worlds.tick()
     assert 30.0 <= worlds.now < 30.0 + 1e-6  # a period of whole ticks is over with its last tick, not one later
+
+
+def test_compiled_and_plain_python_take_the_same_course():
+    """The kernels are plain functions: what the compiler makes of them must not differ from what they say."""
+    code = (
+        "import numpy as np; from tests.env.courses import course, mission, worlds_at_start;"
+        "steps = course(worlds_at_start(mission(), [5], 0), 0, 40);"
+        "print(*np.ravel([step['positions'] for step in steps]).tolist())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True,
+        text=True, check=True,
+    )  # fmt: skip
+    compiled = np.ravel([step["positions"] for step in course(worlds_at_start(mission(), [5], 0), 0, 40)])
+    np.testing.assert_allclose([float(number) for number in done.stdout.split()], compiled, atol=1e-9)
