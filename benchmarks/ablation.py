@@ -31,7 +31,7 @@ class Variant:
 def variants(network: NetworkConfig) -> list[Variant]:
     """Return the whole network, the network without each term, and without a planner."""
     without = [Variant(f"without {term}", lacking(network, term)) for term in TERMS]
-    planless = network.model_copy(update={"planner": False})
+    planless = network.model_copy(update={"planner": "off"})
     return [Variant("all terms", network), *without, Variant("without planner", planless)]
 
 
