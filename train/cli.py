@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `clean-swarm list`, `clean-swarm --version`.
+"""The command line: `clean-swarm evaluate`, `explain`, `record`, `list` and `--version`.
 
 What is wrong with the input is one line on the standard error and exit code 2; Ctrl-C ends with exit code 130. The
 heavy imports wait until a command needs them, so that help is quick.
@@ -6,6 +6,8 @@ heavy imports wait until a command needs them, so that help is quick.
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -85,6 +87,61 @@ def evaluate(
             console=Console(width=max(Console().width, TABLE_WIDTH)),
         )
     )
+
+
+RunDirectory = Annotated[Path, typer.Argument(help="Directory of an evaluation's results.", metavar="RUN")]
+Scenario = Annotated[str | None, typer.Option(help="Scenario of the run; the first one unless given.")]
+Condition = Annotated[str | None, typer.Option(help="Condition of the run; the first one unless given.")]
+
+
+@app.command("explain")
+def explain_step(
+    run: RunDirectory,
+    robot: Annotated[int, typer.Option(help="Number of the robot, from 0 on.")],
+    time: Annotated[float, typer.Option(help="Time in the mission [s]; the decision that held then is explained.")],
+    scenario: Scenario = None,
+    condition: Condition = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Repeat a run up to a time and explain what a robot decided then, what it planned, and why."""
+    from train import explain, repeat
+
+    task = repeat.task_of(run, scenario, condition)
+    with _repeating(run):
+        situation, explanation = explain.explained(task, robot, time)
+    if json:
+        typer.echo(explain.as_json(situation, explanation))
+    else:
+        Console(highlight=False, markup=False).print(explain.on_terminal(situation, explanation))
+
+
+@app.command("record")
+def record_run(
+    run: RunDirectory,
+    output: Annotated[Path, typer.Option(help="NPZ file to write; one that exists is refused.")],
+    scenario: Scenario = None,
+    condition: Condition = None,
+) -> None:
+    """Repeat a run and keep every step of every robot's behaviour network in an NPZ file."""
+    from train import explain, repeat
+
+    task = repeat.task_of(run, scenario, condition)
+    with _repeating(run):
+        steps = explain.record(task, output)
+    typer.echo(f"{steps} steps of {task.mission.robots.count} robots in {output}")
+
+
+@contextmanager
+def _repeating(run: Path) -> Iterator[None]:
+    """Say on the standard error what takes its time, and which versions have changed since."""
+    from train.repeat import changed_versions
+
+    errors = Console(stderr=True, soft_wrap=True, highlight=False)
+    changed = changed_versions(run)
+    if changed:
+        errors.print(f"note: the course may differ from the one then: {', '.join(changed)}", markup=False)
+    with errors.status("repeating the run"):
+        yield
 
 
 @app.command("list")
