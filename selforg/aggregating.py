@@ -105,7 +105,7 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
 
     Among equally near ones the one stored first, so that the order of the walk does not matter.
     """
-    numbers, links, layers, buckets, grid, _, settings, window, _ = store
+    numbers, links, layers, buckets, grid, _, settings, window, extent = store
     radius = settings[AGGREGATION_DISTANCE]
     best, nearest = radius, -1
     for level in range(UNBOUNDED + 1):
@@ -127,8 +127,12 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
             while other >= 0:
                 following = int(links[other, AFTER if cells < 0 else NEXT])
                 here = cells < 0 or (links[other, LAYER] == layer and links[other, CELL] == window[index])
-                if here and still_there(other, now, store):
-                    distance = centre_distance(slot, other, store)
+                # most are alive: the tables are handed over only for those that may not be
+                if here and (now < numbers[other, DUE] or still_there(other, now, store)):
+                    dx = nearest_image(numbers[other, X] - numbers[slot, X], extent[0])
+                    dy = nearest_image(numbers[other, Y] - numbers[slot, Y], extent[1])
+                    dz = nearest_image(numbers[other, Z] - numbers[slot, Z], extent[2])
+                    distance = np.sqrt(dx * dx + dy * dy + dz * dz)
                     older = (
                         nearest >= 0
                         and (int(links[other, SERIAL]) - int(links[nearest, SERIAL])) % SERIALS > SERIALS // 2
@@ -137,16 +141,6 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
                         best, nearest = distance, other
                 other = following
     return nearest
-
-
-@kernel
-def centre_distance(one: int, other: int, store: Store) -> float:
-    """Return the distance [m] between two slots."""
-    numbers, extent = store[0], store[8]
-    dx = nearest_image(numbers[other, X] - numbers[one, X], extent[0])
-    dy = nearest_image(numbers[other, Y] - numbers[one, Y], extent[1])
-    dz = nearest_image(numbers[other, Z] - numbers[one, Z], extent[2])
-    return float(np.sqrt(dx * dx + dy * dy + dz * dz))
 
 
 @kernel
