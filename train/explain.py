@@ -129,8 +129,9 @@ def record(task: RunTask, output: Path) -> int:
         recorder.take()
     if recorder is None:
         raise ConfigurationError("the mission has nothing to do and is over at once")
-    file, arrays = io.BytesIO(), stacked(recorder.steps) | _names(task, worlds)
-    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  (its own keywords are flags)
+    arrays: dict[str, Any] = stacked(recorder.steps) | _names(task, worlds)
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)
     try:
         write_atomically(output, file.getvalue())
     except OSError as error:
