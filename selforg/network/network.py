@@ -59,6 +59,12 @@ class BehaviourNetwork:
         started: NDArray[np.int64] = self.state.marks[st.STARTED]
         return started
 
+    @property
+    def stopped(self) -> NDArray[np.int64]:
+        """(R, B) 1 where a behaviour that ran before was stopped in the last step."""
+        stopped: NDArray[np.int64] = self.state.marks[st.STOPPED]
+        return stopped
+
     def reset(self, rows: NDArray[np.int64] | None = None) -> None:
         """Back to the first step, for all rows or `rows` (K,)."""
         chosen = self._all if rows is None else rows

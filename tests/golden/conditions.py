@@ -65,8 +65,9 @@ def network_for(given: dict[str, Any]) -> BehaviourNetwork:
 
 def evaluate(network: BehaviourNetwork, values: dict[str, Any]) -> tuple[float, list[list[Any]]] | None:
     """Return satisfaction and sorted wishes at these readings, None if they are refused."""
+    texts = parts.sensors_of_texts(network.model.goals[0].conditions[0])
     try:
-        network.read({name: parts.number(v) if isinstance(v, str) else v for name, v in values.items()})
+        network.read({name: parts.number(v) if name in texts else v for name, v in values.items()})
     except ReadingError:
         return None
     network.step()

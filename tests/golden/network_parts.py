@@ -5,7 +5,7 @@ from typing import Any
 
 from selforg.network.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor, Weights
-from selforg.network.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree
+from selforg.network.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
 from selforg.network.model import NetworkModel
 
 CODES: dict[str, float] = {}  # texts as numbers: the network knows no other readings
@@ -51,6 +51,12 @@ def tree(given: dict[str, Any]) -> Tree:
 def is_boolean(condition: Condition) -> bool:
     """Tell whether a condition looks at a fact."""
     return isinstance(condition.activator, Boolean)
+
+
+def sensors_of_texts(tree: Tree) -> set[str]:
+    """Return the sensors that a tree only compares for equality, so that they may read texts."""
+    looks = [leaf.condition for leaf in leaves(tree)]
+    return {c.sensor for c in looks} - {c.sensor for c in looks if not isinstance(c.activator, Equal)}
 
 
 def precondition(given: dict[str, Any]) -> Tree | Optional:
