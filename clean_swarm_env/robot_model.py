@@ -1,17 +1,18 @@
-"""The cleaning robot's behaviour network: its sensors, behaviours and goals (the paper's Fig. 6)."""
+"""The cleaning robot's behaviour network (the paper's Fig. 6), and what its own sensors read."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+import configs
 from clean_swarm_env.config import NetworkConfig
 from clean_swarm_env.garbage import NOTHING, distance, nearest_lying
 from selector.coordinator import CoordinatorModel
+from selector.documents import DocumentError, shown
+from selector.network_document import load_network
 from selforg.compiled import kernel
-from selforg.network.activators import Boolean, Linear
-from selforg.network.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor, Weights
-from selforg.network.conditions import Condition, Negation
+from selforg.network.behaviours import NetworkSettings, Sensor, Weights
 from selforg.network.model import NetworkModel
 
 Floats = NDArray[np.float64]
@@ -41,21 +42,23 @@ SENSORS = (
     AT_DUMP,
     DIST_RECYCLING,
     DIST_DUMP,
-) = range(9)  # columns of the readings; the coordinator's sensors come after SENSORS
+) = range(9)  # columns of the readings, in the order of SENSORS; the coordinator's sensors come after them
 
 
 def robot_model(config: NetworkConfig, avoidance: CoordinatorModel) -> NetworkModel:
-    """Return the model of a cleaning robot whose collision avoidance is coordinated."""
-    return NetworkModel(
-        (*SENSORS, *avoidance.sensors),
-        (*_task_behaviours(config), avoidance.behaviour()),
-        (
-            Goal("PatrolEnvironment", (_is("patrolled"),)),
-            Goal("GarbageCleaned", (_is_not("garbage_found"),)),
-            Goal(GOAL, (Negation(_is("rep_bool")),)),
-        ),
-        network_settings(config),
-    )
+    """Return the model of a cleaning robot, as `configs/robots/cleaning.yaml` declares it.
+
+    Raises:
+        DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.
+
+    """
+    path = configs.directory() / "robots" / "cleaning.yaml"
+    parameters = {"transport_full_range": config.transport_full_range}
+    model = load_network(path, {avoidance.goal: avoidance}, parameters, network_settings(config)).model
+    if model.sensors[: len(SENSORS)] != SENSORS:
+        expected, given = (", ".join(s.name for s in sensors) for sensors in (SENSORS, model.sensors))
+        raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
+    return model
 
 
 def network_settings(config: NetworkConfig) -> NetworkSettings:
@@ -67,50 +70,6 @@ def network_settings(config: NetworkConfig) -> NetworkSettings:
         threshold_decay=config.threshold_decay,
         max_parallel=config.max_parallel,
     )
-
-
-def _task_behaviours(config: NetworkConfig) -> tuple[Behaviour, ...]:
-    far = Linear(0.0, config.transport_full_range)
-    carrying, recycled = _is("carrying"), _is("recycled")
-    return (
-        Behaviour("Patrol", (_is_not("garbage_found"),), (Effect("patrolled", 1.0), Effect("garbage_seen", 1.0))),
-        Behaviour(
-            "MoveToGarbage",
-            (_is("garbage_seen"), _is_not("garbage_at"), _is_not("carrying")),
-            (Effect("garbage_at", 1.0),),
-        ),
-        Behaviour(
-            "PickGarbage",
-            (_is("garbage_at"), _is_not("carrying")),
-            (Effect("carrying", 1.0), Effect("garbage_at", -1.0)),
-        ),
-        Behaviour(
-            "MoveToRecycling",
-            (carrying, _is_not("recycled"), Condition("dist_recycling", far), _is_not("at_recycling")),
-            (Effect("dist_recycling", -1.0), Effect("at_recycling", 1.0)),
-            ready_threshold=0.05,
-        ),
-        Behaviour("Recycle", (carrying, _is_not("recycled"), _is("at_recycling")), (Effect("recycled", 1.0),)),
-        Behaviour(
-            "MoveToDump",
-            (carrying, recycled, Condition("dist_dump", far), _is_not("at_dump")),
-            (Effect("dist_dump", -1.0), Effect("at_dump", 1.0)),
-            ready_threshold=0.05,
-        ),
-        Behaviour(
-            "Dump",
-            (carrying, recycled, _is("at_dump")),
-            (Effect("carrying", -1.0), Effect("recycled", -1.0), Effect("garbage_found", -1.0)),
-        ),
-    )
-
-
-def _is(fact: str) -> Condition:
-    return Condition(fact, Boolean(True))
-
-
-def _is_not(fact: str) -> Condition:
-    return Condition(fact, Boolean(False))
 
 
 @kernel

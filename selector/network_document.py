@@ -12,152 +12,108 @@
         settings: {max_parallel: 1}
       approach: ...
     root: robot
+    parameters: {reach: 1.0}
 
 Where a condition is expected, the name of one under `conditions` may stand. A network sees the named conditions of
-those it lies in, and must not give their names another meaning.
+those it lies in, and must not give their names another meaning. In the root network a behaviour `G: {type: Coordinator,
+goal: G}` holds the configuration that serves the goal G now; its sensors come with it. `$reach` in place of a value
+stands for the parameter of that name, over which whoever reads the file may lay another value.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import Field
-
-from selector.documents import Closed, DocumentError, Flag, Name, Number, Share, read_mapping, shown, unknown, validated
-from selector.vocabulary import AnyCondition, BehaviourSpec, GoalSpec
-from selforg.network.behaviours import Goal, NetworkSettings, Sensor, Weights
-from selforg.network.model import NetworkModel
+from selector.configuration import check_parameters_used, resolved
+from selector.documents import Closed, DocumentError, Name, read_mapping, shown, unknown, validated
+from selector.vocabulary_networks import Coordinators, NetworkSpec
+from selforg.network.behaviours import NetworkSettings
 from selforg.network.nesting import NestedModel
 
 Content = dict[str, Any]
 
 
-class HoldingBehaviourSpec(BehaviourSpec):
-    """A behaviour that may hold a network."""
-
-    network: Name | None = None
-    """Name of the network that decides while the behaviour runs."""
-
-
-class ReachableGoalSpec(GoalSpec):
-    """A goal that may be content with less than full satisfaction."""
-
-    satisfaction_threshold: Share = 1.0
-    """Satisfaction from which it counts as reached [-]."""
-
-
-class WeightsSpec(Closed):
-    """How much each term counts in the activation of a behaviour."""
-
-    situation: Number = 1.0
-    """Satisfaction of its own preconditions [-]."""
-    goal: Number = 1.0
-    """Goals that its effects help [-]."""
-    conflictor: Number = 1.0
-    """Goals and other behaviours that its effects hinder [-]."""
-    predecessor: Number = 1.0
-    """Ready behaviours that help it [-]."""
-    successor: Number = 1.0
-    """Behaviours that it makes ready [-]."""
-    plan: Number = 1.0
-    """Its place in the plan [-]."""
-
-
-class SettingsSpec(Closed):
-    """How a network decides; the meaning of each is that of `NetworkSettings`."""
-
-    algorithm: Literal["default", "uniform"] = "default"
-    """Products of effect and wish, or their Euclidean length."""
-    weights: WeightsSpec = WeightsSpec()
-    """Weights of the terms."""
-    activation_decay: Share = 0.9
-    """Share of activation kept from step to step [-]."""
-    activation_threshold: Number = 7.0
-    """Threshold at the start [-]."""
-    threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8
-    """Factor on the threshold while nothing runs [-]."""
-    max_parallel: Annotated[int, Field(strict=True, ge=1)] | None = None
-    """Behaviours that may run at once; any number by default."""
-    goal_priority: Flag = False
-    """Whether goals of higher priority give more."""
-    strict_progress: Flag = False
-    """Whether a step of the plan is passed only when its effects were seen."""
-
-    def build(self) -> NetworkSettings:
-        """Return the settings this declares."""
-        weights = Weights(**self.weights.model_dump())
-        return NetworkSettings(**{**self.model_dump(exclude={"weights"}), "weights": weights})
-
-
-class NetworkSpec(Closed):
-    """One network, its named conditions already in their places."""
-
-    sensors: Annotated[dict[Name, Literal["fact", "number"]], Field(min_length=1)]
-    """What each sensor reads."""
-    conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
-    """Conditions to be used by name."""
-    behaviours: Annotated[dict[Name, HoldingBehaviourSpec], Field(min_length=1)]
-    """Behaviours by name, in order of registration."""
-    goals: dict[Name, ReachableGoalSpec] = Field(default_factory=dict)
-    """Goals by name."""
-    settings: SettingsSpec = SettingsSpec()
-    """How it decides."""
-
-    def build(self) -> NetworkModel:
-        """Return the model this declares."""
-        sensors = [Sensor(name, kind) for name, kind in self.sensors.items()]
-        behaviours = [spec.build(name) for name, spec in self.behaviours.items()]
-        goals = [_goal(spec.build(name), spec.satisfaction_threshold) for name, spec in self.goals.items()]
-        return NetworkModel(sensors, behaviours, goals, self.settings.build())
-
-
 class NetworksSpec(Closed):
     """A file of networks; what each holds is checked when it is reached from the root."""
 
+    description: str = ""
+    """What the robot is."""
     root: Name
     """The outermost network."""
     networks: dict[Name, dict[str, Any]]
     """Networks by name."""
 
 
-def load_network(path: Path) -> NestedModel:
+def load_network(
+    path: Path,
+    coordinators: Coordinators | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    settings: NetworkSettings | None = None,
+) -> NestedModel:
     """Return the root network of a YAML file with everything it holds.
 
+    Args:
+        path: the file.
+        coordinators: by goal, what the coordinators of the root network can hold.
+        parameters: laid over those of the file.
+        settings: in place of those of the root network.
+
     Raises:
-        DocumentError: file, key and what is wrong: unknown keys, sensors, conditions and networks, an activator that
-            does not fit its sensor, networks that hold each other in a circle, one name for two conditions.
+        DocumentError: file, key and what is wrong: unknown keys, sensors, conditions, networks, goals and parameters,
+            an activator that does not fit its sensor, networks that hold each other in a circle, one name for two
+            conditions or sensors.
 
     """
-    return network_from(read_mapping(path), shown(path))
+    return network_from(read_mapping(path), shown(path), coordinators, parameters, settings)
 
 
-def network_from(content: Mapping[str, Any], where: str = "networks") -> NestedModel:
-    """Return the root network of what a YAML file holds; `where` names it in errors."""
-    file = validated(NetworksSpec, content, where)
-    return _nested(file.networks, file.root, {}, (), where)
-
-
-def _nested(
-    networks: Mapping[str, Content], name: str, outside: Mapping[str, Any], path: tuple[str, ...], file: str
+def network_from(
+    content: Content,
+    where: str = "networks",
+    coordinators: Coordinators | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    settings: NetworkSettings | None = None,
 ) -> NestedModel:
-    """Build a network that lies in those of `path`, whose named conditions are `outside`."""
-    if name not in networks:
-        raise DocumentError(f"{file}: {unknown('network', name, sorted(networks))}")
-    where = f"{file}: networks.{name}"
-    if name in path:
-        raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
-    content = networks[name]
-    named = _named(content, outside, where)
-    spec = validated(NetworkSpec, _in_place(content, named, where), where)
-    inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
+    """Return the root network of what a YAML file holds; `where` names it in errors."""
     try:
-        model = spec.build()
-        held = {b: _nested(networks, other, named, (*path, name), file) for b, other in inner.items()}
-        return NestedModel(model, held)
-    except DocumentError:
-        raise
-    except ValueError as error:
+        check_parameters_used(content)
+        filled = resolved(content, parameters or {})
+    except DocumentError as error:
         raise DocumentError(f"{where}: {error}") from error
+    file = validated(NetworksSpec, filled, where)
+    return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
+
+
+@dataclass(frozen=True)
+class _Nesting:
+    """Builds networks with what they hold, from the outside in."""
+
+    networks: Mapping[str, Content]
+    file: str
+    coordinators: Coordinators
+    settings: NetworkSettings | None
+
+    def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> NestedModel:
+        """Build a network that lies in those of `path`, whose named conditions are `outside`."""
+        if name not in self.networks:
+            raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
+        where = f"{self.file}: networks.{name}"
+        if name in path:
+            raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
+        content = self.networks[name]
+        named = _named(content, outside, where)
+        spec = validated(NetworkSpec, _in_place(content, named, where), where)
+        inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
+        try:
+            model = spec.build({}, None) if path else spec.build(self.coordinators, self.settings)
+        except ValueError as error:
+            raise DocumentError(f"{where}: {error}") from error
+        held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
+        try:
+            return NestedModel(model, held)
+        except ValueError as error:
+            raise DocumentError(f"{where}: {error}") from error
 
 
 def _named(content: Content, outside: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -208,7 +164,3 @@ def _resolved(condition: Any, named: Mapping[str, Any], where: str, path: tuple[
             return {**condition, "of": [_resolved(part, named, where, path) for part in below]}
         return {**condition, "of": _resolved(below, named, where, path)}
     return condition
-
-
-def _goal(goal: Goal, threshold: float) -> Goal:
-    return Goal(goal.name, goal.conditions, goal.priority, goal.permanent, threshold)
