@@ -141,9 +141,9 @@ class WeightsConfig(Closed):
     situation: Number = 1.0
     """Weight of the precondition satisfaction [-]."""
     goal: Number = 1.0
-    """Weight of the goals served or hindered [-]."""
+    """Weight of the goals served [-]."""
     conflictor: Number = 1.0
-    """Weight of the conflictors' inhibition [-]."""
+    """Weight of the inhibition by goals and by conflictors that are hindered [-]."""
     predecessor: Number = 1.0
     """Weight of what the predecessors give [-]."""
     successor: Number = 1.0
