@@ -31,7 +31,7 @@ def evaluate(
     anything is written.
     """
     plan = plan_of(request)
-    check_scores(plan.experiment)
+    check_scores(plan.experiment, request.experiment)
     check_planner(plan.experiment)
     tasks = tasks_of(plan.experiment, plan.seed)
     results = Results(output or default_directory(plan.stem, resume=resume), plan.manifest, resume=resume)

@@ -21,7 +21,7 @@ from train.reference import Measured
 
 PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages whose versions the manifest states."""
-FINGERPRINTED = ("knowledge", "mechanisms")
+FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of shipped files that decide what a run is, beside its configuration."""
 
 
@@ -101,14 +101,14 @@ def check_planner(experiment: ExperimentConfig) -> None:
         raise ConfigurationError(f"{experiment.name}: mission.network.planner: {error}") from error
 
 
-def check_scores(experiment: ExperimentConfig) -> None:
+def check_scores(experiment: ExperimentConfig, where: str) -> None:
     """Raise an error of one line if a condition scores a goal or an option that the expert knowledge does not have."""
     knowledge = load_knowledge(experiment.mission.knowledge)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)
         except ValueError as error:
-            raise ConfigurationError(f"{experiment.name}: condition {condition.name!r}: {error}") from error
+            raise ConfigurationError(f"{where}: condition {condition.name!r}: scores: {error}") from error
 
 
 def _with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:
