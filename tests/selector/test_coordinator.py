@@ -112,6 +112,7 @@ def test_a_running_coordinator_moves_its_rows_by_the_vector_of_the_option_they_h
     coordinator.hold(np.arange(ROWS), np.arange(ROWS) % 2 * 2)
     moved, commanded = np.zeros((ROWS, 2)), np.zeros(ROWS, np.bool_)
     ran = np.zeros(ROWS, np.bool_)
+    network.read({"garbage_found": True})  # nothing else is ready: there is nothing to patrol for
     for _ in range(60):
         coordinator.sense(0.0)
         network.step()
