@@ -2,7 +2,7 @@
 BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack
 
-.PHONY: check lint test bench clean-cache
+.PHONY: check lint test golden bench soak clean-cache
 
 check: lint test  ## all that CI asks for
 
@@ -14,6 +14,13 @@ lint:
 
 test:
 	$(BIN)python -m pytest
+
+golden:  ## numbers of the original implementation, beside this checkout
+	$(BIN)python -m tests.golden
+
+soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps
+	$(BIN)python -m tests.selforg.fuzz
+	$(BIN)python -m tests.network.soak 10000
 
 bench:
 	for module in $(BENCHMARKS); do $(BIN)python -m $$module || exit 1; done
