@@ -86,6 +86,7 @@ class ReferenceNetwork:
     def __init__(self, model: NetworkModel) -> None:
         self.model, self.settings = model, model.settings
         self.threshold = model.settings.activation_threshold
+        self.thresholds: list[float] = []  # that this step has decided by
         self.nodes = {b.name: Node(b.priority) for b in model.behaviours}
         self.declared = {b.name: b for b in model.behaviours}
         self.goal_enabled = {goal.name: True for goal in model.goals}
@@ -115,6 +116,7 @@ class ReferenceNetwork:
         self.spread()
         for node in self.nodes.values():
             node.started = node.stopped = False
+        self.thresholds = []
         self.select(advance=True)
         while guarantee and not self.running() and self.eligible():
             before = self.threshold
@@ -269,6 +271,7 @@ class ReferenceNetwork:
         return any(self.operational(name) and n.ready and n.activation > 0.0 for name, n in self.nodes.items())
 
     def select(self, advance: bool) -> None:
+        self.thresholds.append(self.threshold)
         present = [name for name in self.nodes if self.nodes[name].present]
         selected: list[str] = []
         started = False

@@ -2,7 +2,7 @@
 
 import sys
 
-from tests.network.side_by_side import first_difference
+from tests.network.side_by_side import live
 
 STEPS = 50
 
@@ -10,8 +10,15 @@ STEPS = 50
 def main(arguments: list[str]) -> int:
     networks = int(arguments[0]) if arguments else 10_000
     first = int(arguments[1]) if len(arguments) > 1 else 0
-    differing = [told for seed in range(first, first + networks) if (told := first_difference(seed, STEPS))]
-    print(*differing, f"{networks} networks, {STEPS} steps each: {len(differing)} differ from the reference", sep="\n")
+    differing, steps, cut_short = [], 0, 0
+    for seed in range(first, first + networks):
+        told, lived = live(seed, STEPS)
+        differing += [told] if told else []
+        cut_short += told is None and lived < STEPS
+        steps += lived
+    print(*differing, sep="\n", end="\n" if differing else "")
+    print(f"{networks} networks, {steps} steps, {cut_short} lives cut short where rounding had to decide")
+    print(f"{len(differing)} differ from the reference")
     return 1 if differing else 0
 
 
