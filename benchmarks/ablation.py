@@ -1,38 +1,60 @@
-"""What each term of the activation is worth: mission time of the reference mission without it.
+"""What each term of the activation is worth: mission time without it, on the same random start configurations.
 
     python -m benchmarks.ablation [STARTS] [SEED]
 
-prints the table of docs/network.md. Every variant runs on the same random start configurations, once with either
-repulsion; a mission that is not completed counts with its time limit of 3,000 s.
+prints the tables and puts them into docs/ablation.md, below its marker. The network lacks one term at a time (its
+weight is 0), or its planner; robots pass through each other, or are solid. A mission that is not completed counts with
+the time limit. With 20 starts it takes 11 minutes on one core.
 """
 
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config import MissionConfig, NetworkConfig, StartConfiguration
+from clean_swarm_env.config import MissionConfig, NetworkConfig
 from clean_swarm_env.config_files import load_mission
-from clean_swarm_env.mission import MissionResult, run_mission
-from clean_swarm_env.starts import random_start
+from clean_swarm_env.mission import run_mission
+from clean_swarm_env.robot_model import GOAL
+from clean_swarm_env.starts import random_start, run_seed
+from train.statistics import Floats, ratio_of_means, summarise
 
-CONDITIONS = ("RepulsionFernandez", "RepulsionGradient")
+OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
 TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")
+ALL, OFF = "all terms", "planner off"
+TIME_LIMIT = 6000.0  # [s], twice that of the missions: what is slow without a term shall show how slow
+STARTS, SEED = 20, 1
+DOCUMENT = Path(__file__).parents[1] / "docs" / "ablation.md"
+MARKER = "<!-- from here on written by python -m benchmarks.ablation -->\n"
 
 
 @dataclass(frozen=True)
-class Variant:
-    """A network that lacks something."""
+class Section:
+    """One table: a mission under some options, for all variants or a few."""
 
-    name: str
-    network: NetworkConfig
+    mission: str
+    title: str
+    options: tuple[str, ...]
+    variants: tuple[str, ...] = ()
+    """Empty: all."""
 
 
-def variants(network: NetworkConfig) -> list[Variant]:
+WORLDS = {"reference": "robots pass through each other", "table1": "solid robots, the default"}
+SECTIONS = (
+    *(Section(name, title, (OPTIONS[0], OPTIONS[2])) for name, title in WORLDS.items()),
+    *(
+        Section(name, f"{title}; a Fernandez that only repels", OPTIONS[1:2], (ALL, OFF))
+        for name, title in WORLDS.items()
+    ),
+)
+
+
+def variants(network: NetworkConfig) -> dict[str, NetworkConfig]:
     """Return the whole network, the network without each term, and without a planner."""
-    without = [Variant(f"without {term}", lacking(network, term)) for term in TERMS]
-    planless = network.model_copy(update={"planner": "off"})
-    return [Variant("all terms", network), *without, Variant("without planner", planless)]
+    without = {f"without {term}": lacking(network, term) for term in TERMS}
+    return {ALL: network, **without, OFF: network.model_copy(update={"planner": "off"})}
 
 
 def lacking(network: NetworkConfig, term: str) -> NetworkConfig:
@@ -40,29 +62,59 @@ def lacking(network: NetworkConfig, term: str) -> NetworkConfig:
     return network.model_copy(update={"weights": network.weights.model_copy(update={term: 0.0})})
 
 
-def results(mission: MissionConfig, starts: list[StartConfiguration], condition: str, seed: int) -> list[MissionResult]:
-    """Run one mission from every start."""
-    scores = {"AvoidCollision": {name: float(name == condition) for name in CONDITIONS}}
-    return [run_mission(mission, start, seed + k, scores) for k, start in enumerate(starts)]
+def missions(mission: MissionConfig, option: str, starts: int, seed: int) -> tuple[Floats, Floats]:
+    """Run the mission from every start; return durations (K,) [s] and whether each was completed (K,)."""
+    scores = {GOAL: {name: float(name == option) for name in OPTIONS}}
+    results = [
+        run_mission(mission, random_start(mission, seed, k), run_seed(seed, str(k)), scores) for k in range(starts)
+    ]
+    return np.array([r.duration_s for r in results]), np.array([float(r.completed) for r in results])
 
 
-def cells(found: list[MissionResult]) -> str:
-    """Return mean and median time and the share of missions that were completed."""
-    times = [result.duration_s for result in found]
-    done = sum(result.completed for result in found)
-    return f"{np.mean(times):.0f} / {np.median(times):.0f} s, {done} of {len(found)}"
+def cells(durations: Floats, completed: Floats, whole: Floats) -> str:
+    """Return mean with its interval, ratio to the `whole` network with its interval, and the share completed."""
+    summary, ratio = summarise(durations), ratio_of_means(durations, whole)
+    mean = f"{summary.mean:.0f}" + (f" [{summary.ci95[0]:.0f}, {summary.ci95[1]:.0f}]" if summary.ci95 else "")
+    times = "" if durations is whole else f"{ratio.ratio:.2f}"
+    times += f" [{ratio.ci95[0]:.2f}, {ratio.ci95[1]:.2f}]" if times and ratio.ci95 else ""
+    return f"{mean} | {times} | {completed.sum():.0f} of {len(completed)}"
+
+
+def table(section: Section, starts: int, seed: int) -> Iterator[str]:
+    """Yield the lines of a table, each as soon as it is known."""
+    yield "| | " + " | ".join(f"{name}: time s | x {ALL} | completed" for name in section.options) + " |"
+    yield "|---|" + "---|---|---|" * len(section.options)
+    mission = load_mission(section.mission)
+    whole: dict[str, Floats] = {}
+    for name, network in variants(mission.network).items():
+        if section.variants and name not in section.variants:
+            continue
+        changed = mission.model_copy(update={"network": network, "time_limit": TIME_LIMIT})
+        row = []
+        for option in section.options:
+            durations, completed = missions(changed, option, starts, seed)
+            row.append(cells(durations, completed, whole.setdefault(option, durations)))
+        yield f"| {name} | {' | '.join(row)} |"
+
+
+def document(starts: int, seed: int) -> Iterator[str]:
+    """Yield the lines of the results."""
+    yield f"{starts} random start configurations of seed {seed}, time limit {TIME_LIMIT:g} s.\n"
+    for section in SECTIONS:
+        yield f"## Mission `{section.mission}`: {section.title}\n"
+        yield from table(section, starts, seed)
+        yield ""
 
 
 def main(arguments: list[str]) -> None:
-    """Print the table, a line as soon as it is known."""
-    count, seed = (int(text) for text in (*arguments, *("15", "1")[len(arguments) :]))
-    mission = load_mission("reference")
-    starts = [random_start(mission, seed, index) for index in range(count)]
-    print(f"| {count} starts, mean / median time, completed | {' | '.join(CONDITIONS)} |\n|---|---|---|")
-    for variant in variants(mission.network):
-        changed = mission.model_copy(update={"network": variant.network})
-        row = [cells(results(changed, starts, condition, seed)) for condition in CONDITIONS]
-        print(f"| {variant.name} | {' | '.join(row)} |", flush=True)
+    """Print the results line by line and put them into the document."""
+    starts, seed = (int(text) for text in (*arguments, *(str(STARTS), str(SEED))[len(arguments) :]))
+    lines = []
+    for line in document(starts, seed):
+        print(line, flush=True)
+        lines.append(line)
+    above = DOCUMENT.read_text(encoding="utf-8").partition(MARKER)[0]
+    DOCUMENT.write_text(f"{above}{MARKER}\n" + "\n".join(lines).rstrip() + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

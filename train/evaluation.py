@@ -32,7 +32,7 @@ def evaluate(
     """
     plan = plan_of(request)
     check_scores(plan.experiment, request.experiment)
-    check_planner(plan.experiment)
+    check_planner(plan.experiment, request.experiment)
     tasks = tasks_of(plan.experiment, plan.seed)
     results = Results(output or default_directory(plan.stem, resume=resume), plan.manifest, resume=resume)
     try:

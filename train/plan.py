@@ -93,12 +93,12 @@ def plan_of(request: Request) -> Plan:
     return Plan(experiment, request.seed, {}, False, source, f"{stem}-{count}-scenarios")
 
 
-def check_planner(experiment: ExperimentConfig) -> None:
+def check_planner(experiment: ExperimentConfig, where: str) -> None:
     """Raise an error of one line if the mission names a planner that there is not."""
     try:
         check_planner_name(experiment.mission.network.planner)
     except (ValueError, ModuleNotFoundError) as error:
-        raise ConfigurationError(f"{experiment.name}: mission.network.planner: {error}") from error
+        raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
 
 
 def check_scores(experiment: ExperimentConfig, where: str) -> None:

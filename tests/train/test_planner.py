@@ -9,11 +9,11 @@ from train.plan import check_planner
 
 def test_a_planner_that_there_is_not_is_one_line_with_its_key():
     planned = experiment(mission={"network": {"planner": "ares"}})
-    with pytest.raises(ConfigurationError, match=r"^x: mission\.network\.planner: .*'ares'") as caught:
-        check_planner(planned)
+    with pytest.raises(ConfigurationError, match=r"^my\.yaml: mission\.network\.planner: .*'ares'") as caught:
+        check_planner(planned, "my.yaml")
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["built-in", "off", True, False])
 def test_the_planners_of_the_project_are_always_there(name):
-    check_planner(experiment(mission={"network": {"planner": name}}))
+    check_planner(experiment(mission={"network": {"planner": name}}), "my.yaml")
