@@ -115,17 +115,18 @@ class Tables:
     def _move_to(self, capacity: int) -> None:
         """Move to tables of `capacity`, neighbours in space next to each other: a walk then waits for few cache lines.
 
-        Done whenever half as many have come as there were, so at a cost per gradient that hardly grows.
+        Done whenever a quarter as many have come as there were, so at a cost per gradient that hardly grows.
         """
         live = np.flatnonzero(self.links[: int(self._counters[HIGH]), LAYER] >= 0)
         order = live[np.lexsort((self.links[live, CELL], self.links[live, LAYER]))]
         place = np.full(len(self.links) + 1, -1, dtype=np.int32)  # new slot of each old one; the last: of "none"
         place[order] = np.arange(len(order), dtype=np.int32)
+        del self.packed  # it holds the old tables, which go before the next are made
         numbers = np.empty((capacity, GRADIENT_COLUMNS))
-        np.take(self.numbers, order, axis=0, out=numbers[: len(order)])
-        self.numbers = numbers  # the old ones go before the next are made
+        np.take(self.numbers, order, axis=0, out=numbers[: len(order)], mode="clip")  # "raise" would buffer
+        self.numbers = numbers
         links = np.empty((capacity, LINK_COLUMNS), dtype=np.int32)
-        np.take(self.links, order, axis=0, out=links[: len(order)])
+        np.take(self.links, order, axis=0, out=links[: len(order)], mode="clip")
         for column in (AFTER, BEFORE):
             links[: len(order), column] = place[links[: len(order), column]]
         for column in (HEAD, TAIL, SWEEP):
@@ -134,7 +135,7 @@ class Tables:
         self._counters[[FREE, HIGH]] = -1, len(order)
         self._buckets = np.empty(capacity, dtype=np.int32)
         rebuild(self.links, self.layers, self._buckets, self._counters)
-        self._tidy_at = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 2)
+        self._tidy_at = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
         self.packed = self._pack()
 
     def _pack(self) -> Store:
