@@ -23,7 +23,7 @@ soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps
 	$(BIN)python -m tests.network.soak 10000
 
 bench:
-	for module in $(BENCHMARKS); do $(BIN)python -m $$module || exit 1; done
+	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status
 
 clean-cache:  ## compiled code of a kernel whose callees, in another file, have changed
 	find . -name '*.nb[ic]' -not -path './.venv/*' -delete
