@@ -7,6 +7,7 @@ Satisfaction lies in [low, high] (default [0, 1]); the wish in [-1, 1] is the si
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,7 +17,7 @@ BOOLEAN, THRESHOLD, LINEAR, GREEDY, EQUAL = range(5)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Activator:
+class Activator(ABC):
     """What every activator has: the satisfaction when it is not fulfilled and when it is."""
 
     low: float = 0.0
@@ -28,14 +29,14 @@ class Activator:
             raise ValueError(f"{type(self).__name__}: expected 0 <= low <= high <= 1, got {self.low} and {self.high}")
 
     @property
+    @abstractmethod
     def parameters(self) -> tuple[float, float]:
         """The two numbers that the rule needs."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def direction(self) -> float:
         """Sign of the wanted change."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)
