@@ -65,8 +65,8 @@ class Worlds:
         self._entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self._vectors: Floats = np.zeros((self.rows, 2))
         self._picked: Ints = np.zeros((self.rows, 2), dtype=np.int64)
-        self._running: Ints = np.zeros((len(self.network.model.behaviours), self.rows), dtype=np.int64)
-        self._counts: Ints = np.zeros(len(self.network.model.behaviours), dtype=np.int64)
+        self._running: Ints = np.zeros((len(self._movers), self.rows), dtype=np.int64)
+        self._counts: Ints = np.zeros(len(self._movers), dtype=np.int64)
 
     def _build_world(self) -> None:
         mission, world, robots = self.mission, self.mission.world, self.mission.robots
@@ -121,8 +121,7 @@ class Worlds:
         index = model.behaviour_index
         self._cargo = np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")])
         self._transport = np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")])
-        self._patrolling, self._approaching = index["Patrol"], index["MoveToGarbage"]
-        self._movers = np.array([self._patrolling, self._approaching])
+        self._movers = np.array([index["Patrol"], index["MoveToGarbage"]])
 
     def _make_mechanism(self, name: str, parameters: Mapping[str, Any]) -> MovementMechanism:
         made = find(name)(self.avoidance_buffer, directions=self.directions, **parameters)  # type: ignore[call-arg]
