@@ -54,6 +54,7 @@ class Floor:
         self._places = places  # (R, 2) [m], scratch
         self._bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
         self._forces = np.zeros_like(places)  # (R, 2) [N]
+        self._present = np.ones(len(places), np.bool_)
         # A body moves by up to 0.2 m until the copies are looked at again; everywhere is as far as the world goes.
         self._zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
         self._copies = np.zeros(len(places), np.uint8)
@@ -87,6 +88,7 @@ class Floor:
             self._places,
             self._bodies,
             wanted,
+            self._present,
             0,
             len(self._bodies),
             settings.height,

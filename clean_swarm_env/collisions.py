@@ -57,8 +57,9 @@ class CollisionCounter:
         self._squares = np.square(self.distances)  # (K,) [m^2]
         self._furthest = float(self._squares.max())  # [m^2]
         self._robots = robots
+        self._everybody = np.ones(rows, np.bool_)
         self._before = np.zeros((rows, 2))  # [m] positions at the last count, of no meaning before the first
-        self._counted = np.zeros(worlds, np.bool_)  # has this world been counted since its reset?
+        self._counted = np.zeros(rows, np.bool_)  # was this robot there at the last count?
         # Cells at least `reach` wide, so that close pairs lie in the same or in adjacent cells, and about one a robot.
         side = ceil(sqrt(robots))
         self._columns, self._lines = min(int(width // reach), side), min(int(height // reach), side)
@@ -72,12 +73,13 @@ class CollisionCounter:
         self.events[world] = 0
         self.in_contact[rows] = False
         self.entered[rows] = 0
-        self._counted[world] = False
+        self._counted[rows] = False
 
-    def count(self, positions: NDArray[np.float64]) -> None:
-        """Count all worlds once; positions (R, 2) [m] in [0, width) x [0, height)."""
+    def count(self, positions: NDArray[np.float64], present: NDArray[np.bool_] | None = None) -> None:
+        """Count all worlds once: the robots `present` (R,), or all; positions (R, 2) [m] in [0, width) x [0, height)."""
         count_pairs(
             positions,
+            self._everybody if present is None else present,
             self._before,
             self._counted,
             self._squares,
@@ -137,6 +139,7 @@ def enter_cell(
 @kernel
 def count_pairs(
     positions: NDArray[np.float64],
+    present: NDArray[np.bool_],
     before: NDArray[np.float64],
     counted: NDArray[np.bool_],
     squares: NDArray[np.float64],
@@ -164,16 +167,20 @@ def count_pairs(
         for row in range(first, end):
             in_contact[row] = False
             entered[row] = 0
+            if not present[row]:
+                continue
             if in_cells:
                 found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
             else:
                 found = row - first
             for index in range(found):
                 other = first + (near[index] if in_cells else index)
+                if not present[other]:
+                    continue
                 now = square_distance(positions, row, other, width, height)
                 if now >= furthest:
                     continue
-                was = square_distance(before, row, other, width, height) if counted[world] else np.inf
+                was = square_distance(before, row, other, width, height) if counted[row] and counted[other] else np.inf
                 for k in range(squares.shape[0]):
                     samples[world, k] += now < squares[k]
                     events[world, k] += now < squares[k] <= was
@@ -181,8 +188,8 @@ def count_pairs(
                     in_contact[row] = in_contact[other] = True
                     entered[row] += was >= squares[0]
                     entered[other] += was >= squares[0]
-        counted[world] = True
     # One by one: assigning whole slices costs more than the pairs of a small world.
     for row in range(positions.shape[0]):
         before[row, 0] = positions[row, 0]
         before[row, 1] = positions[row, 1]
+        counted[row] = present[row]

@@ -31,14 +31,16 @@ def to_stations(
 ) -> None:  # fmt: skip
     """Write unit vectors (R, 2) towards a station where the behaviour that goes there runs.
 
-    executing (R, B): `behaviours` (K,) of it go to `stations` (K, 2) [m]. robots (R, 2) and extent (2,) [m].
+    executing (R, B): `behaviours` (K,) of it go to `stations` (W, K, 2) [m]. robots (R, 2) and extent (2,) [m].
     commanded (R,): set where a vector was written.
     """
+    per_world = robots.shape[0] // stations.shape[0]
     for row in range(robots.shape[0]):
+        world = row // per_world
         for k in range(behaviours.shape[0]):
             if executing[row, behaviours[k]]:
-                x = nearest_image(stations[k, 0] - robots[row, 0], extent[0])
-                y = nearest_image(stations[k, 1] - robots[row, 1], extent[1])
+                x = nearest_image(stations[world, k, 0] - robots[row, 0], extent[0])
+                y = nearest_image(stations[world, k, 1] - robots[row, 1], extent[1])
                 length = np.sqrt(x * x + y * y)
                 vectors[row, 0] = x / length if length > 0.0 else 0.0
                 vectors[row, 1] = y / length if length > 0.0 else 0.0

@@ -17,6 +17,7 @@ from selforg.space import nearest_image
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 Observations = NDArray[np.float32]
 
 TERMS = (
@@ -39,7 +40,7 @@ TERMS = (
     "avoidance_length",  # of the held option's vector, by the reach of a pose; 1 if longer
     "speed",  # by the largest speed
     "turn_rate",  # by the largest turn rate
-    "garbage_done",  # share of the items dumped
+    "garbage_done",  # share of the items dumped of those that arrived
     "time_left",  # share of the time limit
 )
 NEIGHBOUR_RANGE = 2.5
@@ -72,18 +73,18 @@ class Observer:
                 robots.max_turn_rate,
             ]
         )
-        self._stations = np.array([self._mission.stations.recycling, self._mission.stations.dump])
         self._length_column = worlds.network.model.sensor_index.get("rep_len", -1)
 
     def observe(self, observations: Observations) -> None:
         """Fill `observations` (R, F) with what is so now."""
         worlds, garbage, physics = self._worlds, self._worlds.garbage, self._worlds.physics
-        share_done = garbage.done / max(self._mission.garbage.count, 1)
+        share_done = garbage.done / np.maximum(garbage.arrived, 1)
         time_left = np.maximum(1.0 - worlds.ticks * worlds.period / self._mission.time_limit, 0.0)
         fill(
             physics.positions, physics.headings, worlds.drive.speed, worlds.drive.turn_rate, worlds.extent,
-            self._stations, self._scales, garbage.positions, garbage.stage, garbage.cargo, garbage.recycled,
-            worlds.network.readings, self._length_column, share_done, time_left, worlds.coordinator.held, observations,
+            worlds.stations, self._scales, physics.present, garbage.positions, garbage.stage, garbage.cargo,
+            garbage.recycled, worlds.network.readings, self._length_column, share_done, time_left,
+            worlds.coordinator.held, observations,
         )  # fmt: skip
 
 
@@ -104,12 +105,18 @@ def point(
 
 
 @kernel
-def nearest_neighbour(row: int, first: int, last: int, robots: Floats, extent: Floats) -> tuple[int, int, float]:
-    """Of the rows [first, last): how many others are in range, the nearest one (-1: none) and its distance [m]."""
-    count, best, shortest = 0, -1, np.inf
+def nearest_neighbour(
+    row: int, first: int, last: int, robots: Floats, present: Flags, extent: Floats
+) -> tuple[int, int, int, float]:
+    """Return how many others in the rows [first, last) are in range, how many are present, the nearest one, its distance.
+
+    The nearest one in range is -1 if there is none; the distance in [m].
+    """
+    count, others, best, shortest = 0, 0, -1, np.inf
     for other in range(first, last):
-        if other == row:
+        if other == row or not present[other]:
             continue
+        others += 1
         dx = nearest_image(robots[other, 0] - robots[row, 0], extent[0])
         dy = nearest_image(robots[other, 1] - robots[row, 1], extent[1])
         length = np.sqrt(dx * dx + dy * dy)
@@ -117,22 +124,27 @@ def nearest_neighbour(row: int, first: int, last: int, robots: Floats, extent: F
             count += 1
             if length < shortest:
                 best, shortest = other, length
-    return count, best, shortest
+    return count, others, best, shortest
 
 
 @kernel
 def fill(
     robots: Floats, headings: Floats, speed: Floats, turn_rate: Floats, extent: Floats, stations: Floats,
-    scales: Floats, positions: Floats, stage: Ints, cargo: Ints, recycled: Ints, readings: Floats, length_column: int,
-    share_done: Floats, time_left: Floats, held: Ints, out: Observations,
+    scales: Floats, present: Flags, positions: Floats, stage: Ints, cargo: Ints, recycled: Ints, readings: Floats,
+    length_column: int, share_done: Floats, time_left: Floats, held: Ints, out: Observations,
 ) -> None:  # fmt: skip
-    """Fill `out` (R, F) in the order of TERMS; `scales` (6,): sight, torus, neighbours, vector, speed, turn rate."""
+    """Fill `out` (R, F) in the order of TERMS; robots that are not `present` (R,) see nothing.
+
+    stations (W, 2, 2) [m]; scales (6,): sight, torus, neighbours, vector, speed, turn rate.
+    """
     per_world = robots.shape[0] // positions.shape[0]
     for row in range(robots.shape[0]):
         x, y, heading = robots[row, 0], robots[row, 1], headings[row]
         world = row // per_world
         seen = out[row]
         seen[:] = 0.0
+        if not present[row]:
+            continue
         item, near = nearest_lying(x, y, positions[world], stage[world], extent)
         seen[1] = 1.0
         if near <= scales[0]:
@@ -140,13 +152,13 @@ def fill(
             point(x, y, heading, positions[world, item, 0], positions[world, item, 1], extent, scales[0], seen, 1)
         seen[4] = 1.0 if cargo[row] != NOTHING else 0.0
         seen[5] = float(recycled[row])
-        point(x, y, heading, stations[0, 0], stations[0, 1], extent, scales[1], seen, 6)
-        point(x, y, heading, stations[1, 0], stations[1, 1], extent, scales[1], seen, 9)
+        point(x, y, heading, stations[world, 0, 0], stations[world, 0, 1], extent, scales[1], seen, 6)
+        point(x, y, heading, stations[world, 1, 0], stations[world, 1, 1], extent, scales[1], seen, 9)
         first = world * per_world
-        count, other, _ = nearest_neighbour(row, first, first + per_world, robots, extent)
+        count, others, other, _ = nearest_neighbour(row, first, first + per_world, robots, present, extent)
         seen[13] = 1.0
         if other >= 0:
-            seen[12] = count / (per_world - 1)
+            seen[12] = count / others
             point(x, y, heading, robots[other, 0], robots[other, 1], extent, scales[2], seen, 13)
         if length_column >= 0:
             seen[16] = min(readings[row, length_column] / scales[3], 1.0)

@@ -30,6 +30,8 @@ SHARED_MEMORY: Final = hasattr(lib, "pmSpaceBodySetIteratorFuncBatched")
 COLLISION_SLOP: Final = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25 m sink in visibly
 SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch, whatever the last bit says
 PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
+ORIGINALS: Final = pymunk.ShapeFilter(categories=0b01, mask=0b11)
+ABSENT: Final = pymunk.ShapeFilter(categories=0, mask=0)
 PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds somebody touches nearly always, and all pairs cost more
 COPY_OFFSETS: Final = {
     motion.COPY_RIGHT: (1, 0),
@@ -63,10 +65,9 @@ class ContactSpace:
         self._space.collision_persistence = PERSISTENCE
         self._discs = [pymunk.Body(settings.mass, inf) for _ in range(settings.robots)]
         self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy
-        originals = pymunk.ShapeFilter(categories=0b01, mask=0b11)
-        for disc in self._discs:
-            circle = pymunk.Circle(disc, self._radius)
-            circle.filter = originals
+        self._circles = [pymunk.Circle(disc, self._radius) for disc in self._discs]
+        for disc, circle in zip(self._discs, self._circles, strict=True):
+            circle.filter = ORIGINALS
             self._space.add(disc, circle)
         self._shared_memory = shared_memory
         if shared_memory:
@@ -95,6 +96,10 @@ class ContactSpace:
         self._space.step(timestep)
         for row, disc in enumerate(self._discs):
             self._bodies[row] = (*disc.position, *disc.velocity)
+
+    def let_touch(self, row: int, wanted: bool) -> None:
+        """Let a disc touch others, or not; it stays in the space, so that what others do is computed as before."""
+        self._circles[row].filter = ORIGINALS if wanted else ABSENT
 
     def set_copies(self, copies: NDArray[np.uint8]) -> None:
         """Add and remove seam copies until each body has those that `copies` (N,) names."""
@@ -145,6 +150,8 @@ class Physics:
     positions: (R, 2) float64 [m] in [0, width) x [0, height); the same C-contiguous array all the time.
     headings: (R,) float64 [rad] in (-pi, pi]; the same array all the time.
     velocities: (R, 2) float64 [m/s] of the last substep, after contacts (a strided view).
+    present: (R,) bool, read only: robots that are not there touch nobody and do not move. `place` makes all robots of a
+        world present, `add` and `remove` change one.
 
     Impossible settings raise ValueError (see PhysicsSettings).
 
@@ -173,6 +180,7 @@ class Physics:
         self.headings = np.zeros(rows)
         self._bodies = np.zeros((rows, 4))  # see physics_motion.py
         self.velocities = self._bodies[:, 2:]
+        self.present = np.ones(rows, np.bool_)
         self._wanted = np.zeros((rows, 2))  # [m/s]
         self._forces = np.zeros((rows, 2))  # [N]
         self._copies = np.zeros(rows, np.uint8)
@@ -204,9 +212,34 @@ class Physics:
         rows = self._rows(world)
         self._bodies[rows, :2] = self.positions[rows]
         self._bodies[rows, 2:] = 0.0
+        self._wanted[rows] = 0.0
+        self.present[rows] = True
         self._patience[world] = 0
         self._spaces[world] = None
         self._current[world] = False
+
+    def add(self, row: int, x: float, y: float, heading: float) -> None:
+        """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others go on undisturbed."""
+        world = row // self.settings.robots
+        self.positions[row, 0] = motion.wrapped(x, self.settings.width)
+        self.positions[row, 1] = motion.wrapped(y, self.settings.height)
+        self.headings[row] = motion.wrapped_angle(heading)
+        self._bodies[row, :2] = self.positions[row]
+        self._bodies[row, 2:] = 0.0
+        self._set_present(world, row, True)
+
+    def remove(self, row: int) -> None:
+        """Take a robot away: it touches nobody any more; the others go on undisturbed."""
+        self._bodies[row, 2:] = 0.0
+        self._wanted[row] = 0.0
+        self._set_present(row // self.settings.robots, row, False)
+
+    def _set_present(self, world: int, row: int, present: bool) -> None:
+        self.present[row] = present
+        self._current[world] = False
+        space = self._spaces[world]
+        if space is not None:
+            space.let_touch(row - world * self.settings.robots, present)
 
     def substep(self, speed: NDArray[np.float64], turn_rate: NDArray[np.float64]) -> None:
         """Advance all worlds by one timestep.
@@ -220,6 +253,7 @@ class Physics:
             self.headings,
             self._bodies,
             self._wanted,
+            self.present,
             self._patience,
             speed,
             turn_rate,
@@ -240,6 +274,8 @@ class Physics:
         space = self._spaces[world]
         if space is None:
             space = ContactSpace(settings, self._bodies[rows], self._forces[rows])
+            for robot in np.flatnonzero(~self.present[rows]).tolist():
+                space.let_touch(robot, False)
             self._spaces[world] = space
         motion.push(
             self._forces,
@@ -247,6 +283,7 @@ class Physics:
             self.positions,
             self._bodies,
             self._wanted,
+            self.present,
             rows.start,
             rows.stop,
             settings.height,

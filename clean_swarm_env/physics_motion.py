@@ -50,10 +50,16 @@ def wrapped_angle(angle: float) -> float:
 
 
 @kernel
-def touching(positions: np.ndarray, first: int, end: int, width: float, height: float, reach: float) -> bool:
-    """Is any pair of the rows first .. end - 1 closer than `reach` [m]? positions (R, 2) [m]."""
+def touching(
+    positions: np.ndarray, present: np.ndarray, first: int, end: int, width: float, height: float, reach: float
+) -> bool:
+    """Is any pair of the rows first .. end - 1 that are present (R,) closer than `reach` [m]? positions (R, 2) [m]."""
     for i in range(first, end):
+        if not present[i]:
+            continue
         for j in range(first, i):
+            if not present[j]:
+                continue
             dx = shorter_way(positions[i, 0] - positions[j, 0], width)
             if abs(dx) < reach:
                 dy = shorter_way(positions[i, 1] - positions[j, 1], height)
@@ -86,6 +92,7 @@ def fly(
     headings: np.ndarray,
     bodies: np.ndarray,
     wanted: np.ndarray,
+    present: np.ndarray,
     patience: np.ndarray,
     speed: np.ndarray,
     turn_rate: np.ndarray,
@@ -100,6 +107,7 @@ def fly(
 
     positions (R, 2) [m], headings (R,) [rad] and bodies (R, 4) are updated in place, headings of all worlds;
     wanted (R, 2) [m/s] gets speed (R,) [m/s] along the heading at the beginning of the substep;
+    present (R,) bool: rows that are not stay as they are;
     patience (W,) counts down from `settling` since the last contact: a world is free at 0.
     """
     worlds = patience.shape[0]
@@ -107,11 +115,13 @@ def fly(
     engaged = 0
     for world in range(worlds):
         first, end = world * robots, (world + 1) * robots
-        if search == ALWAYS or (search == PAIRS and touching(positions, first, end, width, height, reach)):
+        if search == ALWAYS or (search == PAIRS and touching(positions, present, first, end, width, height, reach)):
             patience[world] = settling
         elif patience[world] > 0:
             patience[world] -= 1
         for row in range(first, end):
+            if not present[row]:
+                continue
             wanted[row, 0] = speed[row] * np.cos(headings[row])
             wanted[row, 1] = speed[row] * np.sin(headings[row])
             headings[row] = wrapped_angle(headings[row] + turn_rate[row] * timestep)
@@ -130,6 +140,7 @@ def push(
     positions: np.ndarray,
     bodies: np.ndarray,
     wanted: np.ndarray,
+    present: np.ndarray,
     first: int,
     end: int,
     height: float,
@@ -139,12 +150,16 @@ def push(
     """Set forces and seam copies for the rows first .. end - 1 of one world in contact.
 
     forces (R, 2) [N] = stiffness [kg/s] * (wanted (R, 2) - velocity): the force that gives the wanted velocity in
-    one timestep. copies (R,) uint8 names, bit by bit, the copies that a body within `zone` [m] of a seam needs.
+    one timestep. copies (R,) uint8 names, bit by bit, the copies that a body within `zone` [m] of a seam needs, if it
+    is present (R,) at all.
     """
     for row in range(first, end):
         forces[row, 0] = stiffness * (wanted[row, 0] - bodies[row, 2])
         forces[row, 1] = stiffness * (wanted[row, 1] - bodies[row, 3])
         needed = 0
+        if not present[row]:
+            copies[row] = needed
+            continue
         if positions[row, 0] < zone:
             needed |= COPY_RIGHT
             if positions[row, 1] < zone:

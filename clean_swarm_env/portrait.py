@@ -14,13 +14,16 @@ from selforg.queries import Filter, Queries
 
 def scene_of(worlds: Worlds, world: int) -> Scene:
     """Return what there is to see of a world now."""
-    rows, garbage, mission = worlds.rows_of(world), worlds.garbage, worlds.mission
+    garbage, mission = worlds.garbage, worlds.mission
+    rows = worlds.rows_of(world)
+    rows = rows[worlds.physics.present[rows]]
+    recycling, dump = (tuple(place) for place in worlds.stations[world].tolist())
     loaded = garbage.cargo[rows] != NOTHING
     cargo = np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING)
     trail, diffusions = _trail(worlds, world)
     return Scene(
-        worlds.physics.positions[rows].copy(), worlds.physics.headings[rows].copy(), mission.stations.recycling,
-        mission.stations.dump, width=mission.world.width, height=mission.world.height, radius=mission.robots.radius,
+        worlds.physics.positions[rows].copy(), worlds.physics.headings[rows].copy(), recycling, dump,
+        width=mission.world.width, height=mission.world.height, radius=mission.robots.radius,
         goal_radius=mission.robots.pose_goal_radius, diffusion=mission.robots.pose_diffusion,
         station_radius=mission.stations.reach, cargo=cargo,
         garbage=garbage.positions[world][garbage.stage[world] == LYING], pheromones=trail,

@@ -79,7 +79,7 @@ def read_sensors(
 ) -> None:  # fmt: skip
     """Write the robot's own sensors into `readings` (R, S).
 
-    robots (R, 2) and extent (2,) [m]; stations (2, 2): recycling and dump [m]; limits (3,): distances of seeing an
+    robots (R, 2) and extent (2,) [m]; stations (W, 2, 2): recycling and dump [m]; limits (3,): distances of seeing an
     item, of being at an item, of being at a station [m]; positions, stage, cargo, recycled: of `Garbage`.
     """
     per_world = robots.shape[0] // positions.shape[0]
@@ -88,8 +88,8 @@ def read_sensors(
         world = row // per_world
         _, near = nearest_lying(x, y, positions[world], stage[world], extent)
         carrying = cargo[row] != NOTHING
-        to_recycling = distance(x, y, stations[0, 0], stations[0, 1], extent)
-        to_dump = distance(x, y, stations[1, 0], stations[1, 1], extent)
+        to_recycling = distance(x, y, stations[world, 0, 0], stations[world, 0, 1], extent)
+        to_dump = distance(x, y, stations[world, 1, 0], stations[world, 1, 1], extent)
         readings[row, GARBAGE_SEEN] = 1.0 if near <= limits[0] else 0.0
         readings[row, GARBAGE_AT] = 1.0 if near <= limits[1] else 0.0
         readings[row, GARBAGE_FOUND] = 1.0 if near <= limits[0] or carrying else 0.0

@@ -41,7 +41,8 @@ class Worlds:
     """The batch of worlds of one mission.
 
     Call `reset` for every world, then `tick` as long as you like; between ticks `hold` says which option serves
-    AvoidCollision in which robot. `ticks` (W,) counts control periods since the reset of each world. With `explained`
+    AvoidCollision in which robot. `ticks` (W,) counts control periods since the reset of each world; `stations`
+    (W, 2, 2) [m] are the places of recycling and dump. With `explained`
     the robots' network also notes why each behaviour runs or does not; the course is the same.
     """
 
@@ -82,7 +83,7 @@ class Worlds:
             robots.command_timeout,
         )  # fmt: skip
         self.garbage = Garbage(self.worlds, mission.garbage.count, self.robots)
-        self._stations = np.array([mission.stations.recycling, mission.stations.dump])
+        self.stations = np.tile([mission.stations.recycling, mission.stations.dump], (self.worlds, 1, 1))
         garbage = mission.garbage
         seen = garbage.diffusion + garbage.goal_radius + garbage.view_distance
         self._limits = np.array([seen, garbage.at_distance, mission.stations.reach])
@@ -185,7 +186,7 @@ class Worlds:
         garbage = self.garbage
         self.coordinator.sense(self.now)
         read_sensors(
-            self.physics.positions, self.extent, self._stations, self._limits, garbage.positions, garbage.stage,
+            self.physics.positions, self.extent, self.stations, self._limits, garbage.positions, garbage.stage,
             garbage.cargo, garbage.recycled, self.network.readings,
         )  # fmt: skip
 
@@ -194,7 +195,8 @@ class Worlds:
         garbage, network = self.garbage, self.network
         picked = handle_cargo(
             network.started, self._cargo, self.physics.positions, self.extent, self.mission.garbage.pick_distance,
-            garbage.positions, garbage.stage, garbage.cargo, garbage.recycled, garbage.done, self._picked,
+            garbage.positions, garbage.stage, garbage.leftover, garbage.cargo, garbage.recycled, garbage.done,
+            self._picked,
         )  # fmt: skip
         if picked:
             rows, items = self._picked[:picked].T
@@ -202,7 +204,7 @@ class Worlds:
             self.items.extinguish(worlds, ITEMS, garbage.positions[worlds, items], self.now)
         self._commanded[:] = False
         to_stations(
-            network.executing, self._transport, self.physics.positions, self.extent, self._stations, self._vectors,
+            network.executing, self._transport, self.physics.positions, self.extent, self.stations, self._vectors,
             self._commanded,
         )  # fmt: skip
         rows_running(network.executing, self._movers, self._running, self._counts)
@@ -226,5 +228,5 @@ class Worlds:
         self._entered[:] = 0
         for _ in range(self.mission.world.physics_steps_per_tick):
             physics.substep(drive.speed, drive.turn_rate)
-            self.collisions.count(physics.positions)
+            self.collisions.count(physics.positions, physics.present)
             self._entered += self.collisions.entered

@@ -62,8 +62,8 @@ POSE_SIGN = 9
 POSE_COLUMNS = 10
 
 # Table of rows, int64 (N, ROW_COLUMNS)
-TEAM, POSES = 0, 1  # team, number of poses known
-ROW_COLUMNS = 2
+TEAM, POSES, SILENT = 0, 1, 2  # team, number of poses known, 1 if the row spreads none
+ROW_COLUMNS = 3
 
 # Table of pairs (what one row sees), float64 (P, PAIR_COLUMNS): offset to the gradient, its distance, its fields
 DX, DY, DZ, DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN, SLOT = 0, 1, 2, 3, 4, 5, 6, 7

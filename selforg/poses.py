@@ -18,6 +18,7 @@ from selforg.columns import (
     POSE_STAMP,
     POSES,
     ROW_COLUMNS,
+    SILENT,
     TEAM,
     X,
 )
@@ -139,6 +140,11 @@ class OwnPoses:
         """Forget all poses of `rows` (R,), as before their first update."""
         self.row_table[np.asarray(rows, dtype=np.int64), POSES] = 0
 
+    def silence(self, rows: npt.ArrayLike, silent: bool = True) -> None:
+        """Forget all poses of `rows` (R,), which spread no more by `update`; or let them spread again."""
+        self.forget(rows)
+        self.row_table[np.asarray(rows, dtype=np.int64), SILENT] = int(silent)
+
     @property
     def teams(self) -> Ints:
         """Team of each row, (N,) int64, read only."""
@@ -192,8 +198,8 @@ def update_poses(
 ) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
-    look: (3,) diffusion [m], goal radius [m], attraction. A row whose last pose is not older than `now` keeps it.
-    Returns -1, or the first row with a number that is not finite: nothing is changed then.
+    look: (3,) diffusion [m], goal radius [m], attraction. A row whose last pose is not older than `now` keeps it; one
+    that is silent spreads none. Returns -1, or the first row with a number that is not finite: nothing is changed then.
     """
     own, rows, extent = poses[0], poses[1], poses[5]
     dim = positions.shape[1]
@@ -204,7 +210,7 @@ def update_poses(
         if not finite:
             return row
     for row in range(len(rows)):
-        if rows[row, POSES] > 0 and now <= own[row, 0, POSE_STAMP]:
+        if rows[row, SILENT] or (rows[row, POSES] > 0 and now <= own[row, 0, POSE_STAMP]):
             continue
         for age in range(own.shape[1] - 1, 0, -1):
             own[row, age] = own[row, age - 1]

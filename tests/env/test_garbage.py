@@ -16,7 +16,7 @@ def _handle(garbage, robots, started):
     picked = np.zeros((len(robots), 2), np.int64)
     count = handle_cargo(
         np.asarray(started), COLUMNS, np.asarray(robots, float), EXTENT, 0.6, garbage.positions, garbage.stage,
-        garbage.cargo, garbage.recycled, garbage.done, picked,
+        garbage.leftover, garbage.cargo, garbage.recycled, garbage.done, picked,
     )  # fmt: skip
     return picked[:count].tolist()
 

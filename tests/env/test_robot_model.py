@@ -28,7 +28,7 @@ BEHAVIOURS = {
 def _read(robot, items, stage, cargo=NOTHING, recycled=0):
     readings = np.full((1, len(SENSORS)), 9.0)
     read_sensors(
-        np.array([robot], float), EXTENT, STATIONS, LIMITS, np.array([items], float).reshape(1, -1, 2),
+        np.array([robot], float), EXTENT, STATIONS[None], LIMITS, np.array([items], float).reshape(1, -1, 2),
         np.array([stage], np.int64).reshape(1, -1), np.array([cargo]), np.array([recycled]), readings,
     )  # fmt: skip
     return dict(zip((sensor.name for sensor in SENSORS), readings[0].tolist(), strict=True))
