@@ -1,6 +1,7 @@
 # The environment of the repository if there is one, else the one that is active.
 BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
-BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack
+BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
+	benchmarks.costs
 
 .PHONY: check lint test golden bench soak clean-cache
 

@@ -1,0 +1,81 @@
+"""Where the time of a tick goes: each part timed at its border, without what it asks of the other parts."""
+
+from collections.abc import Callable, Iterator
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.worlds import Worlds
+
+PARTS = ("physics", "buffer", "mechanisms", "network", "selector", "sensors and cargo")
+ROUNDS = 41
+
+
+class Stopwatch:
+    """Wall time by part; a part that is asked by another one stops the clock of that one."""
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(PARTS, 0.0)
+        self._asked: list[str] = []
+        self._since = 0.0
+
+    def watch(self, owner: Any, method: str, part: str) -> None:  # noqa: ANN401  (any object with that method)
+        """Count the time of `owner.method` for `part` from now on."""
+        call: Callable[..., Any] = getattr(owner, method)
+
+        def watched(*given: Any, **named: Any) -> Any:  # noqa: ANN401
+            self._switch(part)
+            try:
+                return call(*given, **named)
+            finally:
+                self._switch(None)
+
+        setattr(owner, method, watched)
+
+    def _switch(self, part: str | None) -> None:
+        now = perf_counter()
+        if self._asked:
+            self.seconds[self._asked[-1]] += now - self._since
+        if part is None:
+            self._asked.pop()
+        else:
+            self._asked.append(part)
+        self._since = perf_counter()
+
+
+def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
+    """Yield (owner, method, part) of every call that leads from one part of a tick into another."""
+    yield worlds, "tick", "sensors and cargo"
+    yield worlds, "_move", "physics"
+    for buffer in (worlds.items, worlds.pheromones, worlds.avoidance_buffer):
+        for method in ("store_static", "extinguish", "deposit"):
+            yield buffer, method, "buffer"
+    yield worlds.poses, "update", "buffer"
+    contents = worlds.coordinator.contents
+    inner = [mechanism for content in contents for mechanism in content.mechanisms.values()]
+    for mechanism in (worlds.to_garbage, worlds.patrol, *inner):
+        yield mechanism, "move", "mechanisms"
+    for network in (worlds.network, *(content.network for content in contents)):
+        yield network, "step", "network"
+    for method in ("sense", "act"):
+        yield worlds.coordinator, method, "selector"
+
+
+def parts_of_a_tick(worlds: Worlds, ticks: int) -> dict[str, float]:
+    """Return the wall microseconds of each part of a tick, from ROUNDS rounds of `ticks` ticks.
+
+    Wall time, because reading the CPU clock costs more than some parts; rounds are short and the lower quartile
+    counts, so that rounds in which somebody else had the core drop out. The worlds are not as fast as before
+    afterwards: the watches stay.
+    """
+    watch = Stopwatch()
+    for owner, method, part in borders_of(worlds):
+        watch.watch(owner, method, part)
+    rounds = []
+    for _ in range(ROUNDS):
+        watch.seconds = dict.fromkeys(PARTS, 0.0)
+        for _ in range(ticks):
+            worlds.tick()
+        rounds.append(watch.seconds)
+    return {part: 1e6 * float(np.quantile([taken[part] for taken in rounds], 0.25)) / ticks for part in PARTS}

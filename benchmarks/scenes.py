@@ -1,0 +1,43 @@
+"""What the benchmarks run: the default mission with any number of robots at the default density, in many worlds."""
+
+from math import sqrt
+
+import numpy as np
+
+from clean_swarm_env.config import MissionConfig
+from clean_swarm_env.config_files import laid_over, load_mission
+from clean_swarm_env.robot_model import GOAL
+from clean_swarm_env.starts import random_start, run_seed
+from clean_swarm_env.worlds import Worlds
+from selector.coordinator import CoordinatorModel
+from selector.knowledge import load_knowledge
+from selector.library import Library
+
+SEED = 1
+
+
+def mission_of(robots: int, items_per_robot: float = 2.0) -> MissionConfig:
+    """Return the mission `table1` for `robots` robots, area, items and stations in proportion."""
+    mission = load_mission("table1")
+    scale = sqrt(robots / mission.robots.count)
+    width, height = mission.world.width * scale, mission.world.height * scale
+    changes = {
+        "world": {"width": width, "height": height},
+        "robots": {"count": robots},
+        "garbage": {"count": round(items_per_robot * robots)},
+        "stations": {
+            "recycling": [x * scale for x in mission.stations.recycling],
+            "dump": [x * scale for x in mission.stations.dump],
+        },
+    }
+    return MissionConfig.model_validate(laid_over(mission.model_dump(), changes))
+
+
+def worlds_at_start(mission: MissionConfig, worlds: int) -> Worlds:
+    """Return worlds at random starts, robots holding the option of the highest score."""
+    knowledge = load_knowledge(mission.knowledge)
+    made = Worlds(mission, CoordinatorModel(GOAL, knowledge, Library()), worlds)
+    for world in range(worlds):
+        made.reset(world, random_start(mission, SEED, world), run_seed(SEED, str(world)))
+    made.hold(np.full(made.rows, int(np.argmax(knowledge.scores(GOAL)))))
+    return made
