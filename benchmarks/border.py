@@ -2,8 +2,8 @@
 
     python -m benchmarks.border
 
-One process, CPU time, by turns. A decision a tick (decision period 0.2 s). mpe2 comes with the extra `bench`; without it
-its line is left out.
+One process, CPU time, by turns. A decision a tick (decision period 0.2 s). mpe2 comes with the extra `bench`; without
+it its line is left out.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,7 @@ def decision_a_tick(robots: int) -> MissionConfig:
     return mission.model_copy(update={"decision_period": 1.0 / mission.world.control_rate, "time_limit": ENDLESS})
 
 
-def stepping(env: Any, choices: int) -> Callable[[], float]:  # noqa: ANN401  (of either library)
+def stepping(env: Any, choices: int) -> Callable[[], float]:
     """Return a contestant that gives the CPU seconds of a step with actions drawn beforehand."""
     env.reset(seed=SEED)
     drawn = np.random.default_rng(SEED).integers(0, choices, (STEPS, len(env.agents)))

@@ -20,11 +20,11 @@ class Stopwatch:
         self._asked: list[str] = []
         self._since = 0.0
 
-    def watch(self, owner: Any, method: str, part: str) -> None:  # noqa: ANN401  (any object with that method)
+    def watch(self, owner: Any, method: str, part: str) -> None:
         """Count the time of `owner.method` for `part` from now on."""
         call: Callable[..., Any] = getattr(owner, method)
 
-        def watched(*given: Any, **named: Any) -> Any:  # noqa: ANN401
+        def watched(*given: Any, **named: Any) -> Any:
             self._switch(part)
             try:
                 return call(*given, **named)

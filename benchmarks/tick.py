@@ -61,7 +61,7 @@ def tick_and_floor(worlds: int, robots: int) -> tuple[Figure, Figure, Figure]:
 
 
 def early_and_late(worlds: int, robots: int) -> dict[str, float]:
-    """Return CPU microseconds of a tick per world where all robots patrol, early and late, with floor and pheromones."""
+    """Return CPU microseconds of a tick per world where all robots patrol, early and late, and pheromones stored."""
     made = worlds_at_start(mission_of(robots, items_per_robot=0.0), worlds)
     floor, figures = floor_of(worlds, robots), {}
     ticks = round(WINDOW / made.period / 8)
