@@ -20,7 +20,7 @@ from clean_swarm_env.mission import run_mission
 from clean_swarm_env.robot_model import GOAL
 from clean_swarm_env.starts import random_start, run_seed
 from clean_swarm_env.worlds import Worlds
-from selector.coordinator import CoordinatorModel
+from selector.coordinator_model import CoordinatorModel
 from selector.knowledge import load_knowledge
 from selector.library import Library
 

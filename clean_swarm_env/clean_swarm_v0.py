@@ -30,7 +30,7 @@ from clean_swarm_env.reward import RewardConfig, rewards
 from clean_swarm_env.robot_model import GOAL
 from clean_swarm_env.starts import for_start, random_start, run_seed
 from clean_swarm_env.worlds import Worlds
-from selector.coordinator import CoordinatorModel
+from selector.coordinator_model import CoordinatorModel
 from selector.knowledge import load_knowledge
 from selector.library import Library
 

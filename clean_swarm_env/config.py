@@ -160,6 +160,8 @@ def _planner(given: object) -> object:
 class NetworkConfig(Closed):
     """The behaviour network of each robot."""
 
+    robot: Annotated[str, Field(strict=True, min_length=1)] = "cleaning"
+    """Name of the robot's document in `configs/robots`."""
     activation_threshold: Positive = 7.0
     """Activation that a behaviour needs to start, at the start of the mission [-]."""
     threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from clean_swarm_env.config import MissionConfig, StartConfiguration
-from clean_swarm_env.robot_model import GOAL
+from clean_swarm_env.robot_model import coordinators_of
 from clean_swarm_env.worlds import Worlds
-from selector.coordinator import CoordinatorModel
-from selector.knowledge import Knowledge, load_knowledge
+from selector.knowledge import load_knowledge
 from selector.library import Library
 from selector.strategies.max_score import MaxScore
 
@@ -57,9 +56,9 @@ def at_start(
     knowledge = load_knowledge(mission.knowledge).with_scores(scores)
     library = Library()
     library.check(knowledge)
-    worlds = Worlds(mission, CoordinatorModel(GOAL, knowledge, library), explained=explained)
+    worlds = Worlds(mission, coordinators_of(mission.network, knowledge, library), explained=explained)
     worlds.reset(0, start, seed)
-    choose(worlds, knowledge)
+    choose(worlds)
     return worlds
 
 
@@ -70,11 +69,11 @@ def in_progress(worlds: Worlds) -> bool:
     return bool(worlds.garbage.done[0] < mission.garbage.count and worlds.ticks[0] < limit)
 
 
-def choose(worlds: Worlds, knowledge: Knowledge) -> None:
-    """Let every robot hold the option of the highest score."""
+def choose(worlds: Worlds) -> None:
+    """Let every robot hold the options of the highest scores."""
     generators = [np.random.default_rng(0)] * worlds.rows  # max-score draws nothing
-    strategy = MaxScore(knowledge.scores(GOAL), generators)
-    worlds.hold(strategy.select(np.zeros((worlds.rows, 0))))
+    strategies = [MaxScore(coordinator.model.scores, generators) for coordinator in worlds.coordinators]
+    worlds.hold(np.stack([strategy.select(np.zeros((worlds.rows, 0))) for strategy in strategies], axis=1))
 
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:

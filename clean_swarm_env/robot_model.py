@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
-import configs
 from clean_swarm_env.config import NetworkConfig
 from clean_swarm_env.garbage import NOTHING, distance, nearest_lying
-from selector.coordinator import CoordinatorModel
-from selector.documents import DocumentError, shown
-from selector.network_document import load_network
+from selector.coordinator_model import CoordinatorModel, coordinator_models
+from selector.documents import DocumentError, find_file, shown
+from selector.knowledge import Knowledge
+from selector.library import Library
+from selector.network_document import coordinated_goals, load_network
 from selforg.compiled import kernel
 from selforg.network.behaviours import NetworkSettings, Sensor, Weights
 from selforg.network.model import NetworkModel
@@ -19,6 +23,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 GOAL = "AvoidCollision"
+"""The goal that every cleaning robot coordinates."""
 
 SENSORS = (
     Sensor("garbage_seen", "fact"),
@@ -45,19 +50,36 @@ SENSORS = (
 ) = range(9)  # columns of the readings, in the order of SENSORS; the coordinator's sensors come after them
 
 
-def robot_model(config: NetworkConfig, avoidance: CoordinatorModel) -> NetworkModel:
-    """Return the model of a cleaning robot, as `configs/robots/cleaning.yaml` declares it.
+BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
+"""Behaviours that the world lets act; a document may add others, and `Patrol` may be coordinated."""
+
+
+def coordinators_of(
+    config: NetworkConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
+) -> tuple[CoordinatorModel, ...]:
+    """Return what can serve the goals that the robot's document coordinates, in the order of the document."""
+    return coordinator_models(coordinated_goals(find_file("robots", config.robot, directories)), knowledge, library)
+
+
+def robot_model(
+    config: NetworkConfig, coordinators: Sequence[CoordinatorModel], directories: Sequence[Path] = ()
+) -> NetworkModel:
+    """Return the model of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
 
     Raises:
         DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.
 
     """
-    path = configs.directory() / "robots" / "cleaning.yaml"
+    path = find_file("robots", config.robot, directories)
     parameters = {"transport_full_range": config.transport_full_range}
-    model = load_network(path, {avoidance.goal: avoidance}, parameters, network_settings(config)).model
+    by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
+    model = load_network(path, by_goal, parameters, network_settings(config)).model
     if model.sensors[: len(SENSORS)] != SENSORS:
         expected, given = (", ".join(s.name for s in sensors) for sensors in (SENSORS, model.sensors))
         raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
+    missing = [name for name in BEHAVIOURS if name not in model.behaviour_index]
+    if missing:
+        raise DocumentError(f"{shown(path)}: expected the behaviours {', '.join(BEHAVIOURS)}; {missing[0]} is missing")
     return model
 
 

@@ -6,8 +6,8 @@ course.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,13 @@ from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.garbage import Garbage, handle_cargo
 from clean_swarm_env.movement import rows_running, to_stations
 from clean_swarm_env.physics import Physics
-from clean_swarm_env.robot_model import GOAL, read_sensors, robot_model
-from selector.coordinator import Coordinator, CoordinatorModel
+from clean_swarm_env.robot_model import read_sensors, robot_model
+from selector.coordinator import Coordinator
+from selector.coordinator_model import CoordinatorModel
+from selector.host import Host, host_knowledge
 from selforg.buffer import SoBuffer
-from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone, find
+from selforg.components import Commands
+from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planner_names import planner_named
 from selforg.poses import OwnPoses
@@ -40,14 +43,24 @@ CLOCK_GRID = 2.0**-30
 class Worlds:
     """The batch of worlds of one mission.
 
-    Call `reset` for every world, then `tick` as long as you like; between ticks `hold` says which option serves
-    AvoidCollision in which robot. `ticks` (W,) counts control periods since the reset of each world; `stations`
-    (W, 2, 2) [m] are the places of recycling and dump. With `explained`
-    the robots' network also notes why each behaviour runs or does not; the course is the same.
+    Call `reset` for every world, then `tick` as long as you like; between ticks `hold` says which options serve the
+    coordinated goals in which robot. `ticks` (W,) counts control periods since the reset of each world; `stations`
+    (W, 2, 2) [m] are the places of recycling and dump. With `explained` the robots' networks also note why each
+    behaviour runs or does not; the course is the same.
+
+    Attributes:
+        coordinators: (C,) of the goals that the robot's document coordinates, in its order.
+
     """
 
     def __init__(
-        self, mission: MissionConfig, avoidance: CoordinatorModel, worlds: int = 1, *, explained: bool = False
+        self,
+        mission: MissionConfig,
+        coordinators: CoordinatorModel | Sequence[CoordinatorModel],
+        worlds: int = 1,
+        *,
+        directories: Sequence[Path] = (),
+        explained: bool = False,
     ) -> None:
         self.mission = mission
         self.worlds, self.robots = worlds, mission.robots.count
@@ -61,10 +74,12 @@ class Worlds:
         self.extent = np.array([mission.world.width, mission.world.height])
         self._build_world()
         self._build_stack()
-        self._build_robots(avoidance, explained)
+        models = (coordinators,) if isinstance(coordinators, CoordinatorModel) else tuple(coordinators)
+        self._build_robots(models, directories, explained)
         self._commanded = np.zeros(self.rows, dtype=np.bool_)
         self._entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self._vectors: Floats = np.zeros((self.rows, 2))
+        self._commands = Commands(self._vectors, self._commanded, np.zeros(self.rows, dtype=np.bool_))
         self._picked: Ints = np.zeros((self.rows, 2), dtype=np.int64)
         self._running: Ints = np.zeros((len(self._movers), self.rows), dtype=np.int64)
         self._counts: Ints = np.zeros(len(self._movers), dtype=np.int64)
@@ -106,7 +121,8 @@ class Worlds:
                 patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
             ), space, self.poses,
         )  # fmt: skip
-        self.avoidance_buffer = SoBuffer(BufferSettings(), space, self.poses)
+        self.gradients = SoBuffer(BufferSettings(), space, self.poses)
+        self._buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
         self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
         pheromone = Pheromone(PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period)
         self.patrol = Patrol(
@@ -114,21 +130,24 @@ class Worlds:
             channels=(PHEROMONES,), directions=self.directions,
         )  # fmt: skip
 
-    def _build_robots(self, avoidance: CoordinatorModel, explained: bool) -> None:
-        model = robot_model(self.mission.network, avoidance)
+    def _build_robots(self, models: Sequence[CoordinatorModel], directories: Sequence[Path], explained: bool) -> None:
+        model = robot_model(self.mission.network, models, directories)
         planner = planner_named(model, self.mission.network.planner)
         self.network = BehaviourNetwork(model, self.rows, planner, explained)
-        self.coordinator = Coordinator(avoidance, self.network, self._make_mechanism)
+        self._chances = [np.random.default_rng(0)] * self.rows
+        self._knowledge = host_knowledge((spec for m in models for spec in m.configurations), self.rows)
+        host = Host(self.poses, self._buffers, self.directions, self._chances, self._knowledge)
+        self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
         index = model.behaviour_index
         self._cargo = np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")])
         self._transport = np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")])
-        self._movers = np.array([index["Patrol"], index["MoveToGarbage"]])
+        patrols = [index["Patrol"]] if "Patrol" in index else []  # unless that is coordinated
+        self._movers = np.array([index["MoveToGarbage"], *patrols])
 
-    def _make_mechanism(self, name: str, parameters: Mapping[str, Any]) -> MovementMechanism:
-        made = find(name)(self.avoidance_buffer, directions=self.directions, **parameters)  # type: ignore[call-arg]
-        if not isinstance(made, MovementMechanism):
-            raise TypeError(f"mechanism {name!r}: expected a movement mechanism for {GOAL}")
-        return made
+    @property
+    def coordinator(self) -> Coordinator:
+        """The first coordinator."""
+        return self.coordinators[0]
 
     @property
     def now(self) -> float:
@@ -152,21 +171,30 @@ class Worlds:
         self.collisions.reset(world)
         self.drive.reset(rows)
         self.poses.forget(rows)
-        for buffer in (self.items, self.pheromones):
+        for buffer in self._buffers.values():
             buffer.clear(world)
-        streams = np.random.SeedSequence(seed).spawn(self.robots)
-        self.directions.reset(rows, [np.random.default_rng(stream) for stream in streams])
+        streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(2 * self.robots)]
+        self.directions.reset(rows, streams[: self.robots])
+        self._chances[rows[0] : rows[-1] + 1] = streams[self.robots :]
         garbage = self.mission.garbage
         self.items.store_static(
             np.full(len(items), world), ITEMS, items, self.now, diffusion=garbage.diffusion,
             goal_radius=garbage.goal_radius,
         )  # fmt: skip
         self.network.reset(rows)
-        self.coordinator.reset(rows)
+        self._knowledge.reset(rows)
+        for coordinator in self.coordinators:
+            coordinator.reset(rows)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
-        """Let `options` (K,) serve AvoidCollision in `rows` (K,) or all from the next tick on."""
-        self.coordinator.hold(np.arange(self.rows) if rows is None else rows, options)
+        """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
+        chosen = np.arange(self.rows) if rows is None else rows
+        table = options.reshape(len(chosen), -1)
+        if table.shape[1] != len(self.coordinators):
+            goals = ", ".join(coordinator.model.goal for coordinator in self.coordinators)
+            raise ValueError(f"hold: expected one option for each of {goals}, got shape {options.shape}")
+        for coordinator, wanted in zip(self.coordinators, table.T, strict=True):
+            coordinator.hold(chosen, wanted)
 
     def tick(self) -> Ints:
         """One control period of all worlds: sense, decide, act, move.
@@ -184,7 +212,8 @@ class Worlds:
 
     def _sense(self) -> None:
         garbage = self.garbage
-        self.coordinator.sense(self.now)
+        for coordinator in self.coordinators:
+            coordinator.sense(self.now)
         read_sensors(
             self.physics.positions, self.extent, self.stations, self._limits, garbage.positions, garbage.stage,
             garbage.cargo, garbage.recycled, self.network.readings,
@@ -203,18 +232,21 @@ class Worlds:
             worlds = rows // self.robots
             self.items.extinguish(worlds, ITEMS, garbage.positions[worlds, items], self.now)
         self._commanded[:] = False
+        self._commands.in_place[:] = False
         to_stations(
             network.executing, self._transport, self.physics.positions, self.extent, self.stations, self._vectors,
             self._commanded,
         )  # fmt: skip
         rows_running(network.executing, self._movers, self._running, self._counts)
-        approaching = self._running[1, : self._counts[1]]
-        self._follow(self.to_garbage, approaching)
-        patrolling = self._running[0, : self._counts[0]]
+        self._follow(self.to_garbage, self._running[0, : self._counts[0]])
+        patrolling = self._running[1, : self._counts[1]] if len(self._movers) > 1 else self._running[0, :0]
         self._follow(self.patrol, patrolling)
-        self.coordinator.act(self._vectors, self._commanded)
+        for coordinator in self.coordinators:
+            coordinator.act(self.now, self._commands)
         if len(patrolling):
             self.patrol.deposit(self.now, patrolling)
+        for coordinator in self.coordinators:
+            coordinator.leave(self.now)
 
     def _follow(self, mechanism: MovementMechanism, rows: Ints) -> None:
         if len(rows):
@@ -225,6 +257,7 @@ class Worlds:
     def _move(self) -> None:
         physics, drive = self.physics, self.drive
         drive.command(self._vectors, self._commanded, physics.headings, self.now)
+        drive.speed[self._commands.in_place] = 0.0
         self._entered[:] = 0
         for _ in range(self.mission.world.physics_steps_per_tick):
             physics.substep(drive.speed, drive.turn_rate)

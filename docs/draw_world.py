@@ -11,7 +11,7 @@ from clean_swarm_env.portrait import scene_of
 from clean_swarm_env.robot_model import GOAL
 from clean_swarm_env.starts import random_start
 from clean_swarm_env.worlds import Worlds
-from selector.coordinator import CoordinatorModel
+from selector.coordinator_model import CoordinatorModel
 from selector.knowledge import load_knowledge
 from selector.library import Library
 

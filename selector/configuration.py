@@ -1,68 +1,48 @@
 """A mechanism configuration: the components that realise one way to serve a goal, and the parameters of an option.
 
-Mechanisms, sensors over them, behaviours and goals have names, by which they refer to each other; the files in
+Mechanisms, targets, sensors, behaviours and goals have names, by which they refer to each other; the files in
 `configs/mechanisms` are examples. Under `parameters` stand the values that an option may lay over; `$name` in place
 of a value stands for the parameter of that name.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from collections.abc import Callable, Iterable, Mapping
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from selector.documents import Closed, DocumentError, Name, NonNegative, unknown
+from selector.documents import Closed, Flag, Name, Number, unknown
+from selector.mechanism_parameters import mechanism_class
 from selector.vocabulary import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
 from selector.vocabulary_activators import BooleanSpec
-from selforg.network.behaviours import Behaviour, Goal, Interface, Sensor, SensorKind
+from selector.vocabulary_components import (
+    ActionSpecs,
+    ActSpec,
+    DecideStateSpec,
+    KnownSpec,
+    MechanismSpec,
+    OverDecision,
+    OverMovement,
+    OverTarget,
+    SensorSpec,
+    SetStateSpec,
+    SpreadSpec,
+    TargetSpec,
+    TurnSpec,
+)
+from selector.vocabulary_settings import SettingsSpec
+from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient
+from selforg.mechanisms.base import Mechanism
+from selforg.network.behaviours import Behaviour, Goal, Interface, NetworkSettings, Sensor, SensorKind
 
-Content: TypeAlias = dict[str, Any]
-REFERENCE = "$"
-
-
-class MechanismSpec(Closed):
-    """A registered mechanism with its parameters."""
-
-    type: Name
-    """Name of the mechanism's class."""
-    parameters: dict[Name, Any] = Field(default_factory=dict)
-    """Keyword arguments of the mechanism; it checks them itself when it is made."""
-
-
-class PresenceSpec(Closed):
-    """A fact: the mechanism gives a movement vector, and it is longer than a threshold."""
-
-    type: Literal["Presence"]
-    mechanism: Name
-    """Name of the mechanism in this configuration."""
-    longer_than: NonNegative = 1e-9
-    """Length above which a vector counts as present [m]."""
-
-
-class LengthSpec(Closed):
-    """A number: the length of the mechanism's movement vector, 0 without one."""
-
-    type: Literal["Length"]
-    mechanism: Name
-    """Name of the mechanism in this configuration."""
-
-
-SensorSpec: TypeAlias = Annotated[PresenceSpec | LengthSpec, Field(discriminator="type")]
-SENSOR_KINDS: dict[str, SensorKind] = {"Presence": "fact", "Length": "number"}
-
-
-class MoveSpec(Closed):
-    """While the behaviour runs, the mechanism's movement vector becomes the drive command."""
-
-    type: Literal["Move"]
-    mechanism: Name
-    """Name of the mechanism in this configuration."""
+FACTS = ("VectorPresent", "GoalPresent", "GoalReached", "FartherThan", "StateIs", "Changed")
+"""Sensors that read facts; what is known may be either, the others read numbers."""
 
 
 class ActingBehaviourSpec(BehaviourSpec):
     """A behaviour of a configuration, with what it does."""
 
-    action: MoveSpec
-    """What the behaviour does while it runs."""
+    action: ActionSpecs
+    """What the behaviour does while it runs: one action, or several that happen together."""
 
 
 class ConfigurationSpec(Closed):
@@ -70,22 +50,34 @@ class ConfigurationSpec(Closed):
 
     description: str = ""
     """What it does and where it comes from."""
-    mechanisms: dict[Name, MechanismSpec]
+    mechanisms: dict[Name, MechanismSpec] = Field(default_factory=dict)
     """Mechanisms by name."""
-    sensors: dict[Name, SensorSpec]
-    """Sensors over the mechanisms by name."""
+    targets: dict[Name, TargetSpec] = Field(default_factory=dict)
+    """Gradients that queries choose, by name."""
+    knowledge: dict[Name, Flag | Number] = Field(default_factory=dict)
+    """What the robot knows because of this configuration, with the first value: a fact or a number."""
+    expects: dict[Name, Literal["fact", "number"]] = Field(default_factory=dict)
+    """What the robot must know whatever it holds: names in the host's knowledge."""
+    sensors: dict[Name, SensorSpec] = Field(default_factory=dict)
+    """Sensors by name."""
     behaviours: Annotated[dict[Name, ActingBehaviourSpec], Field(min_length=1)]
     """Behaviours by name, in order of registration."""
     goals: dict[Name, GoalSpec] = Field(default_factory=dict)
     """Goals inside the configuration by name."""
+    settings: SettingsSpec = SettingsSpec()
+    """How its network decides."""
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
+        self._check_kept_apart()
+        for name, mechanism in self.mechanisms.items():
+            _in_place(f"mechanisms.{name}.type", lambda spec=mechanism: mechanism_class(spec.type))
         for name, sensor in self.sensors.items():
-            _must_know("mechanism", sensor.mechanism, self.mechanisms, f"sensors.{name}.mechanism")
+            self._check_component(sensor, f"sensors.{name}")
         for name, behaviour in self.behaviours.items():
             where = f"behaviours.{name}"
-            _must_know("mechanism", behaviour.action.mechanism, self.mechanisms, f"{where}.action.mechanism")
+            for index, action in enumerate(behaviour.action):
+                self._check_component(action, f"{where}.action.{index}" if index else f"{where}.action")
             self._check_conditions(behaviour.preconditions, f"{where}.preconditions")
             for effect in behaviour.effects:
                 _must_know("sensor", effect.sensor, self.sensors, f"{where}.effects")
@@ -93,18 +85,62 @@ class ConfigurationSpec(Closed):
             self._check_conditions(goal.conditions, f"goals.{name}.conditions")
         return self
 
+    def _check_kept_apart(self) -> None:
+        for name in self.knowledge.keys() & self.expects.keys():
+            raise ValueError(f"expects.{name}: stands under knowledge too; expected one of them")
+
+    def _check_component(self, spec: Closed, where: str) -> None:
+        """Raise ValueError for a name that the component refers to and that there is not, or not of its kind."""
+        match spec:
+            case OverTarget(target=target) | TurnSpec(target=str(target)):
+                _must_know("target", target, self.targets, f"{where}.target")
+            case OverMovement(mechanism=name) | TurnSpec(mechanism=str(name)):
+                self._check_mechanism(name, MovementMechanism, "a movement mechanism", where)
+            case OverDecision(mechanism=name):
+                self._check_mechanism(name, DecisionMechanism, "a decision mechanism", where)
+            case SpreadSpec(mechanism=name):
+                self._check_mechanism(name, SpreadGradient, "a SpreadGradient", where)
+        if isinstance(spec, KnownSpec | SetStateSpec | DecideStateSpec):
+            _must_know("knowledge", spec.name, {**self.knowledge, **self.expects}, f"{where}.name")
+
+    def _check_mechanism(self, name: str, kind: type[Mechanism], expected: str, where: str) -> None:
+        _must_know("mechanism", name, self.mechanisms, f"{where}.mechanism")
+        given = self.mechanisms[name].type
+        if not issubclass(mechanism_class(given), kind):
+            raise ValueError(f"{where}.mechanism: expected {expected}, got {name!r}, which is a {given}")
+
     def _check_conditions(self, trees: Iterable[AnyCondition], where: str) -> None:
         for spec in (plain for tree in trees for plain in plain_conditions(tree)):
             _must_know("sensor", spec.sensor, self.sensors, where)
-            kind = SENSOR_KINDS[self.sensors[spec.sensor].type]
+            kind = self.kind_of(self.sensors[spec.sensor])
             if (kind == "fact") is not isinstance(spec.activator, BooleanSpec):
                 expected = "a Boolean activator on a fact, any other on a number"
                 given = f"{spec.activator.type} on the {kind} {spec.sensor!r}"
                 raise ValueError(f"{where}: expected {expected}, got {given}")
 
+    @property
+    def calls(self) -> tuple[str, ...]:
+        """Names of the host's functions that the behaviours call."""
+        actions = (action for behaviour in self.behaviours.values() for action in behaviour.action)
+        return tuple(action.call for action in actions if isinstance(action, ActSpec))
+
+    @property
+    def buffers(self) -> tuple[str, ...]:
+        """Names of the host's buffers that it looks into or spreads to, sorted."""
+        users: tuple[MechanismSpec | TargetSpec, ...] = (*self.mechanisms.values(), *self.targets.values())
+        return tuple(sorted({spec.buffer for spec in users}))
+
+    def kind_of(self, sensor: SensorSpec) -> SensorKind:
+        """Return what a sensor reads."""
+        if isinstance(sensor, KnownSpec):
+            if sensor.name in self.expects:
+                return self.expects[sensor.name]
+            return "fact" if isinstance(self.knowledge[sensor.name], bool) else "number"
+        return "fact" if sensor.type in FACTS else "number"
+
     def network_sensors(self) -> tuple[Sensor, ...]:
         """Return the sensors as the behaviour network declares them."""
-        return tuple(Sensor(name, SENSOR_KINDS[spec.type]) for name, spec in self.sensors.items())
+        return tuple(Sensor(name, self.kind_of(spec)) for name, spec in self.sensors.items())
 
     def network_behaviours(self) -> tuple[Behaviour, ...]:
         """Return the behaviours as the behaviour network declares them."""
@@ -114,72 +150,20 @@ class ConfigurationSpec(Closed):
         """Return the goals as the behaviour network declares them."""
         return tuple(spec.build(name) for name, spec in self.goals.items())
 
+    def network_settings(self) -> NetworkSettings:
+        """Return how its network decides."""
+        return self.settings.build()
+
     def interfaces(self) -> tuple[Interface, ...]:
         """Return what each behaviour shows to the network that holds the configuration."""
         return tuple(Interface(tuple(b.preconditions), tuple(b.effects)) for b in self.network_behaviours())
 
 
-def resolved(content: Content, parameters: Mapping[str, Any]) -> Content:
-    """Return a configuration's content with `parameters` laid over its own and every `$name` replaced.
-
-    Raises:
-        DocumentError: a parameter that the configuration does not have, or a `$name` that it does not declare.
-
-    """
-    values = laid_over(declared_parameters(content), parameters, "parameters")
-    return {key: _filled(value, values, key) for key, value in content.items() if key != "parameters"}
-
-
-def declared_parameters(content: Content) -> Content:
-    """Return what an option may lay over."""
-    declared = content.get("parameters", {})
-    if not isinstance(declared, dict):
-        raise DocumentError(f"parameters: expected a mapping, got {declared!r}")
-    return declared
-
-
-def check_parameters_used(content: Content) -> None:
-    """Raise DocumentError for a declared parameter that nothing in the configuration refers to."""
-    used = set(_references([value for key, value in content.items() if key != "parameters"]))
-    for name in declared_parameters(content):
-        if name not in used:
-            raise DocumentError(f"parameters.{name}: nothing in the configuration uses {REFERENCE}{name}")
-
-
-def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -> Content:
-    """Return `base` with `changes` in its place, mapping by mapping; a key that `base` lacks is an error."""
-    merged = dict(base)
-    for key, value in changes.items():
-        if key not in base:
-            raise DocumentError(f"{where}: {unknown('parameter', key, sorted(base))}")
-        below = base[key]
-        if isinstance(below, Mapping) is not isinstance(value, Mapping):
-            raise DocumentError(
-                f"{where}.{key}: expected {'a mapping' if isinstance(below, Mapping) else 'a value'}, got {value!r}"
-            )
-        merged[key] = laid_over(below, value, f"{where}.{key}") if isinstance(below, Mapping) else value
-    return merged
-
-
-def _filled(value: Any, values: Mapping[str, Any], where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
-    if isinstance(value, dict):
-        return {key: _filled(below, values, f"{where}.{key}") for key, below in value.items()}
-    if isinstance(value, list):
-        return [_filled(below, values, f"{where}.{index}") for index, below in enumerate(value)]
-    for name in _references(value):
-        if name not in values:
-            raise DocumentError(f"{where}: {unknown('parameter', name, sorted(values))}")
-        return values[name]
-    return value
-
-
-def _references(value: Any) -> Iterator[str]:  # noqa: ANN401  (whatever YAML holds)
-    """Yield the names of the parameters that a value refers to."""
-    if isinstance(value, str) and value.startswith(REFERENCE):
-        yield value.removeprefix(REFERENCE)
-    elif isinstance(value, dict | list):
-        for below in value.values() if isinstance(value, dict) else value:
-            yield from _references(below)
+def _in_place(where: str, check: Callable[[], object]) -> None:
+    try:
+        check()
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error
 
 
 def _must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:

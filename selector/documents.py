@@ -20,6 +20,9 @@ M = TypeVar("M", bound=BaseModel)
 MAX_SHOWN = 60
 """Characters of a given value that an error shows."""
 
+KINDS = {"knowledge": "expert knowledge", "mechanisms": "configuration", "robots": "robot"}
+"""Directory of a kind of file -> what one of them is called."""
+
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
@@ -63,6 +66,17 @@ def roots(directories: Sequence[Path]) -> list[Path]:
         if not directory.is_dir():
             raise DocumentError(f"{directory}: no such directory")
     return [*directories, configs.directory()]
+
+
+def find_file(kind: str, name: str, directories: Sequence[Path] = ()) -> Path:
+    """Return the file `kind/NAME.yaml` of the first directory that holds it; an unknown one is a DocumentError."""
+    searched = roots(directories)
+    for root in searched:
+        path = root / kind / f"{name}.yaml"
+        if path.is_file():
+            return path
+    known = sorted({path.stem for root in searched for path in (root / kind).glob("*.yaml")})
+    raise DocumentError(unknown(KINDS.get(kind, kind), name, known))
 
 
 def read_mapping(path: Path) -> dict[str, Any]:

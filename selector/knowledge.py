@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from selector.documents import Closed, DocumentError, Name, Number, read_mapping, roots, shown, unknown, validated
+from selector.documents import Closed, DocumentError, Name, Number, find_file, read_mapping, shown, unknown, validated
 
 KIND = "knowledge"
 
@@ -114,10 +114,5 @@ def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:
         DocumentError: no such file, or a mistake in it.
 
     """
-    searched = roots(directories)
-    for root in searched:
-        path = root / KIND / f"{name}.yaml"
-        if path.is_file():
-            return knowledge_from(read_mapping(path), shown(path))
-    known = sorted({path.stem for root in searched for path in (root / KIND).glob("*.yaml")})
-    raise DocumentError(unknown("expert knowledge", name, known))
+    path = find_file(KIND, name, directories)
+    return knowledge_from(read_mapping(path), shown(path))

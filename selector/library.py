@@ -4,9 +4,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from selector.configuration import ConfigurationSpec, Content, check_parameters_used, resolved
+from selector.configuration import ConfigurationSpec
+from selector.content import Content
 from selector.documents import DocumentError, read_mapping, roots, shown, unknown, validated
+from selector.host import trial_host
 from selector.knowledge import Knowledge, Option
+from selector.parameters import check_parameters_used, resolved
 
 KIND = "mechanisms"
 
@@ -32,11 +35,11 @@ class Library:
         for root in roots(directories):
             for path in sorted((root / KIND).glob("*.yaml")):
                 self._paths.setdefault(path.stem, path)
-        self._contents: dict[str, Content] = {key: read_mapping(path) for key, path in self._paths.items()}
+        self._documents: dict[str, dict[str, Any]] = {key: read_mapping(path) for key, path in self._paths.items()}
         for key, path in self._paths.items():
             self.configuration(key)
             try:
-                check_parameters_used(self._contents[key])
+                check_parameters_used(self._documents[key])
             except DocumentError as error:
                 raise DocumentError(f"{shown(path)}: {error}") from error
 
@@ -51,10 +54,12 @@ class Library:
             raise DocumentError(unknown("configuration", key, self.keys))
         where = shown(self._paths[key])
         try:
-            content = resolved(self._contents[key], parameters or {})
+            content = resolved(self._documents[key], parameters or {})
         except DocumentError as error:
             raise DocumentError(f"{where}: {error}") from error
-        return validated(ConfigurationSpec, content, where)
+        configuration = validated(ConfigurationSpec, content, where)
+        Content(configuration, trial_host(configuration), where)
+        return configuration
 
     def of_option(self, option: Option) -> ConfigurationSpec:
         """Return the configuration of an option with the option's parameters laid over it."""

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from selector.configuration import check_parameters_used, resolved
+from selector.parameters import check_parameters_used, resolved
 from selector.documents import Closed, DocumentError, Name, read_mapping, shown, unknown, validated
 from selector.vocabulary_networks import Coordinators, NetworkSpec
 from selforg.network.behaviours import NetworkSettings
@@ -83,6 +83,17 @@ def network_from(
         raise DocumentError(f"{where}: {error}") from error
     file = validated(NetworksSpec, filled, where)
     return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
+
+
+def coordinated_goals(path: Path) -> tuple[str, ...]:
+    """Return the goals that the coordinators of the root network of a YAML file serve, in the order of the file."""
+    content = read_mapping(path)
+    networks, root = content.get("networks"), content.get("root")
+    network = networks.get(root) if isinstance(networks, dict) and isinstance(root, str) else None
+    behaviours = network.get("behaviours") if isinstance(network, dict) else None
+    held = behaviours.values() if isinstance(behaviours, dict) else ()
+    goals = [b.get("goal") for b in held if isinstance(b, dict) and b.get("type") == "Coordinator"]
+    return tuple(goal for goal in goals if isinstance(goal, str))  # what is wrong shows when the network is loaded
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from selector.coordinator import CoordinatorModel
-from selector.documents import Closed, DocumentError, Flag, Name, Number, Share, unknown
+from selector.coordinator_model import CoordinatorModel
+from selector.documents import Closed, DocumentError, Name, Share, unknown
 from selector.vocabulary import AnyCondition, BehaviourSpec, GoalSpec
-from selforg.network.behaviours import Behaviour, Goal, NetworkSettings, Sensor, Weights
+from selector.vocabulary_settings import SettingsSpec
+from selforg.network.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model import NetworkModel
 
 Coordinators = Mapping[str, CoordinatorModel]
@@ -58,49 +59,6 @@ class ReachableGoalSpec(GoalSpec):
         """Return the goal this declares."""
         plain = super().build(name)
         return Goal(name, plain.conditions, plain.priority, plain.permanent, self.satisfaction_threshold)
-
-
-class WeightsSpec(Closed):
-    """How much each term counts in the activation of a behaviour."""
-
-    situation: Number = 1.0
-    """Satisfaction of its own preconditions [-]."""
-    goal: Number = 1.0
-    """Goals that its effects help [-]."""
-    conflictor: Number = 1.0
-    """Goals and other behaviours that its effects hinder [-]."""
-    predecessor: Number = 1.0
-    """Ready behaviours that help it [-]."""
-    successor: Number = 1.0
-    """Behaviours that it makes ready [-]."""
-    plan: Number = 1.0
-    """Its place in the plan [-]."""
-
-
-class SettingsSpec(Closed):
-    """How a network decides; the meaning of each is that of `NetworkSettings`."""
-
-    algorithm: Literal["default", "uniform"] = "default"
-    """Products of effect and wish, or their Euclidean length."""
-    weights: WeightsSpec = WeightsSpec()
-    """Weights of the terms."""
-    activation_decay: Share = 0.9
-    """Share of activation kept from step to step [-]."""
-    activation_threshold: Number = 7.0
-    """Threshold at the start [-]."""
-    threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8
-    """Factor on the threshold while nothing runs [-]."""
-    max_parallel: Annotated[int, Field(strict=True, ge=1)] | None = None
-    """Behaviours that may run at once; any number by default."""
-    goal_priority: Flag = False
-    """Whether goals of higher priority give more."""
-    strict_progress: Flag = False
-    """Whether a step of the plan is passed only when its effects were seen."""
-
-    def build(self) -> NetworkSettings:
-        """Return the settings this declares."""
-        weights = Weights(**self.weights.model_dump())
-        return NetworkSettings(**{**self.model_dump(exclude={"weights"}), "weights": weights})
 
 
 class NetworkSpec(Closed):

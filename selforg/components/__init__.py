@@ -7,6 +7,7 @@ from selforg.components.actions import Decide as Decide
 from selforg.components.actions import DecideState as DecideState
 from selforg.components.actions import Move as Move
 from selforg.components.actions import SetState as SetState
+from selforg.components.actions import Spread as Spread
 from selforg.components.actions import Turn as Turn
 from selforg.components.drives import DriveLimits as DriveLimits
 from selforg.components.drives import differential as differential

@@ -14,6 +14,7 @@ from selforg.components.knowledge import Knowledge
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
+from selforg.mechanisms.spreading import SpreadGradient
 
 
 @dataclass(frozen=True)
@@ -137,6 +138,19 @@ class DecideState(Decide):
     def _leave(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.spread(now, rows)
         self.knowledge.write(self.name, rows[decision.decided], decision.states[decision.decided])
+
+
+class Spread(Action):
+    """Spread a configured gradient from the own pose, in every step."""
+
+    def __init__(self, mechanism: SpreadGradient) -> None:
+        self.mechanism = mechanism
+
+    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+        """Nothing moves; the gradient is spread when all movements are known."""
+
+    def _leave(self, now: float, rows: Ints) -> None:
+        self.mechanism.spread(now, rows)
 
 
 class SetState(Action):

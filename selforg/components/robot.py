@@ -1,8 +1,8 @@
-"""Robots whose network senses and acts through components: one call a tick."""
+"""Robots whose network senses and acts through components: one call a tick, or its three parts by themselves."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,11 +14,14 @@ from selforg.network.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning import Planner
 
+Actions = Mapping[str, Action | Sequence[Action]]
+
 
 class OrganisedRobots:
-    """N robots with one model; each sensor reads through a component, each behaviour acts through one or not at all.
+    """N robots with one model; each sensor reads through a component, each behaviour acts through some or none.
 
     Readings of sensors without a component are the host's: it writes them into `network.readings` before each tick.
+    What only actions look at is asked of the rows that act, and of no others.
 
     Raises:
         ValueError: a component for a sensor or behaviour that the model lacks, or of another kind than its sensor.
@@ -30,11 +33,13 @@ class OrganisedRobots:
         model: NetworkModel,
         rows: int,
         sensors: Mapping[str, SensorComponent],
-        actions: Mapping[str, Action],
+        actions: Actions,
         planner: Planner | None = None,
         dim: int = 2,
+        *,
+        explained: bool = False,
     ) -> None:
-        self.network = BehaviourNetwork(model, rows, planner)
+        self.network = BehaviourNetwork(model, rows, planner, explained)
         self._sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]
         for column, component in self._sensors:
             sensor = model.sensors[column]
@@ -44,30 +49,53 @@ class OrganisedRobots:
         unknown = [name for name in actions if name not in model.behaviour_index]
         if unknown:
             raise ValueError(f"action: unknown behaviour {unknown[0]!r} (known: {', '.join(model.behaviour_index)})")
-        self._actions = [(model.behaviour_index[name], action) for name, action in actions.items()]
-        self._sources = _each_once([*sensors.values(), *actions.values()])
+        each = [(name, [act] if isinstance(act, Action) else list(act)) for name, act in actions.items()]
+        self._actions = [(model.behaviour_index[name], action) for name, all_of in each for action in all_of]
+        self._sensed = _each_once([], [component for _, component in self._sensors])
+        self._asked_late = [_each_once(self._sensed, [action]) for _, action in self._actions]
+        self._acted: list[tuple[Action, Ints]] = []
         self._all, self._dim = np.arange(rows), dim
 
     def tick(self, now: float, rows: Ints | None = None) -> Commands:
         """Let `rows` (K,) or all sense, decide and act at `now` [s]; returns what all N rows are told."""
         chosen = self._all if rows is None else rows
-        for source in self._sources:
-            source.ask(now, chosen)
-        for column, component in self._sensors:
-            self.network.readings[chosen, column] = component.read(chosen)
+        self.sense(now, chosen)
         self.network.step(chosen)
         commands = Commands.none(self.network.rows, self._dim)
-        running = [(action, chosen[self.network.executing[chosen, b] == 1], b) for b, action in self._actions]
-        for action, acting, b in running:
-            action.act(now, acting, acting[self.network.started[acting, b] == 1], commands)
-        for action, acting, _ in running:
-            action.leave(now, acting)
+        self.act(now, chosen, commands)
+        self.leave(now)
         return commands
 
+    def sense(self, now: float, rows: Ints) -> None:
+        """Renew the readings of `rows` (K,) at `now` [s]."""
+        for source in self._sensed:
+            source.ask(now, rows)
+        for column, component in self._sensors:
+            component.write(rows, self.network.readings, column)
 
-def _each_once(components: list[SensorComponent | Action]) -> list[Source]:
-    """Return the sources of all components, in order, no source twice."""
+    def act(self, now: float, rows: Ints, commands: Commands) -> None:
+        """Let act in `rows` (K,) what runs after the network's step; movements go into `commands`."""
+        executing, started = self.network.executing, self.network.started
+        self._acted = []
+        for (b, action), sources in zip(self._actions, self._asked_late, strict=True):
+            acting = rows[executing[rows, b] == 1]
+            if not len(acting):
+                continue
+            for source in sources:
+                source.ask(now, acting)
+            action.act(now, acting, acting[started[acting, b] == 1], commands)
+            self._acted.append((action, acting))
+
+    def leave(self, now: float) -> None:
+        """Leave in the world, at `now` [s], what those who acted last leave; call it once all movements are known."""
+        for action, acting in self._acted:
+            action.leave(now, acting)
+        self._acted = []
+
+
+def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | Action]) -> list[Source]:
+    """Return the sources of all components that are not `known`, in order, no source twice."""
     found: list[Source] = []
     for component in components:
-        found += [source for source in component.sources if not any(source is known for known in found)]
+        found += [source for source in component.sources if not any(source is one for one in (*known, *found))]
     return found

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiled import kernel
 from selforg.components.knowledge import Knowledge
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
 from selforg.network.behaviours import SensorKind
@@ -35,34 +36,53 @@ class SensorComponent(ABC):
         """Return the readings (K,) of `rows` (K,); facts are 1 or 0."""
         return np.asarray(self._read(rows), dtype=np.float64)
 
+    @final
+    def write(self, rows: Ints, readings: Floats, column: int) -> None:
+        """Write the readings of `rows` (K,) into a column of `readings` (N, S)."""
+        self._write(rows, readings, column)
+
+    def _write(self, rows: Ints, readings: Floats, column: int) -> None:
+        """Write the readings; for sensors that are so frequent that they do it compiled."""
+        readings[rows, column] = self._read(rows)
+
     @abstractmethod
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         """Return what `rows` (K,) sense: bool or number (K,)."""
 
 
-class VectorPresent(SensorComponent):
-    """A fact: there is a movement vector, longer than `longer_than` [m/s] (so a zero vector is none)."""
+class VectorSensor(SensorComponent):
+    """What the sensors over a movement vector share: they are read by a kernel."""
 
-    kind = "fact"
-
-    def __init__(self, source: MovementSource, longer_than: float = 1e-9) -> None:
-        self.source, self.longer_than = source, longer_than
-        self.sources = (source,)
-
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        lengths: Floats = np.linalg.norm(self.source.vectors[rows], axis=1)
-        return self.source.active[rows] & (lengths > self.longer_than)
-
-
-class VectorLength(SensorComponent):
-    """Length of the movement vector [m/s], 0 without one."""
+    longest_absent = -1.0
+    """Length [m/s] that still counts as none, for a fact; negative for a number."""
 
     def __init__(self, source: MovementSource) -> None:
         self.source = source
         self.sources = (source,)
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        return np.where(self.source.active[rows], np.linalg.norm(self.source.vectors[rows], axis=1), 0.0)
+        readings = np.zeros((len(self.source.vectors), 1))
+        self._write(rows, readings, 0)
+        return readings[rows, 0]
+
+    def _write(self, rows: Ints, readings: Floats, column: int) -> None:
+        read_vectors(rows, self.source.vectors, self.source.active, self.longest_absent, readings, column)
+
+
+class VectorPresent(VectorSensor):
+    """A fact: there is a movement vector, longer than `longer_than` [m/s] (so a zero vector is none)."""
+
+    kind = "fact"
+
+    def __init__(self, source: MovementSource, longer_than: float = 1e-9) -> None:
+        super().__init__(source)
+        if not longer_than >= 0.0:
+            raise ValueError(f"VectorPresent: longer_than must be at least 0, got {longer_than}")
+        self.longest_absent = float(longer_than)
+
+
+class VectorLength(VectorSensor):
+    """Length of the movement vector [m/s], 0 without one."""
 
 
 class GoalSensor(SensorComponent):
@@ -167,3 +187,22 @@ class Known(SensorComponent):
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self._values[rows]
+
+
+@kernel
+def read_vectors(
+    rows: Ints, vectors: Floats, active: Flags, longest_absent: float, readings: Floats, column: int
+) -> None:
+    """Write of `rows` (K,) the length of the vector in `vectors` (N, D) into a column of `readings` (N, S).
+
+    From `longest_absent` >= 0 on: 1 where it is longer than that, else 0. Without an `active` (N,) vector always 0.
+    """
+    for row in rows:
+        length = 0.0
+        if active[row]:
+            for axis in range(vectors.shape[1]):
+                length += vectors[row, axis] * vectors[row, axis]
+            length = np.sqrt(length)
+        if longest_absent >= 0.0:
+            length = 1.0 if length > longest_absent else 0.0
+        readings[row, column] = length

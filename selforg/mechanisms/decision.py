@@ -161,7 +161,7 @@ class ForagingDecision(DecisionMechanism):
             raise ValueError(f"ForagingDecision: {buffer.poses.rows} generators expected, got {len(generators)}")
         super().__init__(buffer, value=probability, **options)
         self.probability = float(probability)
-        self._generators = list(generators)
+        self._generators = generators  # not copied: the host may give a row another one
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
         values[:] = self.probability

@@ -35,7 +35,7 @@ def _read(robot, items, stage, cargo=NOTHING, recycled=0):
 
 
 def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_reference():
-    model = robot_model(NetworkConfig(), avoidance())
+    model = robot_model(NetworkConfig(), [avoidance()])
     assert [behaviour.name for behaviour in model.behaviours] == [*BEHAVIOURS, "AvoidCollision"]
     for behaviour in model.behaviours[:-1]:
         sensors, effects, ready = BEHAVIOURS[behaviour.name]
@@ -50,7 +50,7 @@ def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_referen
 
 def test_settings_reach_the_network():
     config = NetworkConfig(activation_threshold=5.0, threshold_decay=0.7, activation_decay=0.6, max_parallel=2)
-    settings = robot_model(config, avoidance()).settings
+    settings = robot_model(config, [avoidance()]).settings
     assert (settings.activation_threshold, settings.threshold_decay) == (5.0, 0.7)
     assert (settings.activation_decay, settings.max_parallel) == (0.6, 2)
 

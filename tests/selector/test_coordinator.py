@@ -5,7 +5,8 @@ import pytest
 
 from clean_swarm_env.config import NetworkConfig
 from clean_swarm_env.robot_model import robot_model
-from selector.coordinator import Coordinator, CoordinatorModel
+from selector.coordinator import Coordinator
+from selector.coordinator_model import CoordinatorModel
 from selector.documents import DocumentError
 from selector.knowledge import load_knowledge
 from selector.library import Library
@@ -55,7 +56,7 @@ def _flat(nested: NetworkModel, avoidance: CoordinatorModel, option: int) -> Net
 @pytest.mark.parametrize("planner", [False, True])
 @pytest.mark.parametrize("option", [0, 2])
 def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, option, planner):
-    model = robot_model(NetworkConfig(), avoidance)
+    model = robot_model(NetworkConfig(), [avoidance])
     flat_model = _flat(model, avoidance, option)
     nested = BehaviourNetwork(model, ROWS, BuiltInPlanner(model) if planner else None)
     flat = BehaviourNetwork(flat_model, ROWS, BuiltInPlanner(flat_model) if planner else None)
@@ -76,7 +77,7 @@ def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, 
 
 
 def _coordinator(avoidance, vectors):
-    model = robot_model(NetworkConfig(), avoidance)
+    model = robot_model(NetworkConfig(), [avoidance])
     network, made = BehaviourNetwork(model, ROWS), []
 
     def make(name, parameters):

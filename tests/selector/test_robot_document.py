@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 import configs
-from selector.coordinator import CoordinatorModel
+from selector.coordinator_model import CoordinatorModel
 from selector.documents import DocumentError
 from selector.knowledge import load_knowledge
 from selector.library import Library
