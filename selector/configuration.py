@@ -5,13 +5,12 @@ Mechanisms, targets, sensors, behaviours and goals have names, by which they ref
 of a value stands for the parameter of that name.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from selector.documents import Closed, Flag, Name, Number, unknown
-from selector.mechanism_parameters import mechanism_class
 from selector.vocabulary import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
 from selector.vocabulary_activators import BooleanSpec
 from selector.vocabulary_components import (
@@ -30,7 +29,8 @@ from selector.vocabulary_components import (
     TurnSpec,
 )
 from selector.vocabulary_settings import SettingsSpec
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient
+from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient, find
+from selforg.mechanisms import names as mechanism_names
 from selforg.mechanisms.base import Mechanism
 from selforg.network.behaviours import Behaviour, Goal, Interface, NetworkSettings, Sensor, SensorKind
 
@@ -71,7 +71,8 @@ class ConfigurationSpec(Closed):
     def _names_exist(self) -> Self:
         self._check_kept_apart()
         for name, mechanism in self.mechanisms.items():
-            _in_place(f"mechanisms.{name}.type", lambda spec=mechanism: mechanism_class(spec.type))
+            if mechanism.type not in mechanism_names():
+                raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, mechanism_names())}")
         for name, sensor in self.sensors.items():
             self._check_component(sensor, f"sensors.{name}")
         for name, behaviour in self.behaviours.items():
@@ -106,7 +107,7 @@ class ConfigurationSpec(Closed):
     def _check_mechanism(self, name: str, kind: type[Mechanism], expected: str, where: str) -> None:
         _must_know("mechanism", name, self.mechanisms, f"{where}.mechanism")
         given = self.mechanisms[name].type
-        if not issubclass(mechanism_class(given), kind):
+        if not issubclass(find(given), kind):
             raise ValueError(f"{where}.mechanism: expected {expected}, got {name!r}, which is a {given}")
 
     def _check_conditions(self, trees: Iterable[AnyCondition], where: str) -> None:
@@ -157,13 +158,6 @@ class ConfigurationSpec(Closed):
     def interfaces(self) -> tuple[Interface, ...]:
         """Return what each behaviour shows to the network that holds the configuration."""
         return tuple(Interface(tuple(b.preconditions), tuple(b.effects)) for b in self.network_behaviours())
-
-
-def _in_place(where: str, check: Callable[[], object]) -> None:
-    try:
-        check()
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
 
 
 def _must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:

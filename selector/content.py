@@ -9,7 +9,7 @@ import numpy as np
 from selector.configuration import ConfigurationSpec
 from selector.documents import DocumentError
 from selector.host import Host
-from selector.mechanism_parameters import checked_parameters, mechanism_class, takes
+from selector.mechanism_parameters import checked_parameters, takes
 from selector.vocabulary_components import (
     ActionSpec,
     ActSpec,
@@ -36,9 +36,10 @@ from selector.vocabulary_components import (
 from selforg import components as c
 from selforg.arrays import Ints
 from selforg.components.sensors import SensorComponent
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient
+from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient, find
 from selforg.mechanisms.base import Mechanism
 from selforg.network.model import NetworkModel
+from selforg.network.network import BehaviourNetwork
 from selforg.queries import Filter
 
 
@@ -79,9 +80,14 @@ class Content:
         )
         self.begin(np.arange(host.rows))
 
+    @property
+    def network(self) -> BehaviourNetwork:
+        """The network inside."""
+        return self.robots.network
+
     def begin(self, rows: Ints) -> None:
-        """Begin anew in `rows` (K,): network, decisions and knowledge as at first; what was spread stays where it is."""
-        self.robots.network.reset(rows)
+        """Begin anew in `rows` (K,): network, decisions and knowledge as at first; what was spread stays."""
+        self.network.reset(rows)
         self._knowledge.reset(rows)
         for mechanism in self.mechanisms.values():
             if isinstance(mechanism, DecisionMechanism):
@@ -92,7 +98,7 @@ class Content:
 
     def _mechanism(self, name: str, declared: MechanismSpec) -> Mechanism:
         where = f"{self._where}: mechanisms.{name}"
-        cls = mechanism_class(declared.type)
+        cls = find(declared.type)
         arguments = checked_parameters(cls, declared.parameters, f"{where}.parameters")
         known = arguments.get("value")
         if isinstance(known, str):

@@ -41,7 +41,7 @@ class Coordinator:
             for name, configuration in zip(model.options, model.configurations, strict=True)
         )
         self._columns = [
-            np.array([parent.model.sensor_index[sensor.name] for sensor in content.robots.network.model.sensors], int)
+            np.array([parent.model.sensor_index[sensor.name] for sensor in content.network.model.sensors], int)
             for content in self.contents
         ]
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
@@ -99,7 +99,7 @@ class Coordinator:
             if not len(acting):
                 continue
             content = self.contents[k]
-            network = content.robots.network
+            network = content.network
             network.halt(acting[started[acting]])
             network.step(acting, guarantee=True)
             content.robots.act(now, acting, commands)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from selector.documents import DocumentError, Flag, unknown, validated
-from selforg.mechanisms import Pheromone, find, names
+from selforg.mechanisms import Pheromone
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.spreading import Carried
 
@@ -29,13 +29,6 @@ _WORDS: dict[object, object] = {
     npt.ArrayLike: _Real | str,  # a number, or what each robot knows under a name
 }
 """Annotation of a parameter -> what a document may hold for it."""
-
-
-def mechanism_class(name: str) -> type[Mechanism]:
-    """Return the mechanism class of a name; an unknown one raises ValueError and lists the known ones."""
-    if name not in names():
-        raise ValueError(unknown("mechanism type", name, names()))
-    return find(name)
 
 
 def checked_parameters(mechanism: type[Mechanism], parameters: Mapping[str, Any], where: str) -> dict[str, Any]:

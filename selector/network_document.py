@@ -25,8 +25,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from selector.parameters import check_parameters_used, resolved
 from selector.documents import Closed, DocumentError, Name, read_mapping, shown, unknown, validated
+from selector.parameters import check_parameters_used, resolved
 from selector.vocabulary_networks import Coordinators, NetworkSpec
 from selforg.network.behaviours import NetworkSettings
 from selforg.network.nesting import NestedModel

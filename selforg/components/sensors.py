@@ -63,7 +63,8 @@ class VectorSensor(SensorComponent):
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         readings = np.zeros((len(self.source.vectors), 1))
         self._write(rows, readings, 0)
-        return readings[rows, 0]
+        read: Floats = readings[rows, 0]
+        return read
 
     def _write(self, rows: Ints, readings: Floats, column: int) -> None:
         read_vectors(rows, self.source.vectors, self.source.active, self.longest_absent, readings, column)

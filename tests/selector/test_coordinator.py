@@ -8,17 +8,22 @@ from clean_swarm_env.robot_model import robot_model
 from selector.coordinator import Coordinator
 from selector.coordinator_model import CoordinatorModel
 from selector.documents import DocumentError
+from selector.host import Host
 from selector.knowledge import load_knowledge
 from selector.library import Library
-from selforg.mechanisms import MovementMechanism
+from selforg.buffer import SoBuffer
+from selforg.components import Commands
 from selforg.network.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning import BuiltInPlanner
+from selforg.poses import OwnPoses
+from selforg.settings import BufferSettings
+from selforg.space import Euclidean
 
 ROWS, GOAL = 20, "AvoidCollision"
 MINE = """
 mechanisms: {push: {type: RepulsionGradient}, pull: {type: RepulsionFernandez}}
-sensors: {near: {type: Presence, mechanism: push}, far: {type: Presence, mechanism: pull}}
+sensors: {near: {type: VectorPresent, mechanism: push}, far: {type: VectorPresent, mechanism: pull}}
 behaviours:
   Push: {action: {type: Move, mechanism: push}, preconditions: [{sensor: near, activator: {type: Boolean}}],
          effects: [{sensor: near, change: -1.0}]}
@@ -27,14 +32,12 @@ behaviours:
 """
 
 
-class Fixed(MovementMechanism):
-    """A mechanism that gives each row the vector it is told; rows asked for are noted."""
+class Fixed:
+    """Gives each row the vector it is told, in place of what a mechanism says; rows asked for are noted."""
 
-    def __init__(self, vectors):
+    def __init__(self, mechanism, vectors):
         self.vectors, self.asked = vectors, []
-
-    def _move(self, now, rows):
-        raise NotImplementedError
+        mechanism.move = self.move
 
     def move(self, now=0.0, rows=None):
         self.asked.append(np.asarray(rows).tolist())
@@ -78,13 +81,10 @@ def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, 
 
 def _coordinator(avoidance, vectors):
     model = robot_model(NetworkConfig(), [avoidance])
-    network, made = BehaviourNetwork(model, ROWS), []
-
-    def make(name, parameters):
-        made.append(Fixed(vectors))
-        return made[-1]
-
-    return Coordinator(avoidance, network, make), network, made
+    network, poses = BehaviourNetwork(model, ROWS), OwnPoses(Euclidean(2), ROWS)
+    host = Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)})
+    coordinator = Coordinator(avoidance, network, host)
+    return coordinator, network, [Fixed(c.mechanisms["avoidance"], vectors) for c in coordinator.contents]
 
 
 def test_only_the_mechanisms_held_are_asked_and_only_by_their_rows(avoidance):
@@ -111,14 +111,15 @@ def test_a_running_coordinator_moves_its_rows_by_the_vector_of_the_option_they_h
     coordinator, network, made = _coordinator(avoidance, vectors)
     made[2].vectors = -vectors
     coordinator.hold(np.arange(ROWS), np.arange(ROWS) % 2 * 2)
-    moved, commanded = np.zeros((ROWS, 2)), np.zeros(ROWS, np.bool_)
     ran = np.zeros(ROWS, np.bool_)
     network.read({"garbage_found": True})  # nothing else is ready: there is nothing to patrol for
     for _ in range(60):
         coordinator.sense(0.0)
         network.step()
-        moved[:], commanded[:] = 0.0, False
-        coordinator.act(moved, commanded)
+        commands = Commands.none(ROWS, 2)
+        coordinator.act(0.0, commands)
+        coordinator.leave(0.0)
+        moved, commanded = commands.vectors, commands.commanded
         running = network.executing[:, coordinator.index] == 1
         assert np.array_equal(commanded, running)
         sign = np.where(np.arange(ROWS) % 2, -1.0, 1.0)[:, None]

@@ -39,7 +39,7 @@ def test_shipped_configurations_are_the_avoidance_of_the_robot_model(key):
     assert spec.mechanisms["avoidance"].type == key
     assert spec.network_sensors() == (Sensor("rep_bool", "fact"), Sensor("rep_len", "number"))
     assert spec.sensors["rep_bool"].longer_than == 1e-9
-    assert spec.behaviours["Avoid"].action.mechanism == "avoidance"
+    assert [action.mechanism for action in spec.behaviours["Avoid"].action] == ["avoidance"]
     assert spec.network_behaviours() == (
         Behaviour(
             "Avoid",
@@ -68,22 +68,25 @@ def test_parameters_are_laid_over_the_configuration(key, view):
 
 def test_nested_parameters_are_merged_key_by_key(tmp_path):
     content = shipped_content()
-    content["parameters"]["extra"] = {"a": {"b": 1, "c": 2}}
-    content["mechanisms"]["avoidance"]["parameters"]["extra"] = "$extra"
+    content["parameters"]["trail"] = {"channel": "trail", "diffusion": 2.0}
+    content["mechanisms"]["patrol"] = {"type": "Patrol", "parameters": {"pheromone": "$trail"}}
     library = library_of(tmp_path, content)
-    merged = library.configuration("Mine", {"extra": {"a": {"c": 3}}})
-    assert merged.mechanisms["avoidance"].parameters["extra"] == {"a": {"b": 1, "c": 3}}
-    with pytest.raises(DocumentError, match=r"Mine\.yaml: parameters\.extra\.a: unknown parameter 'd' \(known: b, c\)"):
-        library.configuration("Mine", {"extra": {"a": {"d": 3}}})
-    with pytest.raises(DocumentError, match=r"parameters\.extra\.a: expected a mapping, got 3"):
-        library.configuration("Mine", {"extra": {"a": 3}})
+    merged = library.configuration("Mine", {"trail": {"diffusion": 3.0}})
+    assert merged.mechanisms["patrol"].parameters["pheromone"] == {"channel": "trail", "diffusion": 3.0}
+    with pytest.raises(DocumentError, match=r"parameters\.trail: unknown parameter 'd' \(known: channel, diffusion\)"):
+        library.configuration("Mine", {"trail": {"d": 3}})
+    with pytest.raises(DocumentError, match=r"parameters\.trail: expected a mapping, got 3"):
+        library.configuration("Mine", {"trail": 3})
 
 
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
         ({"view": 1.0}, r"RepulsionGradient\.yaml: parameters: unknown parameter 'view' \(known: full_length, "),
-        ({"presence_threshold": -1.0}, r"sensors\.rep_bool\.Presence\.longer_than: expected .*equal to 0, got -1\.0"),
+        (
+            {"presence_threshold": -1.0},
+            r"sensors\.rep_bool\.VectorPresent\.longer_than: expected .*equal to 0, got -1\.0",
+        ),
         ({"full_length": "far"}, r"behaviours\.Avoid\.preconditions\.1.*full: expected a valid number, got 'far'"),
         ({"full_length": 0.0}, r"behaviours\.Avoid.*expected different readings zero and full, got 0.0 for both"),
     ],
