@@ -55,9 +55,14 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
-)
+class _Dumper(yaml.SafeDumper):
+    """Writes what `_Loader` reads back as it was: a text that looks like `1e-9` is quoted."""
+
+
+for _resolves in (_Loader, _Dumper):
+    _resolves.add_implicit_resolver(
+        "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
+    )
 
 
 def roots(directories: Sequence[Path]) -> list[Path]:
@@ -93,6 +98,11 @@ def read_mapping(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
         raise DocumentError(f"{shown(path)}: expected a mapping of keys, got {type(content).__name__}")
     return content
+
+
+def as_yaml(content: object) -> str:
+    """Return what `read_mapping` reads back from a file that holds it."""
+    return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
 def validated(model: type[M], content: object, where: str) -> M:

@@ -1,0 +1,108 @@
+"""Exact sums of rewards: whole numbers on a fixed grid, so that the order in which they are added does not matter.
+
+A reward is rounded once to the nearest multiple of 2^-24 (about 6e-8; halves to even). From then on count, sum and sum
+of squares are whole numbers in units of 1, 2^-24 and 2^-48, and adding whole numbers is exact, commutative and
+associative, which adding floats is not. Mean and variance are derived when they are asked for, each rounded once.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+GRID_BITS = 24
+"""A reward is a whole number of 2^-24."""
+REWARD_LIMIT = 2.0**20
+"""Largest absolute reward: about a million [-]. On the grid it takes 44 bits, which a float holds exactly."""
+COUNT_LIMIT = 2**36
+"""Most updates of one entry; the sum of their squares stays below 2^(88 + 36), what two columns of 62 bits hold."""
+HALF_BITS = 22
+"""Half the bits of a reward on the grid."""
+CHUNK = 2**17
+"""Rows summed at once in 64 bits."""
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Count, sum and sum of squares of rewards, exactly.
+
+    >>> (Moments(1, 1 << GRID_BITS, 1 << 2 * GRID_BITS) + Moments(1, 0, 0)).mean
+    0.5
+
+    Attributes:
+        count: number of rewards.
+        total: their sum in units of 2^-24.
+        squares: the sum of their squares in units of 2^-48.
+
+    """
+
+    count: int
+    total: int
+    squares: int
+
+    def __add__(self, other: Self) -> "Moments":
+        """Return the moments of both sets of rewards together."""
+        return Moments(self.count + other.count, self.total + other.total, self.squares + other.squares)
+
+    @property
+    def mean(self) -> float:
+        """Mean reward, correctly rounded; there is one from the first reward on."""
+        return self.total / (self.count << GRID_BITS)  # true division of whole numbers rounds once
+
+    @property
+    def variance(self) -> float:
+        """Mean squared deviation from the mean, correctly rounded; 0 for a single reward."""
+        deviations = self.count * self.squares - self.total**2
+        return deviations / (self.count**2 << 2 * GRID_BITS)
+
+    def impossible(self) -> str:
+        """Return why no set of rewards has these moments; empty where nothing speaks against it."""
+        largest = self.count * int(REWARD_LIMIT) << GRID_BITS
+        if not 1 <= self.count <= COUNT_LIMIT:
+            return f"expected a count from 1 to {COUNT_LIMIT}, got {self.count}"
+        if abs(self.total) > largest:
+            return f"expected a sum of at most {largest} either way for {self.count} rewards, got {self.total}"
+        if not self.total**2 <= self.count * self.squares <= largest**2:
+            return f"sum {self.total} and squares {self.squares} do not belong to {self.count} rewards"
+        return ""
+
+
+NOTHING = Moments(0, 0, 0)
+"""The moments of no reward."""
+
+
+def on_grid(reward: Floats) -> Ints:
+    """Return rewards (R,) as whole numbers (R,) of 2^-24; one that is not finite or too large raises ValueError."""
+    values = np.asarray(reward, dtype=np.float64)
+    wrong = ~(np.abs(values) <= REWARD_LIMIT)  # the comparison is false for NaN
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        limit = int(REWARD_LIMIT)
+        raise ValueError(f"reward of row {row}: expected a number from -{limit} to {limit}, got {values[row]}")
+    return np.rint(values * 2.0**GRID_BITS).astype(np.int64)
+
+
+def sums_by_cell(cell: Ints, whole: Ints, cells: int) -> list[Moments]:
+    """Return the moments of each of `cells` cells, given the cell (R,) and the value on the grid (R,) of each row."""
+    found = [NOTHING] * cells
+    for start in range(0, cell.size, CHUNK):
+        part, value = cell[start : start + CHUNK], whole[start : start + CHUNK]
+        # value = high * 2^22 + low; the parts of the square are below 2^45, a chunk's sum of them below 2^63
+        high, low = value >> HALF_BITS, value & ((1 << HALF_BITS) - 1)
+        count, total, squared, mixed, rest = (
+            _summed(part, amount, cells) for amount in (np.ones_like(value), value, high * high, high * low, low * low)
+        )
+        for k in np.unique(part).tolist():
+            squares = (squared[k] << 2 * HALF_BITS) + (mixed[k] << HALF_BITS + 1) + rest[k]
+            found[k] += Moments(count[k], total[k], squares)
+    return found
+
+
+def _summed(cell: Ints, amount: Ints, cells: int) -> list[int]:
+    sums = np.zeros(cells, dtype=np.int64)
+    np.add.at(sums, cell, amount)
+    return [int(value) for value in sums]

@@ -1,0 +1,194 @@
+"""The knowledge store: atomic updates of what was learned, and estimates as arrays."""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from sqlalchemy import Connection, Engine, Pool
+
+from selector.knowledge import Knowledge
+from selector.store import connection as connecting
+from selector.store import tables
+from selector.store.batch import Batch
+from selector.store.contents import Contents, Entry, Key, check, check_names, contents_of, microseconds
+from selector.store.errors import StoreError, reported
+from selector.store.moments import NOTHING, Floats, Ints, Moments
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """What was learned of O options in C contexts, over all sources.
+
+    Attributes:
+        count: (C, O) number of rewards.
+        mean: (C, O) their mean [-]; 0 where nothing is known.
+        variance: (C, O) their mean squared deviation from it; 0 where nothing is known.
+        known: (C, O) whether there was any.
+
+    """
+
+    count: Ints
+    mean: Floats
+    variance: Floats
+    known: npt.NDArray[np.bool_]
+
+
+class KnowledgeStore:
+    """Expert knowledge and what was learned, in a database that many processes may use at once.
+
+    Every change is one transaction: it is made as a whole or not at all, also if the process is killed.
+
+    Args:
+        url: `sqlite:///PATH`, a plain path, or `postgresql://USER@HOST/DATABASE`.
+        create: whether to make a store where there is none; else that is an error.
+
+    Raises:
+        StoreError: a database that cannot be reached, or that holds no store of a version known here.
+
+    """
+
+    def __init__(self, url: str, *, create: bool = True) -> None:
+        parts = connecting.parsed(url)
+        self.name = connecting.name_of(parts)
+        """How messages name the store."""
+        self._own_engine = connecting.engine_of(parts, create=create)
+        self._process = os.getpid()
+        self._of_parent: list[Pool] = []
+        with reported(self.name):
+            self._identity = connecting.prepare(self._engine, self.name, create=create)
+
+    def close(self) -> None:
+        """Close all connections; the store opens new ones if it is used again."""
+        self._engine.dispose()
+
+    def add(self, *batches: Batch, source: str, updated: int | None = None) -> None:
+        """Add the updates of an episode, all of them or, with an error, none.
+
+        Args:
+            batches: what was recorded, by goal.
+            source: who learned it, for instance the name of a run.
+            updated: time of the update [us since 1970, UTC]; now unless given.
+
+        Raises:
+            StoreError: a store that cannot be written, or a name that it does not take.
+
+        """
+        now = microseconds() if updated is None else updated
+        learned: dict[Key, Entry] = {}
+        for batch in batches:
+            for (option, context), moments in batch.moments.items():
+                key = Key(batch.goal, option, context, source)
+                entry = Entry(moments, now)
+                learned[key] = learned[key].merged(entry) if key in learned else entry
+        self.absorb(Contents(learned=learned))
+
+    def estimates(self, goal: str, options: Sequence[str], contexts: Sequence[str] = ("",)) -> Estimates:
+        """Return what was learned of `options` (O,) for a goal in `contexts` (C,)."""
+        if isinstance(contexts, str):
+            raise ValueError(f"contexts: expected a sequence of contexts, got the text {contexts!r}")
+        with self._reading() as connection:
+            learned = tables.read_learned(connection, goal, contexts)
+        sums: dict[tuple[str, str], Moments] = {}
+        for key, entry in learned.items():
+            sums[key.context, key.option] = sums.get((key.context, key.option), NOTHING) + entry.moments
+        cells = [[sums.get((context, option), NOTHING) for option in options] for context in contexts]
+        shape = (len(contexts), len(options))
+        count = np.array([[m.count for m in row] for row in cells], dtype=np.int64).reshape(shape)
+        mean = np.array([[m.mean if m.count else 0.0 for m in row] for row in cells]).reshape(shape)
+        variance = np.array([[m.variance if m.count else 0.0 for m in row] for row in cells]).reshape(shape)
+        return Estimates(count, mean, variance, count > 0)
+
+    def put(self, knowledge: Knowledge, *, source: str, updated: int | None = None) -> None:
+        """Keep expert knowledge; a score given later replaces an earlier one.
+
+        Raises:
+            StoreError: an option that the store knows with another configuration or other parameters.
+
+        """
+        self.absorb(contents_of(knowledge, source, updated))
+
+    def knowledge(self) -> Knowledge:
+        """Return the expert knowledge that the store holds."""
+        return self.contents().knowledge(self.name)
+
+    def contents(self) -> Contents:
+        """Return all that the store holds, as of one moment."""
+        with self._reading() as connection:
+            return Contents(tables.read_expert(connection), tables.read_learned(connection))
+
+    def absorb(self, contents: Contents) -> None:
+        """Add all of `contents` to what the store holds."""
+        check(contents)
+        with self._writing() as connection:
+            if contents.expert:
+                connecting.lock(connection)
+                held = Contents(tables.read_expert(connection))
+                together = held.merged(Contents(contents.expert)).expert
+                tables.put_expert(connection, (item for item in together.items() if item[0] in contents.expert))
+            tables.add_learned(connection, contents.learned.items())
+
+    def merge(self, other: "KnowledgeStore") -> Contents:
+        """Add all that another store holds, and return it.
+
+        Raises:
+            StoreError: the other store is this one, or a copy of it, whose updates would count twice.
+
+        """
+        if other._identity == self._identity:
+            raise StoreError(f"{self.name}: {other.name} is the same store or a copy of it: updates would count twice")
+        contents = other.contents()
+        self.absorb(contents)
+        return contents
+
+    def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
+        """Forget the learned entries of a `goal`, `option`, `context` and `source`, each only where it is given.
+
+        With `expert` the expert options of that goal, option and source go as well.
+
+        Returns:
+            The number of learned entries and of expert options deleted.
+
+        """
+        if wrong := set(chosen) - set(Key._fields):
+            raise TypeError(f"unknown selection: {', '.join(sorted(wrong))}")
+        for what, name in chosen.items():
+            check_names(what, [name])
+        columns = {"goal": "goal", "option": "name", "source": "source"}
+        with self._writing() as connection:
+            connecting.lock(connection)
+            entries = tables.delete_learned(connection, chosen)
+            of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
+            return entries, tables.delete_expert(connection, of_expert) if expert else 0
+
+    @property
+    def _engine(self) -> Engine:
+        """What connects to the database; a forked process must neither use nor close what its parent has open."""
+        if self._process != os.getpid():
+            self._of_parent.append(self._own_engine.pool)
+            self._own_engine.dispose(close=False)
+            self._process = os.getpid()
+        return self._own_engine
+
+    @contextmanager
+    def _reading(self) -> Iterator[Connection]:
+        with reported(self.name), self._engine.connect() as connection:
+            if connection.dialect.name == "postgresql":
+                connection = connection.execution_options(isolation_level="REPEATABLE READ")  # one moment for all
+            try:
+                yield connection
+            except StoreError:
+                raise
+            except (TypeError, ValueError) as error:
+                raise StoreError(f"{self.name}: is corrupt: {' '.join(str(error).split())}") from error
+
+    @contextmanager
+    def _writing(self) -> Iterator[Connection]:
+        with (
+            reported(self.name),
+            self._engine.connect().execution_options(writes=True) as connection,
+            connection.begin(),
+        ):
+            yield connection

@@ -1,0 +1,167 @@
+"""The tables of a store and the statements on them: all SQL is in this file and in `connection`.
+
+A sum takes two columns, `value = high * 2^62 + low` with 0 <= low < 2^62, since its 124 bits are too many for one. An
+update adds to both in one statement and carries, so that equal sums are equal rows, whoever added what and when.
+"""
+
+import json
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from sqlalchemy import (
+    BigInteger,
+    CheckConstraint,
+    Column,
+    Connection,
+    Float,
+    Integer,
+    MetaData,
+    Row,
+    String,
+    Table,
+    Text,
+    case,
+    delete,
+    select,
+)
+from sqlalchemy.dialects import postgresql, sqlite
+
+from selector.knowledge import Option
+from selector.store.contents import NAME_LIMIT, Entry, Key, Rated, definition
+from selector.store.errors import FULL
+from selector.store.moments import COUNT_LIMIT, Moments
+
+LOW_BITS = 62
+LOW = (1 << LOW_BITS) - 1
+SUMS = ("total", "squares")
+
+metadata = MetaData()
+meta = Table(
+    "clean_swarm_meta",
+    metadata,
+    Column("key", String(NAME_LIMIT), primary_key=True),
+    Column("value", Text, nullable=False),
+)
+expert = Table(
+    "clean_swarm_expert",
+    metadata,
+    Column("goal", String(NAME_LIMIT), primary_key=True),
+    Column("name", String(NAME_LIMIT), primary_key=True),
+    Column("position", Integer, nullable=False),
+    Column("configuration", Text, nullable=False),
+    Column("score", Float(53), nullable=False),
+    Column("parameters", Text, nullable=False),
+    Column("source", String(NAME_LIMIT), nullable=False),
+    Column("updated", BigInteger, nullable=False),
+)
+learned = Table(
+    "clean_swarm_learned",
+    metadata,
+    Column("goal", String(NAME_LIMIT), primary_key=True),
+    Column("option", String(NAME_LIMIT), primary_key=True),
+    Column("context", String(NAME_LIMIT), primary_key=True),
+    Column("source", String(NAME_LIMIT), primary_key=True),
+    Column("updates", BigInteger, nullable=False),
+    *(Column(f"{sum_}_{part}", BigInteger, nullable=False) for sum_ in SUMS for part in ("high", "low")),
+    Column("updated", BigInteger, nullable=False),
+    CheckConstraint(f"updates BETWEEN 1 AND {COUNT_LIMIT}", name=FULL),
+)
+
+
+def add_learned(connection: Connection, entries: Iterable[tuple[Key, Entry]]) -> None:
+    """Add to the entries of these keys, creating those that are missing; no key twice."""
+    rows = [
+        {
+            **key._asdict(),
+            "updates": entry.moments.count,
+            "total_high": entry.moments.total >> LOW_BITS,  # rounds down, so that low is never negative
+            "total_low": entry.moments.total & LOW,
+            "squares_high": entry.moments.squares >> LOW_BITS,
+            "squares_low": entry.moments.squares & LOW,
+            "updated": entry.updated,
+        }
+        for key, entry in sorted(entries)  # everyone locks rows in one order: no two writers wait for each other
+    ]
+    if rows:
+        connection.execute(_adding(connection.dialect.name), rows)
+
+
+def _adding(dialect: str) -> postgresql.Insert | sqlite.Insert:
+    inserting = _insert(dialect, learned)
+    old, new = learned.c, inserting.excluded
+    changes: dict[str, Any] = {
+        "updates": old.updates + new.updates,
+        "updated": case((new.updated > old.updated, new.updated), else_=old.updated),
+    }
+    for name in SUMS:
+        low = old[f"{name}_low"] + new[f"{name}_low"]  # below 2^63
+        carry = case((low > LOW, 1), else_=0)
+        changes[f"{name}_low"] = low.bitwise_and(LOW)
+        changes[f"{name}_high"] = old[f"{name}_high"] + new[f"{name}_high"] + carry
+    return inserting.on_conflict_do_update(index_elements=list(learned.primary_key), set_=changes)
+
+
+def _insert(dialect: str, table: Table) -> postgresql.Insert | sqlite.Insert:
+    return postgresql.insert(table) if dialect == "postgresql" else sqlite.insert(table)
+
+
+def put_expert(connection: Connection, options: Iterable[tuple[tuple[str, str], Rated]]) -> None:
+    """Write expert options over those of the same goal and name."""
+    rows = []
+    for (goal, name), rated in options:
+        configuration, parameters = definition(rated.option)
+        row = {"goal": goal, "name": name, "configuration": configuration, "parameters": parameters}
+        rest = {"score": rated.option.score, "position": rated.position, "source": rated.source}
+        rows.append(row | rest | {"updated": rated.updated})
+    if rows:
+        inserting = _insert(connection.dialect.name, expert)
+        changed = {column.name: inserting.excluded[column.name] for column in expert.c if not column.primary_key}
+        connection.execute(inserting.on_conflict_do_update(index_elements=list(expert.primary_key), set_=changed), rows)
+
+
+def read_expert(connection: Connection) -> dict[tuple[str, str], Rated]:
+    """Return all expert options by goal and name."""
+    return {(row.goal, row.name): _rated(row) for row in connection.execute(select(expert))}
+
+
+def _rated(row: Row[Any]) -> Rated:
+    option = Option(
+        configuration=row.configuration, score=row.score, parameters=json.loads(row.parameters), name=row.name
+    )
+    return Rated(option, int(row.position), str(row.source), int(row.updated))
+
+
+def read_learned(
+    connection: Connection, goal: str | None = None, contexts: Sequence[str] | None = None
+) -> dict[Key, Entry]:
+    """Return the learned entries by key: all of them, or those of one goal and of some contexts."""
+    query = select(learned)
+    if goal is not None:
+        query = query.where(learned.c.goal == goal)
+    if contexts is not None:
+        query = query.where(learned.c.context.in_(list(contexts)))
+    return {Key(row.goal, row.option, row.context, row.source): _entry(row) for row in connection.execute(query)}
+
+
+def _entry(row: Row[Any]) -> Entry:
+    total, squares = (row.total_high << LOW_BITS) + row.total_low, (row.squares_high << LOW_BITS) + row.squares_low
+    moments = Moments(row.updates, total, squares)
+    if why := moments.impossible():
+        raise ValueError(why)
+    return Entry(moments, int(row.updated))
+
+
+def delete_learned(connection: Connection, chosen: dict[str, str]) -> int:
+    """Delete the learned entries in which these columns have these values; return how many."""
+    statement = delete(learned)
+    for column, value in chosen.items():
+        statement = statement.where(learned.c[column] == value)
+    return connection.execute(statement).rowcount
+
+
+def delete_expert(connection: Connection, chosen: dict[str, str]) -> int:
+    """Delete the expert options in which these columns have these values; return how many."""
+    statement = delete(expert)
+    for column, value in chosen.items():
+        statement = statement.where(expert.c[column] == value)
+    return connection.execute(statement).rowcount
