@@ -10,6 +10,7 @@ import numpy as np
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.robot_model import coordinators_of
 from clean_swarm_env.worlds import Worlds
+from selector.decisions import Problem
 from selector.knowledge import load_knowledge
 from selector.library import Library
 from selector.strategies.max_score import MaxScore
@@ -71,8 +72,9 @@ def in_progress(worlds: Worlds) -> bool:
 
 def choose(worlds: Worlds) -> None:
     """Let every robot hold the options of the highest scores."""
-    generators = [np.random.default_rng(0)] * worlds.rows  # max-score draws nothing
-    strategies = [MaxScore(coordinator.model.scores, generators) for coordinator in worlds.coordinators]
+    keys = np.zeros(worlds.rows, dtype=np.uint64)  # max-score draws nothing
+    models = [coordinator.model for coordinator in worlds.coordinators]
+    strategies = [MaxScore(Problem(model.goal, model.options, model.scores), keys) for model in models]
     worlds.hold(np.stack([strategy.select(np.zeros((worlds.rows, 0))) for strategy in strategies], axis=1))
 
 

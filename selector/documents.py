@@ -105,6 +105,14 @@ def as_yaml(content: object) -> str:
     return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
+def read_value(text: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
+    """Return the value that a piece of YAML on the command line holds; raises DocumentError."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except yaml.YAMLError as error:
+        raise DocumentError(f"expected a value, got {text!r}") from error
+
+
 def validated(model: type[M], content: object, where: str) -> M:
     """Return `content` as a model; the first mistake becomes one line `where: key: what is wrong`."""
     try:

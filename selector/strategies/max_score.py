@@ -2,16 +2,18 @@
 
 import numpy as np
 
-from selector.strategy import DecisionStrategy, Floats, Ints, register
+from selector.decisions import Decisions, Ints, Outcomes
+from selector.registry import register
+from selector.strategies.choosing import best
+from selector.strategy import DecisionStrategy
 
 
 @register
 class MaxScore(DecisionStrategy):
-    """The option of the highest score, the first of several; rewards change nothing."""
+    """The option of the highest score that can serve, the first of several; rewards change nothing."""
 
-    def _select(self, context: Floats, draws: Floats) -> Ints:
-        best = np.argmax(self.estimates, axis=1)  # argmax returns the first of equals
-        return np.broadcast_to(best, (self.rows,))
+    def _select(self, decisions: Decisions) -> Ints:
+        return best(np.broadcast_to(self.problem.scores, decisions.allowed.shape), decisions.allowed)
 
-    def _update(self, option: Ints, reward: Floats, context: Floats) -> None:
+    def _update(self, outcomes: Outcomes) -> None:
         pass  # the expert's scores are not for rewards to move: strategies that learn do that

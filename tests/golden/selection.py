@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 
 import selector.strategies  # noqa: F401  (registers the strategies that ship)
+from selector.decisions import Problem
 from selector.documents import DocumentError
 from selector.knowledge import knowledge_from
-from selector.strategy import create
+from selector.registry import create
 from tests.golden.case import Case, difference
 
 
@@ -25,7 +26,7 @@ def choose(table: dict[str, list[Any]], goal: str) -> dict[str, Any]:
     # Two options of one configuration need names of their own here, so each gets its position.
     goals = {goal: [_option(entry, index) for index, entry in enumerate(entries)] for goal, entries in table.items()}
     knowledge = knowledge_from({"goals": goals})
-    strategy = create("MaxScore", knowledge.scores(goal), [np.random.default_rng(0)])
+    strategy = create("MaxScore", Problem.of(knowledge, goal), np.zeros(1, dtype=np.uint64))
     option = knowledge.options(goal)[int(strategy.select(np.zeros((1, 0)))[0])]
     return {"config_key": option.configuration, "params": option.parameters}
 

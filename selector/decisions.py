@@ -1,0 +1,119 @@
+"""What a decision strategy is asked and told: the problem it serves, decisions to make, and what decisions brought."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from selector.knowledge import Knowledge
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A goal, the options that may serve it, and what is known when one of them is chosen.
+
+    Attributes:
+        goal: name of the self-organisation goal.
+        options: (O,) names of the options, at least one, each different.
+        scores: (O,) the expert's scores, finite.
+        features: (F,) names of the components of a context, each different.
+
+    Raises:
+        ValueError: names given twice, or scores that cannot be compared.
+
+    """
+
+    goal: str
+    options: tuple[str, ...]
+    scores: Floats
+    features: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        scores = np.array(self.scores, dtype=np.float64)
+        expected = (len(self.options),)
+        if not self.options:
+            raise ValueError(f"goal {self.goal}: expected at least one option, got none")
+        if scores.shape != expected:
+            raise ValueError(f"goal {self.goal}: scores: expected shape {expected}, got {scores.shape}")
+        if not np.isfinite(scores).all():
+            raise ValueError(f"goal {self.goal}: scores: expected finite numbers, got {scores.tolist()}")
+        for what, names in (("option", self.options), ("feature", self.features)):
+            for name in names:
+                if names.count(name) > 1:
+                    raise ValueError(f"goal {self.goal}: {what} {name!r} is given twice")
+        scores.flags.writeable = False
+        object.__setattr__(self, "scores", scores)
+
+    @classmethod
+    def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":
+        """Return the problem of choosing among the options that the expert knowledge holds for a goal."""
+        names = tuple(option.name for option in knowledge.options(goal))
+        return cls(goal, names, knowledge.scores(goal), features)
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """K decisions to make now; no array may be written to.
+
+    Attributes:
+        rows: (K,) the rows that decide, each at most once.
+        groups: (K,) the set of estimates that each of them uses.
+        context: (K, F) what each of them knows.
+        allowed: (K, O) options that can serve; at least one in each row.
+        draws: (K, D) random numbers, uniform in [0, 1).
+
+    """
+
+    rows: Ints
+    groups: Ints
+    context: Floats
+    allowed: Flags
+    draws: Floats
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """K decisions of earlier and what they brought, in an order that does not depend on the order of rows.
+
+    Attributes:
+        groups: (K,) the set of estimates that each of them moves.
+        option: (K,) what was chosen.
+        reward: (K,) what it brought, larger being better.
+        context: (K, F) in which it was chosen.
+        chance: (K,) the probability with which it was chosen; 1 of a strategy that leaves nothing to chance.
+
+    """
+
+    groups: Ints
+    option: Ints
+    reward: Floats
+    context: Floats
+    chance: Floats
+
+
+def readable(name: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Return finite numbers of a given shape as an array that cannot be written to."""
+    array = np.asarray(values, dtype=np.float64).view()
+    if array.shape != shape:
+        raise ValueError(f"{name}: expected shape {shape}, got {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name}: expected finite numbers, got {array[~np.isfinite(array)][0]}")
+    array.flags.writeable = False
+    return array
+
+
+def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what: str, count: int) -> Ints:
+    """Return whole numbers 0 to `count` - 1 of a given shape, a copy that cannot be written to."""
+    array: npt.NDArray[Any] = np.asarray(values)
+    if array.shape != shape or not (np.issubdtype(array.dtype, np.integer) or array.size == 0):
+        raise ValueError(f"{name}: expected integers {shape}, got {array.shape} of {array.dtype}")
+    numbers = array.astype(np.int64)
+    if array.size and (numbers.min() < 0 or numbers.max() >= count):
+        raise ValueError(f"{name}: expected {what} 0..{count - 1}, got {numbers.min()}..{numbers.max()}")
+    numbers.flags.writeable = False
+    return numbers

@@ -1,0 +1,37 @@
+"""Always the same option: what learned strategies have to beat."""
+
+import numpy as np
+
+from selector.decisions import Decisions, Ints, Outcomes
+from selector.documents import Closed, DocumentError, Name, unknown
+from selector.registry import register
+from selector.strategies.choosing import best
+from selector.strategy import DecisionStrategy
+
+
+class FixedParameters(Closed):
+    """Which option."""
+
+    option: Name
+    """Name of the option to take wherever it can serve; elsewhere it is the one of the highest score."""
+
+
+@register
+class Fixed(DecisionStrategy):
+    """One option, whatever happens."""
+
+    Parameters = FixedParameters
+    parameters: FixedParameters
+
+    def _prepare(self) -> None:
+        name, known = self.parameters.option, self.problem.options
+        if name not in known:
+            raise DocumentError(f"strategy Fixed: goal {self.problem.goal}: {unknown('option', name, known)}")
+        self._order = self.problem.scores.copy()
+        self._order[known.index(name)] = np.inf
+
+    def _select(self, decisions: Decisions) -> Ints:
+        return best(np.broadcast_to(self._order, decisions.allowed.shape), decisions.allowed)
+
+    def _update(self, outcomes: Outcomes) -> None:
+        pass  # fixed

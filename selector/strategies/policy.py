@@ -1,0 +1,97 @@
+"""A trained network that chooses, run by NumPy and compiled code from its exported files."""
+
+import numpy as np
+
+from selector.decisions import Decisions, Floats, Ints, Outcomes
+from selector.documents import Closed, Flag, Name, shown
+from selector.policy_file import TrainedPolicy, Weights, find_policy, load_policy
+from selector.registry import register
+from selector.strategies.choosing import best, chance_of, drawn
+from selector.strategy import DecisionStrategy
+from selforg.compiled import kernel
+
+ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
+
+
+class PolicyParameters(Closed):
+    """Which policy, and how it decides."""
+
+    policy: Name
+    """Directory of an exported policy, or the name of one that ships."""
+    sampled: Flag = False
+    """Draw an option with the probabilities of the network, as in training, instead of taking the likeliest."""
+
+
+@register
+class Policy(DecisionStrategy):
+    """A policy trained by PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347); it learns no further."""
+
+    Parameters = PolicyParameters
+    parameters: PolicyParameters
+
+    def _prepare(self) -> None:
+        directory = find_policy(self.parameters.policy)
+        self.network = Network(load_policy(directory).ordered_for(self.problem, shown(directory)))
+
+    @property
+    def draws_per_decision(self) -> int:
+        """Random numbers that one row takes for one decision."""
+        return int(self.parameters.sampled)
+
+    def _select(self, decisions: Decisions) -> Ints:
+        preferences = np.where(decisions.allowed, self.network.outputs(decisions.context), -np.inf)
+        if not self.parameters.sampled:
+            return best(preferences, decisions.allowed)
+        weights = np.exp(preferences - preferences.max(axis=1, keepdims=True))
+        chances = weights / weights.sum(axis=1, keepdims=True)
+        option = drawn(chances, decisions.draws[:, 0])
+        self.chance[decisions.rows] = chance_of(chances, option)
+        return option
+
+    def _update(self, outcomes: Outcomes) -> None:
+        pass  # trained beforehand
+
+
+class Network:
+    """A network of dense layers in float32, whose outputs for a row do not depend on the rows beside it."""
+
+    def __init__(self, policy: TrainedPolicy) -> None:
+        spec = policy.spec
+        self._mean, self._clip = np.array(spec.mean), spec.clip
+        self._deviation = np.sqrt(np.array(spec.variance) + spec.epsilon)
+        names = [name for name, _, _ in spec.layers()]
+        codes = [ACTIVATIONS[spec.activation]] * len(spec.hidden) + [ACTIVATIONS["none"]]
+        self._layers = [
+            (np.ascontiguousarray(policy.weights[f"{name}.weight"].T), policy.weights[f"{name}.bias"], code)
+            for name, code in zip(names, codes, strict=True)
+        ]
+
+    def outputs(self, context: Floats) -> Floats:
+        """Return the output (K, O) for each observation (K, F): logarithms of probabilities, up to a constant."""
+        normal = np.clip((context - self._mean) / self._deviation, -self._clip, self._clip)
+        values: Weights = normal.astype(np.float32)
+        for weights, bias, activation in self._layers:
+            following = np.empty((len(values), len(bias)), dtype=np.float32)
+            dense(values, weights, bias, activation, following)
+            values = following
+        return values.astype(np.float64)
+
+
+@kernel
+def dense(inputs: Weights, weights: Weights, bias: Weights, activation: int, outputs: Weights) -> None:
+    """Fill `outputs` (K, H) for `inputs` (K, I), `weights` (I, H) and `bias` (H,), summed in the order of inputs.
+
+    A library's matrix product sums in an order that depends on K; here a row gets the same bits alone and in a batch.
+    """
+    for k in range(inputs.shape[0]):
+        for h in range(outputs.shape[1]):
+            outputs[k, h] = bias[h]
+        for i in range(inputs.shape[1]):
+            value = inputs[k, i]
+            for h in range(outputs.shape[1]):
+                outputs[k, h] += value * weights[i, h]
+        for h in range(outputs.shape[1]):
+            if activation == 1:
+                outputs[k, h] = np.tanh(outputs[k, h])
+            elif activation == 2:
+                outputs[k, h] = max(outputs[k, h], np.float32(0.0))

@@ -1,0 +1,25 @@
+"""Any option, all alike: the other end of what learned strategies have to beat."""
+
+from selector.decisions import Decisions, Ints, Outcomes
+from selector.registry import register
+from selector.strategies.choosing import chance_of, drawn, even
+from selector.strategy import DecisionStrategy
+
+
+@register
+class Random(DecisionStrategy):
+    """Each option that can serve with the same probability; rewards change nothing."""
+
+    @property
+    def draws_per_decision(self) -> int:
+        """Random numbers that one row takes for one decision."""
+        return 1
+
+    def _select(self, decisions: Decisions) -> Ints:
+        chances = even(decisions.allowed)
+        option = drawn(chances, decisions.draws[:, 0])
+        self.chance[decisions.rows] = chance_of(chances, option)
+        return option
+
+    def _update(self, outcomes: Outcomes) -> None:
+        pass  # nothing to learn

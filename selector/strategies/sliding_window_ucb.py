@@ -1,0 +1,73 @@
+"""Upper confidence bounds over the last steps only, for rewards that jump."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from selector.decisions import Decisions, Floats, Ints, Outcomes
+from selector.documents import NonNegative
+from selector.registry import register
+from selector.strategies.optimism import most_promising
+from selector.strategies.value_table import PriorParameters, weighted
+from selector.strategy import Arrays, DecisionStrategy
+
+
+class SlidingWindowUCBParameters(PriorParameters):
+    """How optimistic to be, and how far to look back."""
+
+    window: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
+    """Number of steps whose rewards count, tau of the paper [steps]."""
+    exploration: NonNegative = 1.0
+    """Range of the rewards, B of the paper [reward]."""
+    confidence: NonNegative = 0.5
+    """The paper's xi [-]; theory asks for more than 0.5."""
+
+
+@register
+class SlidingWindowUCB(DecisionStrategy):
+    """Sliding-window UCB (Garivier & Moulines 2011, doi:10.1007/978-3-642-24412-4_16, algorithm 2).
+
+    A step is one update in which a group has rewards, be they of one robot or of all, so that the window does not
+    depend on the size of the team. The expert's scores do not leave the window.
+    """
+
+    Parameters = SlidingWindowUCBParameters
+    parameters: SlidingWindowUCBParameters
+    step_counts: Floats  # (G, T, O) rewards in each of the last T steps
+    step_totals: Floats  # (G, T, O) their sums
+    cursor: Ints  # (G,) where the next step goes
+
+    def _first_state(self) -> Arrays:
+        shape = (self.groups, self.parameters.window, self.options)
+        return {
+            "step_counts": np.zeros(shape),
+            "step_totals": np.zeros(shape),
+            "cursor": np.zeros(self.groups, dtype=np.int64),
+        }
+
+    def estimates(self) -> Floats:
+        """Return what each option is worth now (G, O)."""
+        return self._seen()[1]
+
+    def _seen(self) -> tuple[Floats, Floats]:
+        """Return tries (G, O), the pseudo-count included, and estimates (G, O)."""
+        counts, totals = self.step_counts.sum(axis=1), self.step_totals.sum(axis=1)
+        means = totals / np.where(counts > 0.0, counts, 1.0)
+        prior = self.parameters.prior
+        return counts + prior, weighted(counts, means, prior, self.problem.scores)
+
+    def _select(self, decisions: Decisions) -> Ints:
+        pulls, estimates = self._seen()
+        width = self.parameters.exploration * np.sqrt(self.parameters.confidence)
+        return most_promising(decisions, estimates, pulls, width, self.problem.scores)
+
+    def _update(self, outcomes: Outcomes) -> None:
+        touched = np.unique(outcomes.groups)
+        now = self.cursor[touched]
+        self.step_counts[touched, now] = 0.0
+        self.step_totals[touched, now] = 0.0
+        place = (outcomes.groups, self.cursor[outcomes.groups], outcomes.option)
+        np.add.at(self.step_counts, place, 1.0)
+        np.add.at(self.step_totals, place, outcomes.reward)
+        self.cursor[touched] = (now + 1) % self.parameters.window
