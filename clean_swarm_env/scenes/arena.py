@@ -1,0 +1,115 @@
+"""W worlds of N robots on one ground, with nothing in their heads: bodies, drives, poses, clock and chance.
+
+Rows are robots, R = W * N; a world depends on its own seed only, alone or in a batch.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil
+from typing import Final, Literal
+
+import numpy as np
+
+from clean_swarm_env.collisions import CollisionCounter
+from clean_swarm_env.drive import DifferentialDrive
+from clean_swarm_env.physics import Physics
+from clean_swarm_env.physics_settings import Contacts
+from clean_swarm_env.scenes.ground import Ground
+from selforg.arrays import Floats, Ints
+from selforg.components import Commands
+from selforg.poses import OwnPoses
+from selforg.randomness import DirectionStream
+
+DriveKind = Literal["differential", "holonomic"]
+
+SUBSTEPS: Final = 4  # physics steps in a control period
+TIMESTEP: Final = 0.05  # [s] of physics
+PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
+CLOSE: Final = 0.55  # [m] between centres below which a pair counts as colliding, as in the mission
+PLACES, THINGS, STREAMS, RIVALS = range(4)  # what the seed of a world is split into
+
+
+@dataclass(frozen=True)
+class Body:
+    """What all robots of a scene are.
+
+    Attributes:
+        radius: of the disc [m].
+        max_speed: [m/s].
+        drive: differential robots turn towards where they go, holonomic ones go there at once.
+        contacts: whether robots bump into each other.
+        pose_goal_radius, pose_diffusion: of the repulsive gradient that each robot carries [m].
+
+    """
+
+    radius: float = 0.25
+    max_speed: float = 1.0
+    drive: DriveKind = "differential"
+    contacts: Contacts = "solid"
+    pose_goal_radius: float = 0.5
+    pose_diffusion: float = 1.0
+
+
+class Arena:
+    """The bodies of W worlds; what commands them is for others to say.
+
+    Attributes:
+        positions, headings: (R, 2) [m] and (R,) [rad]; the same arrays all the time.
+        poses: the pose gradients, up to date after `announce`.
+        directions: random directions of each row.
+        collisions: of all pairs closer than CLOSE.
+        now: [s] since the start.
+
+    """
+
+    def __init__(self, ground: Ground, robots: int, seeds: Sequence[int], body: Body) -> None:
+        self.ground, self.robots, self.worlds, self.body = ground, robots, len(seeds), body
+        self.rows = self.worlds * robots
+        side = ground.side
+        self.physics = Physics(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP)
+        self.positions, self.headings = self.physics.positions, self.physics.headings
+        self.drive = DifferentialDrive(self.rows, body.max_speed)
+        self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
+        self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
+        self.poses = OwnPoses(
+            ground.space, self.rows, self.world_of_row, diffusion=body.pose_diffusion,
+            goal_radius=body.pose_goal_radius,
+        )  # fmt: skip
+        self._seeds = [np.random.SeedSequence(seed).spawn(4) for seed in seeds]
+        self.directions = DirectionStream(self.generators(STREAMS))
+        self.ticks = 0
+
+    @property
+    def now(self) -> float:
+        """Time since the start [s]."""
+        return self.ticks * PERIOD
+
+    def chance(self, world: int, what: int) -> np.random.Generator:
+        """Return the generator of a world for one of PLACES, THINGS, STREAMS and RIVALS, as at the beginning."""
+        return np.random.default_rng(self._seeds[world][what])
+
+    def generators(self, what: int) -> list[np.random.Generator]:
+        """Return a generator for each row (R,), as at the beginning."""
+        roots = [np.random.SeedSequence(s[what].entropy, spawn_key=s[what].spawn_key) for s in self._seeds]
+        return [np.random.default_rng(child) for root in roots for child in root.spawn(self.robots)]
+
+    def by_world(self, values: Floats) -> Floats:
+        """Return values (R, ...) as (W, N, ...)."""
+        return values.reshape(self.worlds, self.robots, *values.shape[1:])
+
+    def announce(self) -> None:
+        """Let every robot spread its pose at this instant."""
+        self.poses.update(self.positions, self.headings, self.now)
+
+    def move(self, commands: Commands) -> None:
+        """Let the robots do what they are told for one control period."""
+        vectors, commanded = commands.vectors, commands.commanded
+        if self.body.drive == "holonomic":
+            turned = commanded & ~commands.in_place & (vectors != 0.0).any(axis=1)
+            self.headings[turned] = np.arctan2(vectors[turned, 1], vectors[turned, 0])
+        self.drive.command(vectors, commanded, self.headings, self.now)
+        self.drive.speed[commands.in_place] = 0.0
+        for _ in range(SUBSTEPS):
+            self.physics.substep(self.drive.speed, self.drive.turn_rate)
+            self.collisions.count(self.positions)
+        self.ticks += 1

@@ -1,0 +1,92 @@
+"""FormationControl and CircleFormation: move as one, or stand in a circle."""
+
+import numpy as np
+
+from clean_swarm_env.scenes.arena import PERIOD, Body
+from clean_swarm_env.scenes.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
+from clean_swarm_env.scenes.placing import any_headings, scattered
+from clean_swarm_env.scenes.rivals import Controller, GoStraight, Instead, StandStill
+from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from selforg.arrays import Floats
+
+SPACING = 3.0
+"""Distance at which flocking robots want their neighbours [m]: the reach of their pose gradient."""
+PULL, PUSH = 10.0, 6.0
+"""Diffusions [m] of the two gradients of the beacon: their forces cancel out 3.75 m beyond touching it."""
+LAST = 10.0
+"""Seconds at the end over which the order of a flock is averaged."""
+
+
+@register
+class FormationControl(Scene):
+    """A flock forms out of robots that look anywhere."""
+
+    goal = "FormationControl"
+    story = "12 robots on 9 m x 9 m that look anywhere become a flock within 60 s"
+    measures = (
+        Measure("polarisation", "-", "higher", 0.9, "12 headings at random give 0.26, all the same 1"),
+        Measure("error of spacing", "m", "lower", 0.6, "a fifth of the wanted distance of 3 m to the nearest"),
+    )
+    baseline = "everybody goes straight on"
+    setting = Setting(robots=12, seconds=60.0, ground="open")
+    side = 9.0
+    body = Body(drive="holonomic", pose_diffusion=2.5)
+
+    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        places = scattered(rng, self.chosen.robots, self.ground, 0.8)
+        return places, rng.uniform(-0.5 * np.pi, 0.5 * np.pi, size=self.chosen.robots)
+
+    def _prepare(self, chances: list[np.random.Generator]) -> None:
+        self._directions = self.arena.headings.copy()
+        self._order, self._error = np.zeros(self.arena.worlds), np.zeros(self.arena.worlds)
+        self._looks = 0
+
+    def _with_errand(self, controller: Controller) -> Controller:
+        return Instead(controller, GoStraight(self.arena, self._directions))  # a flock needs momentum to share
+
+    def _rival(self) -> Controller:
+        return StandStill(self.arena)
+
+    def _look(self) -> None:
+        if (self.chosen.ticks - self.arena.ticks) * PERIOD >= LAST:
+            return
+        self._order += polarisation(self.headings)
+        self._error += np.abs(nearest_neighbours(self.positions, self.ground) - SPACING).mean(axis=1)
+        self._looks += 1
+
+    def _result(self) -> dict[str, Floats]:
+        return {"polarisation": self._order / self._looks, "error of spacing": self._error / self._looks}
+
+
+@register
+class CircleFormation(Scene):
+    """A ring forms around a beacon."""
+
+    goal = "CircleFormation"
+    story = "10 robots on 8 m x 8 m form a circle around a beacon in the middle within 90 s"
+    measures = (
+        Measure("spread of distances to the centre", "m", "lower", 0.25, "the radius of a robot"),
+        Measure("spread of angles between neighbours", "rad", "lower", 0.31, "half of the even angle 2 pi / 10"),
+    )
+    baseline = "everybody stays where it is"
+    setting = Setting(robots=10, seconds=90.0, ground="open")
+    side = 8.0
+    body = Body(pose_diffusion=1.5)
+
+    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0)
+        return places, any_headings(rng, self.chosen.robots)
+
+    def _around(self) -> tuple[Gradients, ...]:
+        beacons = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
+        return (Gradients("centre", beacons, +1, diffusion=PULL), Gradients("keep off", beacons, -1, diffusion=PUSH))
+
+    def _rival(self) -> Controller:
+        return StandStill(self.arena)
+
+    def _result(self) -> dict[str, Floats]:
+        centre = self.ground.centre
+        return {
+            "spread of distances to the centre": radial_spread(self.positions, centre, self.ground),
+            "spread of angles between neighbours": gap_spread(self.positions, centre, self.ground),
+        }

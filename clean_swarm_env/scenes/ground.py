@@ -1,0 +1,57 @@
+"""Where a scene plays: a torus, or open land. Both have a square field in which things are placed.
+
+Open land has no edge for the robots: physics works on a torus so wide that nobody can get round it within the run,
+while all that is sensed and measured uses Euclidean offsets.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from selforg.arrays import Floats
+from selforg.space import Euclidean, Space, Torus
+
+GroundKind = Literal["torus", "open"]
+SPARE = 2.0
+"""Left free around what robots can reach on open land [m]."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A torus of side `field_side` [m], or open land around a field of that side that nobody leaves by `range` [m].
+
+    Attributes:
+        space: the metric of everything that robots sense and that is measured.
+        side: side of the torus that physics works on [m].
+        corner: lower left corner of the field, x and y alike [m].
+
+    """
+
+    kind: GroundKind
+    field_side: float
+    range: float = 0.0
+    space: Space = field(init=False, repr=False, compare=False)
+    side: float = field(init=False)
+    corner: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        around = 0.0 if self.kind == "torus" else self.range + SPARE
+        side = self.field_side + 2.0 * around
+        object.__setattr__(self, "side", side)
+        object.__setattr__(self, "corner", around)
+        object.__setattr__(self, "space", Torus(side, side) if self.kind == "torus" else Euclidean(2))
+
+    @property
+    def centre(self) -> Floats:
+        """Middle of the field (2,) [m]."""
+        return np.full(2, 0.5 * self.side)
+
+    def offsets(self, origin: Floats, target: Floats) -> Floats:
+        """Return the shortest way (..., 2) [m] from `origin` (..., 2) to `target` (..., 2)."""
+        return self.space.offsets(origin, target)
+
+    def distances(self, origin: Floats, target: Floats) -> Floats:
+        """Return the lengths (...) [m] of those ways."""
+        distances: Floats = np.linalg.norm(self.offsets(origin, target), axis=-1)
+        return distances

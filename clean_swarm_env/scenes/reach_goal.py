@@ -1,0 +1,68 @@
+"""ReachGoal: get to one place, around obstacles."""
+
+import numpy as np
+
+from clean_swarm_env.scenes.measures.encounters import Bumps
+from clean_swarm_env.scenes.placing import any_headings, scattered
+from clean_swarm_env.scenes.rivals import Controller, Wander
+from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from selforg.arrays import Floats
+
+OBSTACLES, OBSTACLE_RADIUS = 8, 0.5  # [-], [m]
+GOAL_RADIUS, START_AWAY = 1.0, 6.0  # [m]
+FIELD = 16.0  # [m]
+
+
+@register
+class ReachGoal(Scene):
+    """Robots start around the goal, at least START_AWAY from it; obstacles lie in between."""
+
+    goal = "ReachGoal"
+    story = "6 robots, 6 m and more from the goal, get to it around 8 obstacles"
+    measures = (
+        Measure("distance to the goal area", "m", "lower", 0.5, "a robot's length beyond touching it"),
+        Measure(
+            "obstacles hit per robot and minute", "1/min", "lower", 0.3,
+            "a tenth of what going straight through them gives by chance", guard=True,
+        ),
+    )  # fmt: skip
+    baseline = "random walk, a new direction every 2 s"
+    setting = Setting(robots=6, seconds=90.0, ground="open")
+    side = FIELD
+
+    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        goal = self.ground.centre[None]
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=goal, gap=START_AWAY)
+        return places, any_headings(rng, self.chosen.robots)
+
+    def _prepare(self, chances: list[np.random.Generator]) -> None:
+        goal, starts = self.ground.centre[None], self.positions
+        self._obstacles = np.stack([
+            scattered(
+                rng, OBSTACLES, self.ground, 3.0, side=10.0, free_of=np.concatenate([goal, starts[world]]), gap=2.2
+            )
+            for world, rng in enumerate(chances)
+        ])  # fmt: skip
+        self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
+
+    def _around(self) -> tuple[Gradients, ...]:
+        goals = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
+        return (
+            Gradients("goal", goals, +1, diffusion=FIELD, goal_radius=GOAL_RADIUS),
+            Gradients("obstacle", self._obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),
+        )
+
+    def _rival(self) -> Controller:
+        return Wander(self.arena)
+
+    def _look(self) -> None:
+        self._bumps.look(self.positions)
+
+    def _result(self) -> dict[str, Floats]:
+        away = self.ground.distances(self.positions, self.ground.centre)
+        clearance = np.maximum(away - self.body.pose_goal_radius - GOAL_RADIUS, 0.0)
+        minutes = self.chosen.seconds / 60.0
+        return {
+            "distance to the goal area": clearance.mean(axis=1),
+            "obstacles hit per robot and minute": self._bumps.events / (self.chosen.robots * minutes),
+        }

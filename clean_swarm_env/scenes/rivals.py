@@ -1,0 +1,118 @@
+"""What robots do without the mechanism: the baselines, and the errands beside which a mechanism works."""
+
+from abc import ABC, abstractmethod
+from typing import final
+
+import numpy as np
+
+from clean_swarm_env.scenes.arena import PERIOD, RIVALS, Arena
+from selforg.arrays import Floats
+from selforg.components import Commands
+
+
+class Controller(ABC):
+    """Blueprint of what commands robots: `command` is called once a control period, after poses are announced.
+
+    Subclasses implement `_command`, which fills in the commands of all rows; they come in with nothing commanded.
+    """
+
+    def __init__(self, arena: Arena) -> None:
+        self.arena = arena
+        self._commands = Commands.none(arena.rows, 2)
+
+    @final
+    def command(self) -> Commands:
+        """Return the commands of all rows, which hold until the next call."""
+        self._commands.commanded[:] = False
+        self._commands.in_place[:] = False
+        self._command(self._commands)
+        return self._commands
+
+    @abstractmethod
+    def _command(self, commands: Commands) -> None:
+        """Command the robots; vectors of rows without a command may hold anything."""
+
+
+class StandStill(Controller):
+    """Nobody moves."""
+
+    def _command(self, commands: Commands) -> None:
+        """Nobody is told anything."""
+
+
+class Wander(Controller):
+    """A random walk: a new random direction every `every` seconds, at full speed."""
+
+    def __init__(self, arena: Arena, every: float = 2.0) -> None:
+        super().__init__(arena)
+        self._ticks = max(round(every / PERIOD), 1)
+        self._generators = arena.generators(RIVALS)
+
+    def _command(self, commands: Commands) -> None:
+        if self.arena.ticks % self._ticks == 0:
+            angles = np.array([generator.uniform(-np.pi, np.pi) for generator in self._generators])
+            commands.vectors[:] = along(angles, self.arena.body.max_speed)
+        commands.commanded[:] = True
+
+
+class GoStraight(Controller):
+    """Everybody keeps the direction (R,) [rad] that it is given, at full speed."""
+
+    def __init__(self, arena: Arena, directions: Floats) -> None:
+        super().__init__(arena)
+        self._commands.vectors[:] = along(directions, arena.body.max_speed)
+
+    def _command(self, commands: Commands) -> None:
+        commands.commanded[:] = True
+
+
+class GoTo(Controller):
+    """Everybody goes straight to its own place (R, 2) [m] and stops within `near` [m] of it."""
+
+    def __init__(self, arena: Arena, places: Floats, near: float) -> None:
+        super().__init__(arena)
+        self._places, self._near = places, near
+
+    def _command(self, commands: Commands) -> None:
+        offsets = self.arena.ground.offsets(self.arena.positions, self._places)
+        away = np.linalg.norm(offsets, axis=1, keepdims=True)
+        unit = offsets / np.maximum(away, 1e-12)
+        commands.vectors[:] = np.where(away > self._near, self.arena.body.max_speed * unit, 0.0)
+        commands.commanded[:] = True
+
+
+class Instead(Controller):
+    """One controller where it commands, another one where it does not."""
+
+    def __init__(self, first: Controller, otherwise: Controller) -> None:
+        super().__init__(first.arena)
+        self._first, self._otherwise = first, otherwise
+
+    def _command(self, commands: Commands) -> None:
+        other, own = self._otherwise.command(), self._first.command()
+        commands.vectors[:] = np.where(own.commanded[:, None], own.vectors, other.vectors)
+        commands.in_place[:] = np.where(own.commanded, own.in_place, other.in_place)
+        commands.commanded[:] = own.commanded | other.commanded
+
+
+class Together(Controller):
+    """The vectors of two controllers added, as motor schemas are: how avoidance bends the way of an errand.
+
+    The sum is not limited here; drives limit it. Nobody turns in place.
+    """
+
+    def __init__(self, first: Controller, second: Controller) -> None:
+        super().__init__(first.arena)
+        self._parts = first, second
+
+    def _command(self, commands: Commands) -> None:
+        commands.vectors[:] = 0.0
+        for part in self._parts:
+            wanted = part.command()
+            commands.vectors[wanted.commanded] += wanted.vectors[wanted.commanded]
+            commands.commanded[:] |= wanted.commanded
+
+
+def along(angles: Floats, length: float) -> Floats:
+    """Return vectors (K, 2) of a length along angles (K,) [rad]."""
+    return length * np.stack([np.cos(angles), np.sin(angles)], axis=1)

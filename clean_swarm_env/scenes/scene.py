@@ -1,0 +1,187 @@
+"""The blueprint of a scene: where robots are to reach a goal, what lies around, and how success is measured."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeVar, final
+
+import numpy as np
+
+from clean_swarm_env.config_errors import ConfigurationError
+from clean_swarm_env.scenes.arena import PERIOD, PLACES, THINGS, Arena, Body
+from clean_swarm_env.scenes.ground import Ground, GroundKind
+from clean_swarm_env.scenes.rivals import Controller
+from selector.documents import unknown
+from selforg.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What tells success.
+
+    Attributes:
+        name: what is measured.
+        unit: "-" for a pure number.
+        better: whether lower or higher values are.
+        target: stated before anything was run, for the scene's own setting.
+        reason: where the target comes from.
+        guard: a price that must not be paid for the others: it has a target, but need not beat the baseline.
+
+    """
+
+    name: str
+    unit: str
+    better: Literal["lower", "higher"]
+    target: float
+    reason: str
+    guard: bool = False
+
+    def met(self, value: float) -> bool:
+        """Tell whether a value reaches the target."""
+        return value <= self.target if self.better == "lower" else value >= self.target
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the user may choose: number of robots, seconds to run and the kind of ground."""
+
+    robots: int
+    seconds: float
+    ground: GroundKind
+
+    @property
+    def ticks(self) -> int:
+        """Control periods to run."""
+        return max(round(self.seconds / PERIOD), 1)
+
+
+@dataclass(frozen=True)
+class Gradients:
+    """Static gradients of one kind that lie around: places (W, M, 2) [m], and what they have in common."""
+
+    channel: str
+    places: Floats
+    attraction: int = 1
+    diffusion: float | Floats = 1.0
+    goal_radius: float | Floats = 0.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came out of one run.
+
+    Attributes:
+        values: measure -> (W,).
+        tracks: (T + 1, R, 2) [m] where everybody was at the start and after each control period.
+
+    """
+
+    values: Mapping[str, Floats]
+    tracks: Floats
+
+
+class Scene(ABC):
+    """W worlds in which one goal is to be reached.
+
+    The class says what the goal is, how success is measured and what the scene's own setting is. An object is good for
+    one `run`. Subclasses implement `_place`, `_rival` and `_result`, and of the other hooks those that they need.
+
+    Attributes:
+        chosen: the setting of this run.
+        ground, arena: where it plays, and the robots.
+        around: gradients that lie around from the start on.
+
+    """
+
+    goal: ClassVar[str]
+    story: ClassVar[str]  # one sentence: who is where and has to do what
+    measures: ClassVar[tuple[Measure, ...]]
+    baseline: ClassVar[str]  # what the robots do that the mechanism must beat
+    setting: ClassVar[Setting]
+    side: ClassVar[float]  # [m] of the field
+    body: ClassVar[Body] = Body()
+
+    @final
+    def __init__(self, setting: Setting, seeds: Sequence[int]) -> None:
+        self.chosen = setting
+        self.ground = Ground(setting.ground, self.side, setting.seconds * self.body.max_speed)
+        self.arena = Arena(self.ground, setting.robots, seeds, self.body)
+        for world in range(self.arena.worlds):
+            self.arena.physics.place(world, *self._place(self.arena.chance(world, PLACES)))
+        self._prepare([self.arena.chance(world, THINGS) for world in range(self.arena.worlds)])
+        self.around = self._around()
+
+    @final
+    def run(self, make: Callable[[Scene], Controller] | None = None) -> Run:
+        """Run to the end with the controller that `make` makes for this scene; without one, with the baseline."""
+        arena = self.arena
+        controller = self._with_errand(self._rival() if make is None else make(self))
+        tracks = [arena.positions.copy()]
+        for _ in range(self.chosen.ticks):
+            arena.announce()
+            arena.move(controller.command())
+            self._look()
+            tracks.append(arena.positions.copy())
+        return Run(self._result(), np.stack(tracks))
+
+    @property
+    def positions(self) -> Floats:
+        """Where the robots are (W, N, 2) [m]."""
+        return self.arena.by_world(self.arena.positions)
+
+    @property
+    def headings(self) -> Floats:
+        """Where the robots look (W, N) [rad]."""
+        return self.arena.by_world(self.arena.headings)
+
+    @abstractmethod
+    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        """Return the start of the robots of one world: positions (N, 2) [m] and headings (N,) [rad]."""
+
+    @abstractmethod
+    def _rival(self) -> Controller:
+        """Return the baseline."""
+
+    @abstractmethod
+    def _result(self) -> Mapping[str, Floats]:
+        """Return the value (W,) of each measure by its name, at the end."""
+
+    def _prepare(self, chances: list[np.random.Generator]) -> None:  # noqa: B027  (many scenes need nothing)
+        """Set up what lies around and what measures, with one generator for each world; robots are in place."""
+
+    def _around(self) -> tuple[Gradients, ...]:
+        """Return the gradients that lie around from the start on; called after `_prepare`."""
+        return ()
+
+    def _with_errand(self, controller: Controller) -> Controller:
+        """Return what commands the robots in the end: the mechanism or the baseline, and what they do beside it."""
+        return controller
+
+    def _look(self) -> None:  # noqa: B027  (some scenes look at the end only)
+        """Look at the robots after each control period."""
+
+
+_known: dict[str, type[Scene]] = {}
+Class = TypeVar("Class", bound=type[Scene])
+
+
+def register(scene: Class) -> Class:
+    """Enter a scene under its goal; a goal that has one raises ValueError."""
+    if scene.goal in _known:
+        raise ValueError(f"goal {scene.goal!r} has a scene already, in {_known[scene.goal].__module__}")
+    _known[scene.goal] = scene
+    return scene
+
+
+def goals() -> tuple[str, ...]:
+    """Return the goals that have a scene, in the order of registration."""
+    return tuple(_known)
+
+
+def find(goal: str) -> type[Scene]:
+    """Return the scene of a goal; an unknown one raises ConfigurationError and lists the known ones."""
+    if goal not in _known:
+        raise ConfigurationError(unknown("goal", goal, sorted(_known)))
+    return _known[goal]

@@ -1,0 +1,43 @@
+"""UniformDistribution: robots that start in one place spread evenly over the ground."""
+
+import numpy as np
+
+from clean_swarm_env.scenes.arena import Body
+from clean_swarm_env.scenes.measures.order import nearest_neighbours, unevenness
+from clean_swarm_env.scenes.placing import any_headings, scattered
+from clean_swarm_env.scenes.rivals import Controller, Wander
+from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from selforg.arrays import Floats
+
+
+@register
+class UniformDistribution(Scene):
+    """Distances to the nearest neighbour tell: equal and large on a lattice, unequal and small by chance."""
+
+    goal = "UniformDistribution"
+    story = "24 robots from a corner of 5 m x 5 m spread over a torus of 196 m2 within 120 s"
+    measures = (
+        Measure(
+            "spread of nearest-neighbour distances / their mean", "-", "lower", 0.26,
+            "half of 0.52, which places at random give",
+        ),
+        Measure("mean nearest-neighbour distance", "m", "higher", 2.15, "0.7 of the 3.07 m on a hexagonal lattice"),
+    )  # fmt: skip
+    baseline = "random walk, a new direction every 2 s"
+    setting = Setting(robots=24, seconds=120.0, ground="torus")
+    side = 14.0
+    body = Body(pose_diffusion=3.0)
+
+    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        places = scattered(rng, self.chosen.robots, self.ground, 0.6, side=5.0)
+        return places, any_headings(rng, self.chosen.robots)
+
+    def _rival(self) -> Controller:
+        return Wander(self.arena)
+
+    def _result(self) -> dict[str, Floats]:
+        nearest = nearest_neighbours(self.positions, self.ground).mean(axis=1)
+        return {
+            "spread of nearest-neighbour distances / their mean": unevenness(self.positions, self.ground),
+            "mean nearest-neighbour distance": nearest,
+        }
