@@ -22,6 +22,7 @@ from clean_swarm_env.robot_model import read_sensors, robot_model
 from selector.coordinator import Coordinator
 from selector.coordinator_model import CoordinatorModel
 from selector.host import Host, host_knowledge
+from selector.robots import hold_options
 from selforg.buffer import SoBuffer
 from selforg.components import Commands
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
@@ -188,13 +189,7 @@ class Worlds:
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
         """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
-        chosen = np.arange(self.rows) if rows is None else rows
-        table = options.reshape(len(chosen), -1)
-        if table.shape[1] != len(self.coordinators):
-            goals = ", ".join(coordinator.model.goal for coordinator in self.coordinators)
-            raise ValueError(f"hold: expected one option for each of {goals}, got shape {options.shape}")
-        for coordinator, wanted in zip(self.coordinators, table.T, strict=True):
-            coordinator.hold(chosen, wanted)
+        hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
     def tick(self) -> Ints:
         """One control period of all worlds: sense, decide, act, move.

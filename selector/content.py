@@ -89,6 +89,8 @@ class Content:
         """Begin anew in `rows` (K,): network, decisions and knowledge as at first; what was spread stays."""
         self.network.reset(rows)
         self._knowledge.reset(rows)
+        for source in self._movements.values():
+            source.forget(rows)
         for mechanism in self.mechanisms.values():
             if isinstance(mechanism, DecisionMechanism):
                 mechanism.reset(rows)
@@ -174,7 +176,7 @@ class Content:
     def _movement(self, name: str) -> c.MovementSource:
         mechanism = self.mechanisms[name]
         assert isinstance(mechanism, MovementMechanism)  # the document was checked
-        return self._movements.setdefault(name, c.MovementSource(mechanism))
+        return self._movements.setdefault(name, c.MovementSource(mechanism, self.spec.mechanisms[name].hold))
 
     def _decision(self, name: str) -> c.DecisionSource:
         mechanism = self.mechanisms[name]

@@ -22,6 +22,8 @@ class MechanismSpec(Closed):
     """Name of the mechanism's class."""
     buffer: Name = DEFAULT_BUFFER
     """Name of the host's buffer that it looks into and spreads to."""
+    hold: NonNegative = 0.0
+    """Of a movement mechanism: time for which a movement is kept before it is asked again [s]."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Keyword arguments of the mechanism."""
 

@@ -15,6 +15,8 @@ from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.queries import Filter, Queries
 
 EVERYTHING_IN_VIEW = Filter()
+CLOCK_TOLERANCE = 1e-6
+"""Sums of control periods miss a whole second by less than this [s]."""
 
 
 class Source(ABC):
@@ -34,17 +36,30 @@ class Source(ABC):
 class MovementSource(Source):
     """What a movement mechanism says.
 
+    hold: time for which its answer is kept before it is asked again [s].
     vectors: (N, D) [m/s] movement, zero where there is none.
     active: (N,) whether there is one.
     """
 
-    def __init__(self, mechanism: MovementMechanism) -> None:
-        self.mechanism = mechanism
+    def __init__(self, mechanism: MovementMechanism, hold: float = 0.0) -> None:
+        if not hold >= 0.0:
+            raise ValueError(f"MovementSource: hold must be at least 0, got {hold}")
+        self.mechanism, self.hold = mechanism, float(hold)
         rows, dim = mechanism.poses.rows, mechanism.poses.space.dim
         self.vectors: Floats = np.zeros((rows, dim))
         self.active: Flags = np.zeros(rows, dtype=np.bool_)
+        self._asked: Floats = np.full(rows, -np.inf)  # when [s]
+
+    def forget(self, rows: Ints) -> None:
+        """Ask anew for `rows` (K,), however short ago they were asked for."""
+        self._asked[rows] = -np.inf
 
     def _ask(self, now: float, rows: Ints) -> None:
+        if self.hold > 0.0:
+            rows = rows[~self.active[rows] | (now - self._asked[rows] > self.hold - CLOCK_TOLERANCE)]
+            if not len(rows):
+                return
+            self._asked[rows] = now
         self.vectors[rows], self.active[rows] = self.mechanism.move(now, rows)
 
 
