@@ -76,7 +76,7 @@ class CollisionCounter:
         self._counted[rows] = False
 
     def count(self, positions: NDArray[np.float64], present: NDArray[np.bool_] | None = None) -> None:
-        """Count all worlds once: the robots `present` (R,), or all; positions (R, 2) [m] in [0, width) x [0, height)."""
+        """Count all worlds once: the robots `present` (R,) or all; positions (R, 2) [m] in [0, width) x [0, height)."""
         count_pairs(
             positions,
             self._everybody if present is None else present,

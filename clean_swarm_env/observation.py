@@ -74,14 +74,16 @@ class Observer:
             ]
         )
         self._length_column = worlds.network.model.sensor_index.get("rep_len", -1)
+        self._all = np.arange(worlds.worlds)
 
-    def observe(self, observations: Observations) -> None:
-        """Fill `observations` (R, F) with what is so now."""
+    def observe(self, observations: Observations, chosen: Ints | None = None) -> None:
+        """Fill `observations` (R, F) with what is so now, of all worlds or of the `chosen` (K,)."""
         worlds, garbage, physics = self._worlds, self._worlds.garbage, self._worlds.physics
         share_done = garbage.done / np.maximum(garbage.arrived, 1)
         time_left = np.maximum(1.0 - worlds.ticks * worlds.period / self._mission.time_limit, 0.0)
         fill(
-            physics.positions, physics.headings, worlds.drive.speed, worlds.drive.turn_rate, worlds.extent,
+            self._all if chosen is None else chosen, physics.positions, physics.headings, worlds.drive.speed,
+            worlds.drive.turn_rate, worlds.extent,
             worlds.stations, self._scales, physics.present, garbage.positions, garbage.stage, garbage.cargo,
             garbage.recycled, worlds.network.readings, self._length_column, share_done, time_left,
             worlds.coordinator.held, observations,
@@ -108,7 +110,7 @@ def point(
 def nearest_neighbour(
     row: int, first: int, last: int, robots: Floats, present: Flags, extent: Floats
 ) -> tuple[int, int, int, float]:
-    """Return how many others in the rows [first, last) are in range, how many are present, the nearest one, its distance.
+    """Return how many others of the rows [first, last) are in range and how many are present, the nearest, its distance.
 
     The nearest one in range is -1 if there is none; the distance in [m].
     """
@@ -129,18 +131,20 @@ def nearest_neighbour(
 
 @kernel
 def fill(
-    robots: Floats, headings: Floats, speed: Floats, turn_rate: Floats, extent: Floats, stations: Floats,
+    chosen: Ints, robots: Floats, headings: Floats, speed: Floats, turn_rate: Floats, extent: Floats, stations: Floats,
     scales: Floats, present: Flags, positions: Floats, stage: Ints, cargo: Ints, recycled: Ints, readings: Floats,
     length_column: int, share_done: Floats, time_left: Floats, held: Ints, out: Observations,
 ) -> None:  # fmt: skip
-    """Fill `out` (R, F) in the order of TERMS; robots that are not `present` (R,) see nothing.
+    """Fill `out` (R, F) of the worlds `chosen` (K,) in the order of TERMS.
 
+    Robots that are not `present` (R,) see nothing.
     stations (W, 2, 2) [m]; scales (6,): sight, torus, neighbours, vector, speed, turn rate.
     """
     per_world = robots.shape[0] // positions.shape[0]
-    for row in range(robots.shape[0]):
+    for index in range(chosen.shape[0] * per_world):
+        world = chosen[index // per_world]
+        row = world * per_world + index % per_world
         x, y, heading = robots[row, 0], robots[row, 1], headings[row]
-        world = row // per_world
         seen = out[row]
         seen[:] = 0.0
         if not present[row]:

@@ -27,7 +27,7 @@ def _episode(env, policy, seed=None, options=None, limit=10_000):
 
 def _bytes(env, observations, rewards, others):
     seen = b"".join(observations[agent].tobytes() for agent in env.possible_agents)
-    bodies = env.unwrapped._worlds.physics
+    bodies = env.unwrapped._batch.worlds.physics
     return seen, tuple(rewards.items()), repr(others), bodies.positions.tobytes() + bodies.headings.tobytes()
 
 
@@ -190,7 +190,7 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
 def test_a_start_can_be_given():
     env, start = clean_swarm_v0.parallel_env(), random_start(mission(), 77, 4)
     env.reset(seed=1, options={"start": start, "of others": 1})
-    assert np.allclose(env._worlds.physics.positions, np.array(start.robots)[:, :2])
+    assert np.allclose(env._batch.worlds.physics.positions, np.array(start.robots)[:, :2])
     again = _episode(env, 1, 1, {"start": start}, limit=5)
     assert _episode(env, 1, 1, {"start": start}, limit=5) == again
 

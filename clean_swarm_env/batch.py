@@ -1,0 +1,194 @@
+"""The core of all learning borders: W worlds of one mission, decision period by decision period.
+
+Each world begins its next episode by itself when its mission is over. Rows are robots, R = W * N (world w has the rows
+w*N .. (w+1)*N - 1); a world of a batch takes, bit for bit, the course it takes alone with the same seed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config import MissionConfig, StartConfiguration
+from clean_swarm_env.config_files import load_mission
+from clean_swarm_env.mission import MissionResult, result_of
+from clean_swarm_env.observation import Observations, Observer
+from clean_swarm_env.progress import COLLISION, COMPLETED, TIMED_OUT, Progress
+from clean_swarm_env.reward import RewardConfig, rewards
+from clean_swarm_env.robot_model import coordinators_of
+from clean_swarm_env.starts import for_start, random_start, run_seed
+from clean_swarm_env.worlds import Worlds
+from selector.knowledge import load_knowledge
+from selector.library import Library
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+class Step(NamedTuple):
+    """What one decision period brought; the arrays are the batch's own, valid until the next call."""
+
+    observations: Observations
+    """(R, F) float32; of worlds that have begun anew, the first observations of the new episode."""
+    rewards: Floats
+    """(R,) float64."""
+    terminated: Flags
+    """(W,) whether all garbage of the world was dumped in this period."""
+    truncated: Flags
+    """(W,) whether the time of the world was over with this period, garbage left."""
+    final_observations: Observations
+    """(R, F) float32; what the robots saw when their mission ended, in rows of worlds that ended."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A mission that came to its end in the last period."""
+
+    world: int
+    """Which world of the batch."""
+    seed: int
+    """Seed of the world."""
+    episode: int
+    """Number of the episode since that seed was given, from 0."""
+    result: MissionResult
+    """What the mission came to."""
+
+
+class Batch:
+    """W worlds of a mission, stepped one decision period at a time.
+
+    Args:
+        mission: a mission, or the name of one in `configs/missions`.
+        worlds: W.
+        reward: weights of the reward's terms.
+        begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
+            it stays as it is, and counts no more, until `reset`.
+
+    Episode k of a world after `reset` with seed S is always the same: random start k of S.
+
+    Attributes:
+        goals: (C,) names of the coordinated goals.
+        options: (C,) of each goal, the names of its options.
+        observations: (R, F) float32, the last ones, always the same array.
+
+    >>> batch = Batch("table1", worlds=2)
+    >>> observations = batch.reset([5, 6])
+    >>> step = batch.step(np.zeros(batch.rows, dtype=np.int64))
+    >>> step.rewards.shape, step.terminated.tolist()
+    ((10,), [False, False])
+
+    """
+
+    def __init__(
+        self,
+        mission: MissionConfig | str = "table1",
+        worlds: int = 1,
+        reward: RewardConfig | None = None,
+        *,
+        begin_anew: bool = True,
+    ) -> None:
+        self.mission = load_mission(mission) if isinstance(mission, str) else mission
+        library, knowledge = Library(), load_knowledge(self.mission.knowledge)
+        library.check(knowledge)
+        models = coordinators_of(self.mission.network, knowledge, library)
+        self.worlds = Worlds(self.mission, models, worlds)
+        self.rows, self.robots = self.worlds.rows, self.worlds.robots
+        self.goals = tuple(model.goal for model in models)
+        self.options = tuple(model.options for model in models)
+        self.reward = reward or RewardConfig()
+        self.begin_anew = begin_anew
+        self.observer = Observer(self.worlds)
+        self.width = self.observer.width
+        self._finished: list[Finished] = []
+        self._default = np.tile([int(np.argmax(model.scores)) for model in models], (self.rows, 1))
+        rate = self.mission.world.control_rate
+        self._ticks_per_step = round(self.mission.decision_period * rate)
+        self.progress = Progress(self.worlds, max(round(self.mission.time_limit * rate), 1))
+        shape = (self.rows, self.width)
+        self._seeds: list[int | None] = [None] * worlds
+        self._episodes = [0] * worlds
+        self.observations: Observations = np.zeros(shape, dtype=np.float32)
+        self._final: Observations = np.zeros(shape, dtype=np.float32)
+
+    def reset(self, seeds: Sequence[int | None] | None = None, start: StartConfiguration | None = None) -> Observations:
+        """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
+
+        `seeds` (W,) begin the series of episodes anew; without one (None) a world goes on with its series, or begins
+        one nobody knows. `start` takes the place of the random start.
+        """
+        given = [None] * self.worlds.worlds if seeds is None else list(seeds)
+        if len(given) != self.worlds.worlds:
+            raise ValueError(f"seeds: expected one for each of {self.worlds.worlds} worlds, got {len(given)}")
+        for world, seed in enumerate(given):
+            if seed is not None or self._seeds[world] is None:
+                self._seeds[world] = int(np.random.SeedSequence(seed).entropy) if seed is None else int(seed)  # type: ignore[arg-type]
+                self._episodes[world] = 0
+            self._begin(world, start)
+        self._finished.clear()
+        self.progress.begin_period()
+        self.observer.observe(self.observations)
+        return self.observations
+
+    @property
+    def finished(self) -> tuple[Finished, ...]:
+        """The missions that came to their end in the last period."""
+        return tuple(self._finished)
+
+    def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
+        """Begin the next episode of a world."""
+        seed, episode = self._seeds[world], self._episodes[world]
+        assert seed is not None
+        if start is None:
+            start = random_start(self.mission, seed, episode)
+        else:
+            for_start(self.mission, start)
+        self.worlds.reset(world, start, run_seed(seed, f"episode {episode}"))
+        rows = self.worlds.rows_of(world)
+        self.worlds.hold(self._default[rows], rows)
+        self.progress.reset(world)
+        self._episodes[world] += 1
+
+    def step(self, options: Ints) -> Step:
+        """Let each robot hold its options (R, C), or (R,) for one goal, for one decision period.
+
+        In a world whose mission ends the period ends early.
+        """
+        if self._seeds[0] is None:
+            raise RuntimeError("step: call reset first")
+        expected = (self.rows, len(self.goals))
+        if np.shape(options) != expected and (np.shape(options) != expected[:1] or len(self.goals) > 1):
+            raise ValueError(f"options: expected shape {expected}, got {np.shape(options)}")
+        self.worlds.hold(options)
+        self._finished.clear()
+        progress = self.progress
+        progress.begin_period()
+        for _ in range(self._ticks_per_step):
+            if progress.note(self.worlds.tick()):
+                self._keep_ends()
+                if progress.outcome.all():  # no world runs
+                    break
+        seconds = np.multiply(progress.ticks, self.worlds.period)
+        gained = rewards(self.reward, progress.dumped, seconds, progress.events[COLLISION], self.robots)
+        terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIMED_OUT
+        if self.begin_anew:
+            for end in self._finished:
+                self._begin(end.world)
+        self.observer.observe(self.observations)
+        if not self.begin_anew:
+            over = np.repeat(terminated | truncated, self.robots)
+            self.observations[over] = self._final[over]
+        return Step(self.observations, gained, terminated, truncated, self._final)
+
+    def _keep_ends(self) -> None:
+        """Keep what the missions came to that ended with the last tick, and what their robots see."""
+        ended = self.progress.ended
+        self.observer.observe(self._final, ended)
+        self._finished += (
+            Finished(world, int(self._seeds[world] or 0), self._episodes[world] - 1, result_of(self.worlds, world))
+            for world in ended.tolist()
+        )
