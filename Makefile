@@ -19,9 +19,10 @@ test:
 golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden
 
-soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps
+soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 2,000 killed processes
 	$(BIN)python -m tests.selforg.fuzz
 	$(BIN)python -m tests.network.soak 10000
+	$(BIN)python -m tests.store.soak
 
 bench:
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status

@@ -135,11 +135,21 @@ def read(path: Path, source: str) -> Contents:
 def _read_json(path: Path) -> dict[str, Any]:
     where = shown(path)
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_unique)
     except (OSError, UnicodeDecodeError) as error:
         raise DocumentError(f"{where}: cannot be read ({error})") from error
     except json.JSONDecodeError as error:
         raise DocumentError(f"{where}: line {error.lineno}: {error.msg}") from error
+    except ValueError as error:
+        raise DocumentError(f"{where}: {error}") from error
     if not isinstance(content, dict):
         raise DocumentError(f"{where}: expected a mapping of keys, got {type(content).__name__}")
     return content
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    mapping = dict(pairs)
+    if len(mapping) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"key {next(name for name in names if names.count(name) > 1)!r} twice")
+    return mapping

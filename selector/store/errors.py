@@ -28,6 +28,8 @@ def reported(where: str) -> Iterator[None]:
         if FULL in said:
             said = f"an entry would hold more than {COUNT_LIMIT} updates; nothing was added"
         raise StoreError(f"{where}: {said}") from error
+    except UnicodeDecodeError as error:  # sqlite3 fails to decode what SQLite says of a damaged schema
+        raise StoreError(f"{where}: the file is corrupt: {error.reason}") from error
 
 
 def said_by(error: DBAPIError) -> str:
