@@ -1,4 +1,4 @@
-"""Robots whose network is made of coordinators: a whole tick in one call, for hosts without a robot model of their own."""
+"""Robots whose network is made of coordinators: a whole tick in one call, for hosts without a model of their own."""
 
 from __future__ import annotations
 
