@@ -110,7 +110,7 @@ def point(
 def nearest_neighbour(
     row: int, first: int, last: int, robots: Floats, present: Flags, extent: Floats
 ) -> tuple[int, int, int, float]:
-    """Return how many others of the rows [first, last) are in range and how many are present, the nearest, its distance.
+    """Return how many others of the rows [first, last) are in range, how many are present, the nearest, its distance.
 
     The nearest one in range is -1 if there is none; the distance in [m].
     """

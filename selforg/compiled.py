@@ -17,3 +17,8 @@ R = TypeVar("R")
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile `function` in Numba's nopython mode, cached on disk, without fast-math (same seed, same bits)."""
     return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy")(function))
+
+
+def inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a small function like `kernel`, into its callers: handing over arrays would cost more than its work."""
+    return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy", forceinline=True)(function))

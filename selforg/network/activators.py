@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined
 
 BOOLEAN, THRESHOLD, LINEAR, GREEDY, EQUAL = range(5)
 
@@ -141,7 +141,7 @@ class Equal(Activator):
         return 1.0
 
 
-@kernel
+@inlined
 def activate(
     kind: int, reading: float, a: float, b: float, low: float, high: float, direction: float
 ) -> tuple[float, float]:

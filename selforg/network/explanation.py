@@ -189,6 +189,6 @@ def _node_values(model: NetworkModel, readings: Floats) -> Floats:
     """Satisfaction of every node (C,) at `readings` (S,)."""
     leaves = np.empty((2, len(ints_of(model.ints, t.LEAF_SENSOR))))
     values = np.empty(len(ints_of(model.ints, t.NODE_KIND)))
-    evaluate_leaves(model.ints, model.floats, readings, leaves[0], leaves[1])
-    evaluate_nodes(model.ints, leaves[0], values)
+    evaluate_leaves(0, model.ints, model.floats, readings[None], leaves)
+    evaluate_nodes(model.ints, leaves, values)
     return values

@@ -15,6 +15,7 @@ from selforg.network.behaviours import Behaviour, Effect, Goal, NetworkSettings,
 from selforg.network.conditions import Condition, Conjunction, Disjunction, Leaf, Negation, Optional, Tree, leaves
 
 Entry = tuple[int, int]  # an effect or a wish, and the sensor it is about
+LEAF_NUMBERS = (t.LEAF_A, t.LEAF_B, t.LEAF_LOW, t.LEAF_HIGH, t.LEAF_DIRECTION)
 _COMPOSED = {Conjunction: t.CONJUNCTION, Disjunction: t.DISJUNCTION}
 
 
@@ -75,6 +76,7 @@ class _Packer:
         self.ints: dict[int, list[int]] = defaultdict(list)
         self.floats: dict[int, list[float]] = defaultdict(list)
         self.roots: list[list[int]] = [[] for _ in model.behaviours]
+        self.leaves: dict[tuple[int, int, tuple[float, ...]], int] = {}  # equal conditions are one leaf
 
     def packed(self) -> tuple[t.Ints, t.Floats]:
         self.ints[t.NODE_FIRST].append(0)
@@ -137,10 +139,9 @@ class _Packer:
 
     def _tree(self, tree: Tree, owner: int, tag: int, where: str) -> int:
         """Add a condition tree's nodes and its owner's wishes; return the root node."""
-        first_leaf = len(self.ints[t.LEAF_SENSOR])
         root = self._node(tree, where)
-        for k, leaf in enumerate(leaves(tree)):
-            self._wish(leaf, first_leaf + k, owner, tag, where)
+        for leaf in leaves(tree):
+            self._wish(leaf, self._leaf(leaf.condition, where), owner, tag, where)
         return root
 
     def _node(self, tree: Tree, where: str) -> int:
@@ -164,15 +165,14 @@ class _Packer:
         if not fits:
             kind = self.model.sensors[sensor].kind
             raise ValueError(f"{where}: {type(activator).__name__} does not fit sensor {condition.sensor!r} (a {kind})")
-        self.ints[t.LEAF_SENSOR].append(sensor)
-        self.ints[t.LEAF_KIND].append(activator.kind)
-        for section, number in zip(
-            (t.LEAF_A, t.LEAF_B, t.LEAF_LOW, t.LEAF_HIGH, t.LEAF_DIRECTION),
-            (*activator.parameters, activator.low, activator.high, activator.direction),
-            strict=True,
-        ):
-            self.floats[section].append(number)
-        return len(self.ints[t.LEAF_SENSOR]) - 1
+        numbers = (*activator.parameters, activator.low, activator.high, activator.direction)
+        known = self.leaves.setdefault((sensor, activator.kind, numbers), len(self.leaves))
+        if known == len(self.ints[t.LEAF_SENSOR]):
+            self.ints[t.LEAF_SENSOR].append(sensor)
+            self.ints[t.LEAF_KIND].append(activator.kind)
+            for section, number in zip(LEAF_NUMBERS, numbers, strict=True):
+                self.floats[section].append(number)
+        return known
 
     def _wish(self, leaf: Leaf, index: int, owner: int, tag: int, where: str) -> None:
         self.ints[t.WISH_OWNER].append(owner)

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined, kernel
 from selforg.network import plan_watch as pw
 from selforg.network import state as st
 from selforg.network import tables as t
-from selforg.network.activation import activate_row, scratch_size
+from selforg.network.activation import activate_row
 from selforg.network.arbitration import arbitrate_row
 from selforg.network.evaluation import evaluate_row
 from selforg.network.model import NetworkModel
@@ -19,6 +19,7 @@ from selforg.network.plan_memory import PlanMemory, recall, write_key
 from selforg.network.plan_watch import PlanState, watch_plan
 from selforg.network.planning import Planner
 from selforg.network.readings import find_wrong, reading_of, refuse
+from selforg.network.sharing import COUNTS
 from selforg.network.state import NetworkState
 from selforg.network.tables import Floats, Ints, ints_of
 
@@ -168,9 +169,9 @@ class BehaviourNetwork:
     def _run(self, rows: NDArray[np.int64], phase: int, guarantee: bool) -> int:
         s, p, memory = self.state, self.plans, self._memory
         return _step(
-            rows, self.model.ints, self.model.floats, self.readings, s.values, s.marks, s.row_values,
-            s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.marks, p.readings, memory.layout,
-            memory.entries, self._keys, phase, self.planner is not None, guarantee,
+            rows, self.model.ints, self.model.floats, self.readings, s.value_table, s.mark_table, s.row_table,
+            s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.mark_table, p.readings,
+            memory.layout, memory.entries, self._keys, phase, self.planner is not None, guarantee,
         )  # fmt: skip
 
 
@@ -188,43 +189,43 @@ def _step(
         wrong = find_wrong(rows, ints, readings)
         if wrong >= 0:
             return -1 - wrong
-    behaviours, nodes = ints_of(ints, t.SIZES)[1], ints_of(ints, t.SIZES)[3]
-    leaf_scratch = np.empty((2, ints_of(ints, t.LEAF_SENSOR).shape[0]))
-    node_scratch = np.empty(nodes)
-    goal_weight = np.empty(goal_satisfaction.shape[1])
-    counted, order = np.empty(behaviours, np.int64), np.empty(behaviours, np.int64)
-    scratch = np.empty(scratch_size(ints), np.int64)
+    behaviours = values.shape[2]
+    leaves, nodes = np.empty((2, t.size_of(ints, t.LEAF_SENSOR))), np.empty(t.size_of(ints, t.NODE_KIND))
+    goal_weight, counts = np.empty(goal_satisfaction.shape[1]), np.empty((COUNTS, readings.shape[1]), np.int64)
+    live, live_wish = np.empty(t.size_of(ints, t.EFFECT_OWNER), np.int64), np.empty(wishes.shape[1], np.int64)
+    heard, counted, order = (
+        np.empty(behaviours, np.int64), np.empty(behaviours, np.int64), np.empty(behaviours, np.int64),
+    )  # fmt: skip
     missing = 0
     for k in range(rows.shape[0]):
         row = rows[k]
         if phase == SENSE_AND_DECIDE:
             evaluate_row(
-                row, ints, floats, readings, values, marks, goal_satisfaction, goal_enabled, wishes, kept,
-                leaf_scratch, node_scratch,
-            )  # fmt: skip
+                row, ints, floats, readings, values, marks, goal_satisfaction, goal_enabled, wishes, kept, leaves, nodes
+            )
             if planning:
                 watch_plan(row, ints, floats, readings, marks, goal_enabled, plan, plan_marks, plan_readings)
             forget_finished(row, values, marks)
-            if planning and plan_marks[pw.NEEDED, row]:
-                write_key(row, key_layout, readings, marks, goal_enabled, keys[row])
-                if not recall(row, keys[row], remembered, plan, plan_marks):
+            if planning and plan_marks[row, pw.NEEDED]:
+                write_key(row, key_layout, readings, marks, goal_enabled, keys)
+                if not recall(row, keys, remembered, plan, plan_marks):
                     missing += 1
                     continue
-                plan_marks[pw.NEEDED, row] = 0
+                plan_marks[row, pw.NEEDED] = 0
         activate_row(
-            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, goal_weight, plan, plan_marks,
-            scratch,
+            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, plan, plan_marks, goal_weight,
+            heard, live, live_wish, counts,
         )  # fmt: skip
         timed_out = arbitrate_row(row, ints, floats, values, marks, row_values, guarantee, counted, order)
         if timed_out:
-            plan_marks[pw.ALARM, row] = 1
+            plan_marks[row, pw.ALARM] = 1
     return missing
 
 
-@kernel
+@inlined
 def forget_finished(row: int, values: Floats, marks: Ints) -> None:
     """Take the activation from what ended itself; what was stopped keeps it (Q15)."""
     for b in range(values.shape[2]):
-        if marks[st.FINISHED, row, b]:
-            marks[st.FINISHED, row, b] = 0
-            values[st.ACTIVATION, row, b] = 0.0
+        if marks[row, st.FINISHED, b]:
+            marks[row, st.FINISHED, b] = 0
+            values[row, st.ACTIVATION, b] = 0.0

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined
 from selforg.network import state as st
 from selforg.network.plan_guards import STEPS_PER_UNIT
 from selforg.network.plan_task import Scale
@@ -78,7 +78,7 @@ def _or(value: int | None, otherwise: int) -> int:
     return otherwise if value is None else value
 
 
-@kernel
+@inlined
 def hashed(key: Ints) -> np.int64:
     """Return a non-negative hash of the key's words (FNV-1a on thirds of words; small enough never to overflow)."""
     value = np.int64(18652613)
@@ -89,41 +89,42 @@ def hashed(key: Ints) -> np.int64:
     return value ^ (value >> np.int64(15))
 
 
-@kernel
-def write_key(row: int, layout: Ints, readings: Floats, marks: Ints, goal_enabled: Ints, key: Ints) -> None:
-    """Fill `key` (K,) for `row`."""
+@inlined
+def write_key(row: int, layout: Ints, readings: Floats, marks: Ints, goal_enabled: Ints, keys: Ints) -> None:
+    """Fill keys[row] (K,) for `row`."""
     facts, words, coordinators, goals = layout[0], layout[1], layout[2], layout[3]
-    key[:] = 0
+    for k in range(keys.shape[1]):
+        keys[row, k] = 0
     for k in range(facts + goals):
         bit = readings[row, layout[4 + k]] > 0.5 if k < facts else goal_enabled[row, k - facts] == 1
         if bit:
-            key[k // BITS_PER_WORD] |= np.int64(1) << np.int64(k % BITS_PER_WORD)
+            keys[row, k // BITS_PER_WORD] |= np.int64(1) << np.int64(k % BITS_PER_WORD)
     at = (facts + goals + BITS_PER_WORD - 1) // BITS_PER_WORD
     for k in range(words):
         begin = 4 + facts + 5 * k
         value = np.int64(np.rint(readings[row, layout[begin]] * STEPS_PER_UNIT))
         value = min(max(value, layout[begin + 3]), layout[begin + 4])
         gap, grid = value - layout[begin + 1], layout[begin + 2]
-        key[at + k] = -(gap // grid) if grid else (1 if gap >= 0 else 0)
+        keys[row, at + k] = -(gap // grid) if grid else (1 if gap >= 0 else 0)
     begin = 4 + facts + 5 * words
     for k in range(coordinators):
-        key[at + words + k] = marks[st.ALTERNATIVE, row, layout[begin + k]]
+        keys[row, at + words + k] = marks[row, st.ALTERNATIVE, layout[begin + k]]
 
 
-@kernel
-def recall(row: int, key: Ints, entries: Ints, plan: Ints, plan_marks: Ints) -> bool:
-    """Give `row` the plan remembered for `key`; False if there is none."""
+@inlined
+def recall(row: int, keys: Ints, entries: Ints, plan: Ints, plan_marks: Ints) -> bool:
+    """Give `row` the plan remembered for keys[row] (K,); False if there is none."""
     mask = entries.shape[0] - 1
-    slot = hashed(key) & mask
+    slot = hashed(keys[row]) & mask
     while entries[slot, 0]:
         same = True
-        for k in range(key.shape[0]):
-            same = same and entries[slot, 2 + MAX_PLAN + k] == key[k]
+        for k in range(keys.shape[1]):
+            same = same and entries[slot, 2 + MAX_PLAN + k] == keys[row, k]
         if same:
             length = entries[slot, 1]
-            plan_marks[KNOWN, row] = 1 if length >= 0 else 0
-            plan_marks[INDEX, row] = 0
-            plan_marks[LENGTH, row] = max(length, 0)
+            plan_marks[row, KNOWN] = 1 if length >= 0 else 0
+            plan_marks[row, INDEX] = 0
+            plan_marks[row, LENGTH] = max(length, 0)
             for k in range(length):
                 plan[row, k] = entries[slot, 2 + k]
             return True

@@ -15,12 +15,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined
 from selforg.network import state as st
 from selforg.network import tables as t
-from selforg.network.tables import Floats, Ints, floats_of, ints_of
+from selforg.network.tables import Floats, Ints, begin_of, float_begin_of
 
-# plan_marks (PLAN_LAYERS, R)
+# marks (PLAN_LAYERS, R), mark_table (R, PLAN_LAYERS)
 (
     INDEX,  # of the step that is due
     LENGTH,
@@ -38,67 +38,71 @@ class PlanState:
 
     def __init__(self, rows: int, sensors: int) -> None:
         self.steps: NDArray[np.int64] = np.zeros((rows, MAX_PLAN), dtype=np.int64)
-        self.marks: NDArray[np.int64] = np.zeros((PLAN_LAYERS, rows), dtype=np.int64)
-        self.readings: NDArray[np.float64] = np.zeros((2, rows, sensors))  # of the last step; change since last idle
+        self.mark_table: NDArray[np.int64] = np.zeros((rows, PLAN_LAYERS), dtype=np.int64)
+        self.marks: NDArray[np.int64] = self.mark_table.T
+        self.readings: NDArray[np.float64] = np.zeros((rows, 2, sensors))  # of the last step; change since last idle
 
     def reset(self, rows: NDArray[np.int64]) -> None:
         """Forget the plans of `rows` (K,)."""
         self.marks[:, rows] = 0
-        self.readings[:, rows] = 0.0
+        self.readings[rows] = 0.0
 
 
-@kernel
+@inlined
 def is_relevant(row: int, sensor: int, ints: Ints, marks: Ints, goal_enabled: Ints) -> bool:
     """Whether a condition of a behaviour or of a goal that is on looks at `sensor`."""
-    first, entry, tag = ints_of(ints, t.SENSOR_WISH_FIRST), ints_of(ints, t.SENSOR_WISH), ints_of(ints, t.WISH_TAG)
-    owner = ints_of(ints, t.WISH_OWNER)
-    for k in range(first[sensor], first[sensor + 1]):
-        b = owner[entry[k]]
-        if marks[st.PRESENT, row, b] and (tag[entry[k]] < 0 or tag[entry[k]] == marks[st.ALTERNATIVE, row, b]):
+    owner, tag = begin_of(ints, t.WISH_OWNER), begin_of(ints, t.WISH_TAG)
+    first, entry = begin_of(ints, t.SENSOR_WISH_FIRST) + sensor, begin_of(ints, t.SENSOR_WISH)
+    for k in range(ints[first], ints[first + 1]):
+        wish = ints[entry + k]
+        b, held = ints[owner + wish], ints[tag + wish]
+        if marks[row, st.PRESENT, b] and (held < 0 or held == marks[row, st.ALTERNATIVE, b]):
             return True
-    first, entry = ints_of(ints, t.SENSOR_GOAL_WISH_FIRST), ints_of(ints, t.SENSOR_GOAL_WISH)
-    behaviours = ints_of(ints, t.SIZES)[1]
-    for k in range(first[sensor], first[sensor + 1]):  # noqa: SIM110  (compiled code knows no generators)
-        if goal_enabled[row, owner[entry[k]] - behaviours]:
+    first, entry = begin_of(ints, t.SENSOR_GOAL_WISH_FIRST) + sensor, begin_of(ints, t.SENSOR_GOAL_WISH)
+    behaviours = marks.shape[2]
+    for k in range(ints[first], ints[first + 1]):
+        if goal_enabled[row, ints[owner + ints[entry + k]] - behaviours]:
             return True
     return False
 
 
-@kernel
+@inlined
 def ran(row: int, b: int, marks: Ints) -> bool:
     """Whether behaviour `b` was running until now."""
-    return bool(marks[st.EXECUTING, row, b] == 1 or marks[st.FINISHED, row, b] == 1)
+    return bool(marks[row, st.EXECUTING, b] == 1 or marks[row, st.FINISHED, b] == 1)
 
 
-@kernel
+@inlined
 def was_expected(row: int, sensor: int, change: float, ints: Ints, floats: Floats, marks: Ints) -> bool:
     """Whether something that ran has an effect on `sensor` in the direction of `change`."""
-    first, entry = ints_of(ints, t.SENSOR_EFFECT_FIRST), ints_of(ints, t.SENSOR_EFFECT)
-    owner, tag, effect = ints_of(ints, t.EFFECT_OWNER), ints_of(ints, t.EFFECT_TAG), floats_of(floats, t.EFFECT_CHANGE)
-    for k in range(first[sensor], first[sensor + 1]):
-        e = entry[k]
-        held = tag[e] < 0 or tag[e] == marks[st.ALTERNATIVE, row, owner[e]]
-        if held and effect[e] * change > 0.0 and ran(row, owner[e], marks):
+    first, entry = begin_of(ints, t.SENSOR_EFFECT_FIRST) + sensor, begin_of(ints, t.SENSOR_EFFECT)
+    owner, tag = begin_of(ints, t.EFFECT_OWNER), begin_of(ints, t.EFFECT_TAG)
+    effect = float_begin_of(floats, t.EFFECT_CHANGE)
+    for k in range(ints[first], ints[first + 1]):
+        e = ints[entry + k]
+        b, held = ints[owner + e], ints[tag + e]
+        shown = held < 0 or held == marks[row, st.ALTERNATIVE, b]
+        if shown and floats[effect + e] * change > 0.0 and ran(row, b, marks):
             return True
     return False
 
 
-@kernel
-def is_realised(row: int, b: int, ints: Ints, floats: Floats, marks: Ints, change: Floats) -> bool:
-    """Whether all effects of behaviour `b` count as realised by `change` (S,)."""
-    first, sensor, tag = ints_of(ints, t.EFFECT_FIRST), ints_of(ints, t.EFFECT_SENSOR), ints_of(ints, t.EFFECT_TAG)
-    effect, strict = floats_of(floats, t.EFFECT_CHANGE), ints_of(ints, t.OPTIONS)[3]
-    for e in range(first[b], first[b + 1]):
-        if tag[e] >= 0 and tag[e] != marks[st.ALTERNATIVE, row, b]:
+@inlined
+def is_realised(row: int, b: int, ints: Ints, floats: Floats, marks: Ints, plan_readings: Floats) -> bool:
+    """Whether all effects of behaviour `b` count as realised by the change since the row last stood idle."""
+    first, sensor, tag = begin_of(ints, t.EFFECT_FIRST), begin_of(ints, t.EFFECT_SENSOR), begin_of(ints, t.EFFECT_TAG)
+    effect, strict = float_begin_of(floats, t.EFFECT_CHANGE), ints[begin_of(ints, t.OPTIONS) + 3]
+    for e in range(ints[first + b], ints[first + b + 1]):
+        if ints[tag + e] >= 0 and ints[tag + e] != marks[row, st.ALTERNATIVE, b]:
             continue
-        seen = change[sensor[e]]
-        realised = effect[e] * seen > 0.0 and abs(seen) >= 0.5 * abs(effect[e]) if strict else effect[e] >= seen
+        seen, wanted = plan_readings[row, 1, ints[sensor + e]], floats[effect + e]
+        realised = wanted * seen > 0.0 and abs(seen) >= 0.5 * abs(wanted) if strict else wanted >= seen
         if not realised:
             return False
     return True
 
 
-@kernel
+@inlined
 def see_changes(
     row: int, ints: Ints, floats: Floats, readings: Floats, marks: Ints, goal_enabled: Ints, plan_readings: Floats
 ) -> bool:
@@ -108,18 +112,18 @@ def see_changes(
         idle = idle and not ran(row, b, marks)
     expected = True
     for sensor in range(readings.shape[1]):
-        change = readings[row, sensor] - plan_readings[0, row, sensor]
-        plan_readings[0, row, sensor] = readings[row, sensor]
+        change = readings[row, sensor] - plan_readings[row, 0, sensor]
+        plan_readings[row, 0, sensor] = readings[row, sensor]
         if idle:
-            plan_readings[1, row, sensor] = 0.0
+            plan_readings[row, 1, sensor] = 0.0
         if change == 0.0 or not is_relevant(row, sensor, ints, marks, goal_enabled):
             continue
-        plan_readings[1, row, sensor] += change
+        plan_readings[row, 1, sensor] += change
         expected = expected and was_expected(row, sensor, change, ints, floats, marks)
     return expected
 
 
-@kernel
+@inlined
 def watch_plan(
     row: int, ints: Ints, floats: Floats, readings: Floats, marks: Ints, goal_enabled: Ints, plan: Ints,
     plan_marks: Ints, plan_readings: Floats,
@@ -129,16 +133,17 @@ def watch_plan(
     Call it before what ended itself is forgotten.
     """
     expected = see_changes(row, ints, floats, readings, marks, goal_enabled, plan_readings)
-    index = plan_marks[INDEX, row]
-    due = plan[row, index] if index < plan_marks[LENGTH, row] else -1
-    alarm = plan_marks[ALARM, row] == 1
+    index = plan_marks[row, INDEX]
+    due = plan[row, index] if index < plan_marks[row, LENGTH] else -1
+    alarm = plan_marks[row, ALARM] == 1
     for b in range(marks.shape[2]):
-        alarm = alarm or (marks[st.FINISHED, row, b] == 1 and b != due)
-    plan_marks[ALARM, row] = 0
-    if alarm or not expected or not plan_marks[KNOWN, row]:
-        plan_marks[NEEDED, row] = 1
-        plan_readings[1, row, :] = 0.0
+        alarm = alarm or (marks[row, st.FINISHED, b] == 1 and b != due)
+    plan_marks[row, ALARM] = 0
+    if alarm or not expected or not plan_marks[row, KNOWN]:
+        plan_marks[row, NEEDED] = 1
+        for sensor in range(readings.shape[1]):
+            plan_readings[row, 1, sensor] = 0.0
     elif due >= 0 and ran(row, due, marks):
-        done = marks[st.FINISHED, row, due] == 1
-        if done or is_realised(row, due, ints, floats, marks, plan_readings[1, row]):
-            plan_marks[INDEX, row] = index + 1
+        done = marks[row, st.FINISHED, due] == 1
+        if done or is_realised(row, due, ints, floats, marks, plan_readings):
+            plan_marks[row, INDEX] = index + 1

@@ -11,10 +11,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined
 from selforg.network import tables as t
 from selforg.network.behaviours import Sensor
-from selforg.network.tables import Floats, Ints, ints_of
+from selforg.network.tables import Floats, Ints, begin_of
 
 FINE = -1  # no wrong reading
 
@@ -41,17 +41,17 @@ def reading_of(sensor: Sensor, value: object) -> float:
     return float(value)
 
 
-@kernel
+@inlined
 def find_wrong(rows: Ints, ints: Ints, readings: Floats) -> int:
     """Return row * S + sensor of the first wrong reading in `rows` (K,) of `readings` (R, S), FINE if all are right."""
-    is_fact = ints_of(ints, t.SENSOR_IS_FACT)
+    is_fact, sensors = begin_of(ints, t.SENSOR_IS_FACT), readings.shape[1]
     for row in rows:
-        for sensor in range(is_fact.shape[0]):
+        for sensor in range(sensors):
             value = readings[row, sensor]
             if value == 0.0 or value == 1.0:
                 continue
-            if is_fact[sensor] or value != value:
-                return int(row * is_fact.shape[0] + sensor)
+            if ints[is_fact + sensor] or value != value:
+                return int(row * sensors + sensor)
     return FINE
 
 

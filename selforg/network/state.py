@@ -1,6 +1,8 @@
 """What a network remembers of its rows: layers of arrays, each (R, B) or (R, G), so that kernels get few arguments.
 
-`VALUES` layers are float64, `MARKS` layers int64. The names below are the layers' indices.
+`VALUES` layers are float64, `MARKS` layers int64. The names below are the layers' indices. In memory all layers of a
+row lie together, as kernels go from row to row: they take the `_table`s, rows first; the views of the same memory
+without `_table` have the layers first.
 """
 
 from __future__ import annotations
@@ -8,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-# values (VALUE_LAYERS, R, B)
+# values (VALUE_LAYERS, R, B), value_table (R, VALUE_LAYERS, B)
 (
     ACTIVATION,
     SATISFACTION,
@@ -32,7 +34,7 @@ COMPONENTS = {
     "plan": PLAN,
 }
 
-# marks (MARK_LAYERS, R, B)
+# marks (MARK_LAYERS, R, B), mark_table (R, MARK_LAYERS, B)
 (
     PRESENT,  # part of the network at all
     ENABLED,
@@ -51,7 +53,7 @@ COMPONENTS = {
 ) = range(14)
 MARK_LAYERS = REASON
 
-# row_values (ROW_LAYERS, R)
+# row_values (ROW_LAYERS, R), row_table (R, ROW_LAYERS)
 (
     THRESHOLD,
     TOTAL,  # activation of all operational behaviours before the last step
@@ -65,9 +67,12 @@ class NetworkState:
 
     def __init__(self, rows: int, behaviours: int, goals: int, wishes: int, explained: bool = False) -> None:
         layers = EXPLAINED_LAYERS if explained else MARK_LAYERS
-        self.values: NDArray[np.float64] = np.zeros((VALUE_LAYERS, rows, behaviours))
-        self.marks: NDArray[np.int64] = np.zeros((layers, rows, behaviours), dtype=np.int64)
-        self.row_values: NDArray[np.float64] = np.zeros((ROW_LAYERS, rows))
+        self.value_table: NDArray[np.float64] = np.zeros((rows, VALUE_LAYERS, behaviours))
+        self.mark_table: NDArray[np.int64] = np.zeros((rows, layers, behaviours), dtype=np.int64)
+        self.row_table: NDArray[np.float64] = np.zeros((rows, ROW_LAYERS))
+        self.values: NDArray[np.float64] = self.value_table.swapaxes(0, 1)
+        self.marks: NDArray[np.int64] = self.mark_table.swapaxes(0, 1)
+        self.row_values: NDArray[np.float64] = self.row_table.T
         self.goal_satisfaction: NDArray[np.float64] = np.zeros((rows, goals))
         self.goal_enabled: NDArray[np.int64] = np.ones((rows, goals), dtype=np.int64)
         self.wishes: NDArray[np.float64] = np.zeros((rows, wishes))

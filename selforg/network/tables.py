@@ -1,9 +1,10 @@
 """A network model as flat arrays, in the form that the kernels read.
 
 Handing an array to compiled code costs about 0.2 us, so all integers of a model lie in one array and all floats in
-another. Both start with the offsets of their sections; `ints_of` and `floats_of` cut one out. Letters: S sensors, B
-behaviours, G goals, L leaves (conditions), C nodes (conditions and what is composed of them), E effects, U wishes (a
-behaviour's or a goal's view of one leaf).
+another. Both start with the offsets of their sections: kernels add what they look for to `begin_of` or `float_begin_of`
+(a view would cost more than what is read from it), Python cuts a section out by `ints_of` and `floats_of`. Letters:
+S sensors, B behaviours, G goals, L leaves (conditions), C nodes (conditions and what is composed of them), E effects,
+U wishes (a behaviour's or a goal's view of one leaf).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -92,13 +93,29 @@ def _with_offsets(sections: list[list[int]] | list[list[float]]) -> list[float]:
     return offsets + [number for section in sections for number in section]
 
 
-@kernel
+@inlined
+def begin_of(table: Ints, section: int) -> int:
+    """Where a section of the packed integers begins."""
+    return int(table[section])
+
+
+@inlined
+def size_of(table: Ints, section: int) -> int:
+    """Length of a section of the packed integers."""
+    return int(table[section + 1] - table[section])
+
+
+@inlined
+def float_begin_of(table: Floats, section: int) -> int:
+    """Where a section of the packed floats begins."""
+    return int(table[section])
+
+
 def ints_of(table: Ints, section: int) -> Ints:
     """One section of the packed integers, as a view."""
     return table[table[section] : table[section + 1]]
 
 
-@kernel
 def floats_of(table: Floats, section: int) -> Floats:
     """One section of the packed floats, as a view."""
     return table[int(table[section]) : int(table[section + 1])]
