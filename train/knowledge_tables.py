@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 
 from rich.table import Table
 
+from selector.documents import unknown
 from selector.store import Contents, Key, StoreError
 from selector.store.contents import Entry
 
@@ -33,7 +34,7 @@ def one_goal(contents: Contents, goal: str) -> Table:
     """Return a row for each option, context and source of a goal: score, count, mean, standard deviation, update."""
     goals = _goals(contents)
     if goal not in goals:
-        raise StoreError(f"unknown goal {goal!r} (known: {', '.join(goals) or 'none'})")
+        raise StoreError(unknown("goal", goal, goals))
     columns = {"configuration": False, "score": True, "context": False, "updates": True, "mean": True, "std": True}
     table = _table("option", **columns, **{"last update": False, "source": False})
     rated = {name: found for (of, name), found in contents.expert.items() if of == goal}
