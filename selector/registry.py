@@ -1,6 +1,7 @@
 """Strategies by name: the register, and how YAML and the command line name one with its parameters."""
 
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -60,9 +61,10 @@ def checked(spec: StrategySpec, where: str = "strategy") -> StrategySpec:
         DocumentError: they do not; the message begins with `where`.
 
     """
-    if spec.name not in _registered:
-        raise DocumentError(f"{where}: {unknown('strategy', spec.name, tuple(registered()))}")
-    validated(_registered[spec.name].Parameters, spec.parameters, f"{where} {spec.name}")
+    known = registered()
+    if spec.name not in known:
+        raise DocumentError(f"{where}: {unknown('strategy', spec.name, tuple(known))}")
+    validated(known[spec.name].Parameters, spec.parameters, f"{where} {spec.name}")
     return spec
 
 
@@ -76,7 +78,8 @@ def register(strategy: S) -> S:
 
 
 def registered() -> dict[str, type[DecisionStrategy]]:
-    """Return all registered strategies by name."""
+    """Return all registered strategies by name, those that ship among them."""
+    import_module("selector.strategies")  # they register as they are imported, and need this module to do so
     return dict(sorted(_registered.items()))
 
 
@@ -89,6 +92,7 @@ def create(
         DocumentError: an unknown name, or parameters that do not fit.
 
     """
-    if name not in _registered:
-        raise DocumentError(unknown("strategy", name, tuple(registered())))
-    return _registered[name](problem, keys, parameters, groups=groups)
+    known = registered()
+    if name not in known:
+        raise DocumentError(unknown("strategy", name, tuple(known)))
+    return known[name](problem, keys, parameters, groups=groups)

@@ -1,7 +1,7 @@
 """The blueprint of decision strategies: which option serves a goal now, for many robots at once."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from selector.decisions import Decisions, Flags, Floats, Ints, Outcomes, Problem, readable, whole_numbers
 from selector.documents import Closed, validated
-from selector.experience import Experience
 from selector.streams import Keys, uniforms
 
 Arrays = dict[str, npt.NDArray[Any]]
@@ -79,7 +78,6 @@ class DecisionStrategy(ABC):
         self.keys: Keys = np.array(keys, dtype=np.uint64)
         self.counters: Keys = np.zeros(self.rows, dtype=np.uint64)
         self.chance: Floats = np.ones(self.rows)
-        self.experience = Experience(self.options)
         self._prepare()
         first = self._first_state()
         self.state_names = tuple(first)
@@ -143,7 +141,6 @@ class DecisionStrategy(ABC):
         groups = self.group_of[told]
         order = _canonical_order(groups, chosen, gained, likely, seen)
         outcomes = Outcomes(groups[order], chosen[order], gained[order], seen[order], likely[order])
-        self.experience.add(outcomes.option, outcomes.reward, self._context_keys(outcomes.context))
         self._update(outcomes)
 
     @final
@@ -182,6 +179,33 @@ class DecisionStrategy(ABC):
         """Take over a state that `state_dict` of a strategy of the same class and sizes gave."""
         self._load(state, (*self.state_names, *ROW_STATE), spread=False)
 
+    def context_keys(self, context: Floats) -> str | Sequence[str]:
+        """Return under which name a store of knowledge keeps rewards in `context` (K, F): one for all, or (K,)."""
+        return ""
+
+    @final
+    def recall(self, count: Ints, mean: Floats, variance: Floats) -> None:
+        """Begin with what a store of knowledge holds of each option, as if its rewards had just come, in all groups.
+
+        Args:
+            count: (O,) number of rewards of each option.
+            mean: (O,) their mean; any number where there is none.
+            variance: (O,) their mean squared deviation from it.
+
+        Raises:
+            ValueError: numbers that do not fit, or a strategy that keeps no such estimates.
+
+        """
+        shape = (self.options,)
+        known = readable("count", count, shape)
+        average, spread = readable("mean", mean, shape), readable("variance", variance, shape)
+        if known.min() < 0.0 or spread.min() < 0.0:
+            raise ValueError(f"recall: expected no negative count or variance, got {known.min()} and {spread.min()}")
+        self._recall(known, average, spread)
+
+    def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
+        raise ValueError(f"strategy {type(self).__name__} keeps no count and mean of options that a store could give")
+
     def _prepare(self) -> None:  # noqa: B027  (a hook that may stay empty)
         """Check and set up what follows from problem and parameters; called once, before `_first_state`."""
 
@@ -196,10 +220,6 @@ class DecisionStrategy(ABC):
     @abstractmethod
     def _update(self, outcomes: Outcomes) -> None:
         """Move the state by what decisions brought."""
-
-    def _context_keys(self, context: Floats) -> tuple[str, ...]:
-        """Return under which key each context (K, F) is known to a store of experience; no keys: "" for all."""
-        return ()
 
     def _rows(self, rows: Ints | None) -> Ints:
         if rows is None:

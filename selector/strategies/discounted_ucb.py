@@ -9,7 +9,7 @@ from selector.decisions import Decisions, Floats, Ints, Outcomes
 from selector.documents import NonNegative, Number
 from selector.registry import register
 from selector.strategies.optimism import most_promising
-from selector.strategies.value_table import PriorParameters, weighted
+from selector.strategies.value_table import PriorParameters, summed, weighted
 from selector.strategy import Arrays, DecisionStrategy
 
 
@@ -52,9 +52,9 @@ class DiscountedUCB(DecisionStrategy):
         return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
 
     def _update(self, outcomes: Outcomes) -> None:
-        place, slots = outcomes.groups * self.options + outcomes.option, self.groups * self.options
+        place = (outcomes.groups, outcomes.option)
         touched = np.unique(outcomes.groups)
         self.counts[touched] *= self.parameters.discount
         self.totals[touched] *= self.parameters.discount
-        self.counts += np.bincount(place, minlength=slots).reshape(self.counts.shape)
-        self.totals += np.bincount(place, outcomes.reward, slots).reshape(self.totals.shape)
+        self.counts += summed(place, np.ones(len(outcomes.option)), self.counts.shape)
+        self.totals += summed(place, outcomes.reward, self.totals.shape)

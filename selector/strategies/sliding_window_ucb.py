@@ -36,6 +36,8 @@ class SlidingWindowUCB(DecisionStrategy):
     parameters: SlidingWindowUCBParameters
     step_counts: Floats  # (G, T, O) rewards in each of the last T steps
     step_totals: Floats  # (G, T, O) their sums
+    counts: Floats  # (G, O) rewards in all of them
+    totals: Floats  # (G, O) their sums
     cursor: Ints  # (G,) where the next step goes
 
     def _first_state(self) -> Arrays:
@@ -43,31 +45,34 @@ class SlidingWindowUCB(DecisionStrategy):
         return {
             "step_counts": np.zeros(shape),
             "step_totals": np.zeros(shape),
+            "counts": np.zeros((self.groups, self.options)),
+            "totals": np.zeros((self.groups, self.options)),
             "cursor": np.zeros(self.groups, dtype=np.int64),
         }
 
     def estimates(self) -> Floats:
         """Return what each option is worth now (G, O)."""
-        return self._seen()[1]
-
-    def _seen(self) -> tuple[Floats, Floats]:
-        """Return tries (G, O), the pseudo-count included, and estimates (G, O)."""
-        counts, totals = self.step_counts.sum(axis=1), self.step_totals.sum(axis=1)
-        means = totals / np.where(counts > 0.0, counts, 1.0)
-        prior = self.parameters.prior
-        return counts + prior, weighted(counts, means, prior, self.problem.scores)
+        means = self.totals / np.where(self.counts > 0.0, self.counts, 1.0)
+        return weighted(self.counts, means, self.parameters.prior, self.problem.scores)
 
     def _select(self, decisions: Decisions) -> Ints:
-        pulls, estimates = self._seen()
-        width = self.parameters.exploration * np.sqrt(self.parameters.confidence)
-        return most_promising(decisions, estimates, pulls, width, self.problem.scores)
+        settings = self.parameters
+        width = settings.exploration * np.sqrt(settings.confidence)
+        return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
 
     def _update(self, outcomes: Outcomes) -> None:
         touched = np.unique(outcomes.groups)
         now = self.cursor[touched]
-        self.step_counts[touched, now] = 0.0
-        self.step_totals[touched, now] = 0.0
         place = (outcomes.groups, self.cursor[outcomes.groups], outcomes.option)
-        np.add.at(self.step_counts, place, 1.0)
-        np.add.at(self.step_totals, place, outcomes.reward)
+        for steps, sums, added in (
+            (self.step_counts, self.counts, np.ones(len(outcomes.option))),
+            (self.step_totals, self.totals, outcomes.reward),
+        ):
+            sums[touched] -= steps[touched, now]  # what leaves the window
+            steps[touched, now] = 0.0
+            np.add.at(steps, place, added)
+            sums[touched] += steps[touched, now]
         self.cursor[touched] = (now + 1) % self.parameters.window
+        # once a round the sums are made anew, so that what rounding leaves behind does not grow
+        round_begins = touched[self.cursor[touched] == 0]
+        self.totals[round_begins] = self.step_totals[round_begins].sum(axis=1)

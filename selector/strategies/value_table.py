@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from selector.decisions import Floats, Outcomes
+from selector.decisions import Floats, Ints, Outcomes
 from selector.documents import Closed, NonNegative
 from selector.strategy import Arrays, DecisionStrategy
 
@@ -40,28 +40,39 @@ class ValueTable(DecisionStrategy):
         """Return what each option is worth (G, O): the mean of its rewards and of the expert's score."""
         return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
 
+    def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
+        merge(self.counts, self.means, self.spreads, count, mean, count * variance)
+
     def _update(self, outcomes: Outcomes) -> None:
-        """Merge the batch, as Chan, Golub and LeVeque (1983) merge samples (doi:10.1080/00031305.1983.10483115)."""
-        place, slots = outcomes.groups * self.options + outcomes.option, self.groups * self.options
-        added = np.bincount(place, minlength=slots)
-        touched = np.flatnonzero(added)
-        new = added[touched]
-        mean = np.bincount(place, outcomes.reward, slots)[touched] / new
-        centre = np.zeros(slots)
-        centre[touched] = mean
-        spread = np.bincount(place, (outcomes.reward - centre[place]) ** 2, slots)[touched]
-        counts, means, spreads = (array.reshape(-1) for array in (self.counts, self.means, self.spreads))
-        old, total = counts[touched], counts[touched] + new
-        step = mean - means[touched]
-        means[touched] += step * (new / total)
-        spreads[touched] += spread + step * step * (old * new / total)
-        counts[touched] = total
+        place, shape = (outcomes.groups, outcomes.option), self.counts.shape
+        count = summed(place, np.ones(len(outcomes.option)), shape)
+        mean = summed(place, outcomes.reward, shape) / np.maximum(count, 1.0)
+        spread = summed(place, (outcomes.reward - mean[place]) ** 2, shape)
+        merge(self.counts, self.means, self.spreads, count, mean, spread)
+
+
+def summed(place: tuple[Ints, Ints], values: Floats, shape: tuple[int, ...]) -> Floats:
+    """Return the sums (G, O) of `values` (K,) that belong to groups and options (K,)."""
+    sums = np.bincount(place[0] * shape[1] + place[1], values, shape[0] * shape[1])
+    return sums.astype(np.float64).reshape(shape)
+
+
+def merge(counts: Floats, means: Floats, spreads: Floats, count: Floats, mean: Floats, spread: Floats) -> None:
+    """Take further rewards into statistics (G, O): their count, mean and sum of squared deviations from it.
+
+    Chan, Golub & LeVeque (1983), doi:10.1080/00031305.1983.10483115.
+    """
+    total = counts + count
+    share = np.divide(count, total, out=np.zeros_like(total), where=total > 0.0)
+    step = mean - means
+    spreads += np.where(count > 0.0, spread, 0.0) + step * step * counts * share
+    means += step * share
+    counts += count
 
 
 def weighted(counts: Floats, means: Floats, prior: float, scores: Floats) -> Floats:
     """Return means (G, O) with `scores` (O,) as `prior` further rewards; the scores alone where there is no reward."""
     total = counts + prior
     known = total > 0.0
-    with np.errstate(over="ignore", under="ignore"):
-        values = (counts * means + prior * scores) / np.where(known, total, 1.0)
+    values = (counts * means + prior * scores) / np.where(known, total, 1.0)
     return np.where(known, values, scores)

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-import selector.strategies  # noqa: F401  (registers the strategies that ship)
 from selector.decisions import Problem
 from selector.documents import DocumentError
 from selector.knowledge import knowledge_from

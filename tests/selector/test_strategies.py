@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import selector.registry
-import selector.strategies
 import selector.strategy
 from selector.decisions import Problem
 from selector.documents import DocumentError

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import selector.strategies  # noqa: F401  (registers the strategies that ship)
 from selector.decisions import Problem
 from selector.registry import create, registered
+from selector.strategies.value_table import ValueTable
 from selector.streams import row_keys
 from tests.selector.policies import exported
 
@@ -235,20 +235,30 @@ def test_no_rows_no_decisions(fresh):
     same(before, strategy.state_dict())
 
 
-def test_experience_is_what_was_rewarded(fresh):
-    strategy = fresh()
-    chosen = live(strategy, contexts()).ravel()
-    reward = (chosen == 2) + 0.1 * contexts()[:, :, 0].ravel()
-    gains = strategy.experience.take()
-    for option, context, count, total, squares in zip(
-        gains.option, gains.context, gains.count, gains.total, gains.squares, strict=True
-    ):
-        assert context == ""
-        assert count == (chosen == option).sum()
-        assert total == pytest.approx(reward[chosen == option].sum(), abs=1e-12)
-        assert squares == pytest.approx((reward[chosen == option] ** 2).sum(), abs=1e-12)
-    assert sorted(gains.option) == np.unique(chosen).tolist()
-    assert len(strategy.experience.take().option) == 0
+def test_what_a_store_knows_is_taken_or_refused(fresh):
+    strategy, other = fresh(), fresh()
+    count, mean, variance = np.array([4, 0, 1, 9]), np.array([1.0, 7.0, -1.0, 0.5]), np.array([0.25, 3.0, 0.0, 1.0])
+    if not isinstance(strategy, ValueTable):
+        with pytest.raises(ValueError, match="keeps no count and mean"):
+            strategy.recall(count, mean, variance)
+        same(strategy.state_dict(), other.state_dict())
+        return
+    strategy.recall(count, mean, variance)
+    for group in range(other.groups):
+        rows = np.flatnonzero(other.group_of == group)[:1].repeat(14)
+        option = np.repeat([0, 2, 3], [4, 1, 9])
+        reward = np.array([0.5, 1.5, 0.5, 1.5, -1.0, *(0.5 + np.array([-1, -1, 0, 0, 0, 0, 0, 1, 1]) * 1.5)])
+        other.update(option, reward, np.zeros((14, FEATURES)), rows)
+    for key, value in strategy.learned().items():
+        np.testing.assert_allclose(value, other.learned()[key], atol=1e-12)
+
+
+def test_what_a_store_cannot_know_is_refused(fresh):
+    strategy, zeros = fresh(), np.zeros(4)
+    with pytest.raises(ValueError, match=r"mean: expected shape \(4,\), got \(3,\)"):
+        strategy.recall(zeros, zeros[:3], zeros)
+    with pytest.raises(ValueError, match="no negative count"):
+        strategy.recall(zeros - 1, zeros, zeros)
 
 
 ALL = np.ones((ROWS, 4), dtype=bool)
