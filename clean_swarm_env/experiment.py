@@ -6,6 +6,8 @@ from pydantic import Field, model_validator
 
 from clean_swarm_env.config import Count, MissionConfig, StartConfiguration, impossible
 from selector.documents import Closed, Number
+from selector.registry import StrategySpec
+from selector.selection import BY_SCORE
 
 Scores = dict[str, dict[str, Number]]
 
@@ -17,6 +19,8 @@ class ConditionConfig(Closed):
     """Name of the condition in all results."""
     scores: Scores = Field(default={})
     """Goal -> option -> score, laid over the expert knowledge (this is how a mechanism is forced)."""
+    strategy: StrategySpec = BY_SCORE
+    """What decides in every decision period which options serve the goals."""
     measured: str | None = None
     """Name under which a file of start configurations holds the figures measured for this condition."""
 

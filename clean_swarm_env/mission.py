@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-
-import numpy as np
+from pathlib import Path
 
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.robot_model import coordinators_of
 from clean_swarm_env.worlds import Worlds
-from selector.decisions import Problem
 from selector.knowledge import load_knowledge
-from selector.library import Library
-from selector.strategies.max_score import MaxScore
+from selector.library import library_of
+from selector.registry import StrategySpec
+from selector.selection import BY_SCORE, Selection
 
 Scores = Mapping[str, Mapping[str, float]]
 
@@ -42,40 +41,67 @@ class MissionResult:
     ticks: int
 
 
-def run_mission(mission: MissionConfig, start: StartConfiguration, seed: int, scores: Scores) -> MissionResult:
-    """Run one mission with the options of the highest scores; `scores` are laid over the expert knowledge."""
-    worlds = at_start(mission, start, seed, scores)
-    while in_progress(worlds):
-        worlds.tick()
-    return result_of(worlds, 0)
+def run_mission(
+    mission: MissionConfig,
+    start: StartConfiguration,
+    seed: int,
+    scores: Scores,
+    strategy: StrategySpec = BY_SCORE,
+    directories: tuple[Path, ...] = (),
+) -> MissionResult:
+    """Run one mission; the arguments are those of `Course`."""
+    course = Course(mission, start, seed, scores, strategy, directories)
+    while course.in_progress:
+        course.tick()
+    return result_of(course.worlds, 0)
 
 
-def at_start(
-    mission: MissionConfig, start: StartConfiguration, seed: int, scores: Scores, *, explained: bool = False
-) -> Worlds:
-    """Return the one world of a mission, ready for its first tick."""
-    knowledge = load_knowledge(mission.knowledge).with_scores(scores)
-    library = Library()
-    library.check(knowledge)
-    worlds = Worlds(mission, coordinators_of(mission.network, knowledge, library), explained=explained)
-    worlds.reset(0, start, seed)
-    choose(worlds)
-    return worlds
+class Course:
+    """One mission in one world, control period by control period.
 
+    Args:
+        mission: the mission.
+        start: where it starts.
+        seed: of everything random in it.
+        scores: goal -> option -> score, laid over the expert knowledge.
+        strategy: which decides in every decision period what each robot's coordinators hold.
+        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
+        explained: whether the networks note why each behaviour runs or does not.
 
-def in_progress(worlds: Worlds) -> bool:
-    """Whether the mission of the first world still has garbage and time left."""
-    mission = worlds.mission
-    limit = round(mission.time_limit / worlds.period)
-    return bool(worlds.garbage.done[0] < mission.garbage.count and worlds.ticks[0] < limit)
+    """
 
+    def __init__(
+        self,
+        mission: MissionConfig,
+        start: StartConfiguration,
+        seed: int,
+        scores: Scores,
+        strategy: StrategySpec = BY_SCORE,
+        directories: tuple[Path, ...] = (),
+        *,
+        explained: bool = False,
+    ) -> None:
+        knowledge = load_knowledge(mission.knowledge, directories).with_scores(scores)
+        models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
+        self.worlds = Worlds(mission, models, directories=directories, explained=explained)
+        self.worlds.reset(0, start, seed)
+        self._selection = Selection(self.worlds.coordinators, seed, strategy)
+        self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
+        self._limit = round(mission.time_limit / self.worlds.period)
+        self.worlds.hold(self._selection.decide())
 
-def choose(worlds: Worlds) -> None:
-    """Let every robot hold the options of the highest scores."""
-    keys = np.zeros(worlds.rows, dtype=np.uint64)  # max-score draws nothing
-    models = [coordinator.model for coordinator in worlds.coordinators]
-    strategies = [MaxScore(Problem(model.goal, model.options, model.scores), keys) for model in models]
-    worlds.hold(np.stack([strategy.select(np.zeros((worlds.rows, 0))) for strategy in strategies], axis=1))
+    @property
+    def in_progress(self) -> bool:
+        """Whether there is garbage and time left."""
+        worlds = self.worlds
+        return bool(worlds.garbage.done[0] < worlds.mission.garbage.count and worlds.ticks[0] < self._limit)
+
+    def tick(self) -> None:
+        """One control period; with the first one of a decision period it is decided what serves each goal."""
+        ticks = self.worlds.ticks[0]
+        if ticks > 0 and ticks % self._decision_ticks == 0:
+            self.worlds.hold(self._selection.decide())
+        self.worlds.tick()
 
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:

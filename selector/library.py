@@ -1,6 +1,7 @@
 """The configuration library: key -> the components that realise it, one YAML file each."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -73,3 +74,9 @@ class Library:
                     self.of_option(option)
                 except DocumentError as error:
                     raise DocumentError(f"{knowledge.source}: goals.{goal}.{option.name}: {error}") from error
+
+
+@cache
+def library_of(directories: tuple[Path, ...] = ()) -> Library:
+    """Return the library of some directories, read once in this process."""
+    return Library(directories)

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from clean_swarm_env.config_errors import ConfigurationError, one_line
 from clean_swarm_env.experiment import ExperimentConfig
-from clean_swarm_env.mission import at_start, in_progress, result_of
+from clean_swarm_env.mission import Course, result_of
 from clean_swarm_env.starts import run_seed
 from clean_swarm_env.worlds import Worlds
 from selector.documents import unknown
@@ -74,10 +74,12 @@ def changed_versions(directory: Path) -> list[str]:
 def steps_of(task: RunTask) -> Iterator[Worlds]:
     """Repeat a run with explained robots; yield its world after each control period, until the mission is over."""
     seed = run_seed(task.seed, task.scenario)
-    worlds = at_start(task.mission, task.start, seed, task.scores, explained=True)
-    while in_progress(worlds):
-        worlds.tick()
-        yield worlds
+    course = Course(
+        task.mission, task.start, seed, task.scores, task.strategy, task.directories, explained=True
+    )  # fmt: skip
+    while course.in_progress:
+        course.tick()
+        yield course.worlds
 
 
 def world_at(task: RunTask, time: float) -> Worlds:

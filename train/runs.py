@@ -9,11 +9,14 @@ from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.experiment import ExperimentConfig
 from clean_swarm_env.starts import for_start, run_seed
+from selector.registry import StrategySpec
+from selector.selection import BY_SCORE
 
 
 class MissionOutcome(Protocol):
@@ -48,7 +51,10 @@ class MissionOutcome(Protocol):
         """Number of control periods."""
 
 
-MissionRunner = Callable[[MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]]], MissionOutcome]
+MissionRunner = Callable[
+    [MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]], StrategySpec, tuple[Path, ...]],
+    MissionOutcome,
+]
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,10 @@ class RunTask:
     mission: MissionConfig
     start: StartConfiguration
     scores: Mapping[str, Mapping[str, float]]
+    strategy: StrategySpec = BY_SCORE
+    """What decides which options serve the goals."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +98,21 @@ class RunRecord:
         return self.scenario, self.condition
 
 
-def tasks_of(experiment: ExperimentConfig, seed: int) -> list[RunTask]:
+def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:
     """Return every condition on every start configuration; a start that does not fit raises ConfigurationError."""
     missions = [for_start(experiment.mission, start) for start in experiment.starts]
     return [
-        RunTask(experiment.name, start.id, seed, condition.name, mission, start, condition.scores)
+        RunTask(
+            experiment.name,
+            start.id,
+            seed,
+            condition.name,
+            mission,
+            start,
+            condition.scores,
+            condition.strategy,
+            directories,
+        )  # fmt: skip
         for start, mission in zip(experiment.starts, missions, strict=True)
         for condition in experiment.conditions
     ]
@@ -101,7 +121,8 @@ def tasks_of(experiment: ExperimentConfig, seed: int) -> list[RunTask]:
 def execute(task: RunTask, run_mission: MissionRunner) -> RunRecord:
     """Run one task in this process."""
     began = time.perf_counter()
-    result = run_mission(task.mission, task.start, run_seed(task.seed, task.scenario), task.scores)
+    seed = run_seed(task.seed, task.scenario)
+    result = run_mission(task.mission, task.start, seed, task.scores, task.strategy, task.directories)
     return RunRecord(
         experiment=task.experiment,
         scenario=task.scenario,

@@ -20,7 +20,7 @@ class FakeResult:
     ticks: int
 
 
-def run_mission(mission, start, seed, scores):
+def run_mission(mission, start, seed, scores, *_):
     """Draw a result from seed and scores; FAKE_SECONDS is its wall time, FAKE_LOG a file that gets a line per run."""
     time.sleep(float(os.environ.get("FAKE_SECONDS", "0")))
     if "FAKE_LOG" in os.environ:
@@ -43,7 +43,7 @@ def run_mission(mission, start, seed, scores):
     )
 
 
-def run_mission_but_not_2(mission, start, seed, scores):
+def run_mission_but_not_2(mission, start, seed, scores, *_):
     """Fail on scenario 2."""
     if start.id == "2":
         raise ZeroDivisionError("scenario 2")

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks import ablation
 from clean_swarm_env.config import NetworkConfig
-from clean_swarm_env.mission import at_start, in_progress
+from clean_swarm_env.mission import Course
 from clean_swarm_env.starts import random_start
 from selforg.network import state as st
 from tests.env.courses import mission, snapshot
@@ -40,7 +40,7 @@ TERMS = {
 @pytest.mark.parametrize("term", ablation.TERMS)
 def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
     config = mission(network={"weights": {term: 0.0}})
-    worlds = at_start(config, random_start(config, 2, 0), 2, {})
+    worlds = Course(config, random_start(config, 2, 0), 2, {}).worlds
     added = dict.fromkeys(set.union(*TERMS.values()), 0.0)
     for _ in range(100):
         worlds.tick()
@@ -52,14 +52,14 @@ def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
 def test_a_planner_without_weight_is_no_planner():
     without = [mission(network=network) for network in ({"weights": {"plan": 0.0}}, {"planner": "off"})]
     start = random_start(without[0], 3, 0)
-    one, other = (at_start(config, start, 3, {"AvoidCollision": {"RepulsionGradient": 2.0}}) for config in without)
+    one, other = (Course(config, start, 3, {"AvoidCollision": {"RepulsionGradient": 2.0}}) for config in without)
     for _ in range(500):
-        assert in_progress(one)
-        assert in_progress(other)
+        assert one.in_progress
+        assert other.in_progress
         one.tick()
         other.tick()
-        for name, part in snapshot(one, 0).items():
-            assert part.tobytes() == snapshot(other, 0)[name].tobytes(), name
+        for name, part in snapshot(one.worlds, 0).items():
+            assert part.tobytes() == snapshot(other.worlds, 0)[name].tobytes(), name
 
 
 def test_cells_hold_mean_ratio_and_share():

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clean_swarm_env.mission import MissionResult, at_start, in_progress, result_of, run_mission
+from clean_swarm_env.mission import Course, MissionResult, result_of, run_mission
 from clean_swarm_env.starts import run_seed
 from selforg.network.explanation import explain
 from selforg.network.recording import record_at
@@ -56,12 +56,12 @@ def told(capsys, monkeypatch):
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez", "RepulsionGradient"):
         task = task_of(evaluated, "2", condition)
-        plain = at_start(task.mission, task.start, run_seed(5, "2"), task.scores)
+        plain = Course(task.mission, task.start, run_seed(5, "2"), task.scores)
         for explained in steps_of(task):
-            assert in_progress(plain)
+            assert plain.in_progress
             plain.tick()
-            assert difference([snapshot(plain, 0)], [snapshot(explained, 0)]) == ""
-        assert not in_progress(plain)
+            assert difference([snapshot(plain.worlds, 0)], [snapshot(explained, 0)]) == ""
+        assert not plain.in_progress
 
 
 def test_a_repeated_run_comes_to_what_the_evaluation_wrote(evaluated):
