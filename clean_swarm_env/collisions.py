@@ -6,13 +6,17 @@ Shapes: W worlds, N robots a world, R = W * N rows (world w has the rows w*N .. 
 """
 
 from math import ceil, isfinite, sqrt
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import shorter_way
 from selforg.compiled import kernel
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.int64]
+Flags: TypeAlias = NDArray[np.bool_]
 
 ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than filling cells
 NOBODY: Final = -1  # end of a cell's list
@@ -26,6 +30,7 @@ class CollisionCounter:
     in_contact: (R,) bool, of the last count: somebody closer than the first distance.
     entered: (R,) int64, of the last count: events of the first distance in which the robot took part.
     All four are the same arrays all the time.
+    tables: what `count_world` takes after the robots that are present.
 
     Raises ValueError for sizes below 1, a torus without extent and distances that are not positive.
 
@@ -64,7 +69,12 @@ class CollisionCounter:
         side = ceil(sqrt(robots))
         self._columns, self._lines = min(int(width // reach), side), min(int(height // reach), side)
         if robots <= ALL_PAIRS_LIMIT or self._columns < 3 or self._lines < 3:
-            self._columns = self._lines = 1
+            self._columns = self._lines = robots = 0
+        self.tables = (
+            self._before, self._counted, self._squares, self.samples, self.events, self.in_contact, self.entered,
+            np.empty(robots, np.int64), np.empty(robots, np.int64), np.empty((self._lines, self._columns), np.int64),
+            self._width, self._height, self._furthest,
+        )  # fmt: skip
 
     def reset(self, world: int) -> None:
         """Forget what this world has counted; a pair that is close at its next count is an event again."""
@@ -77,22 +87,7 @@ class CollisionCounter:
 
     def count(self, positions: NDArray[np.float64], present: NDArray[np.bool_] | None = None) -> None:
         """Count all worlds once: the robots `present` (R,) or all; positions (R, 2) [m] in [0, width) x [0, height)."""
-        count_pairs(
-            positions,
-            self._everybody if present is None else present,
-            self._before,
-            self._counted,
-            self._squares,
-            self.samples,
-            self.events,
-            self.in_contact,
-            self.entered,
-            self._lines,
-            self._columns,
-            self._width,
-            self._height,
-            self._furthest,
-        )
+        count_pairs(positions, self._everybody if present is None else present, *self.tables)
 
 
 @kernel
@@ -137,59 +132,60 @@ def enter_cell(
 
 
 @kernel
-def count_pairs(
-    positions: NDArray[np.float64],
-    present: NDArray[np.bool_],
-    before: NDArray[np.float64],
-    counted: NDArray[np.bool_],
-    squares: NDArray[np.float64],
-    samples: NDArray[np.int64],
-    events: NDArray[np.int64],
-    in_contact: NDArray[np.bool_],
-    entered: NDArray[np.int64],
-    lines: int,
-    columns: int,
-    width: float,
-    height: float,
-    furthest: float,
-) -> None:
-    """Count every world once and remember its positions; see CollisionCounter. Only sums: no order matters."""
-    worlds = samples.shape[0]
-    robots = positions.shape[0] // worlds
-    in_cells = lines * columns > 1
-    scratch = robots if in_cells else 0
-    near, following = np.empty(scratch, np.int64), np.empty(scratch, np.int64)
-    cells = np.empty((lines, columns), np.int64)
-    for world in range(worlds):
-        first, end = world * robots, (world + 1) * robots
+def count_world(
+    world: int, positions: Floats, present: Flags, before: Floats, counted: Flags, squares: Floats, samples: Ints,
+    events: Ints, in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, width: float,
+    height: float, furthest: float,
+) -> None:  # fmt: skip
+    """Count one world and remember its positions; see CollisionCounter. Only sums: no order matters.
+
+    near, following (N,) and cells (lines, columns) are scratch; of no length where all pairs are looked at.
+    """
+    robots = positions.shape[0] // samples.shape[0]
+    in_cells = near.shape[0] > 0
+    first, end = world * robots, (world + 1) * robots
+    if in_cells:
+        cells[:] = NOBODY
+    for row in range(first, end):
+        in_contact[row] = False
+        entered[row] = 0
+        if not present[row]:
+            continue
         if in_cells:
-            cells[:] = NOBODY
-        for row in range(first, end):
-            in_contact[row] = False
-            entered[row] = 0
-            if not present[row]:
+            found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
+        else:
+            found = row - first
+        for index in range(found):
+            other = first + (near[index] if in_cells else index)
+            if not present[other]:
                 continue
-            if in_cells:
-                found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
-            else:
-                found = row - first
-            for index in range(found):
-                other = first + (near[index] if in_cells else index)
-                if not present[other]:
-                    continue
-                now = square_distance(positions, row, other, width, height)
-                if now >= furthest:
-                    continue
-                was = square_distance(before, row, other, width, height) if counted[row] and counted[other] else np.inf
-                for k in range(squares.shape[0]):
-                    samples[world, k] += now < squares[k]
-                    events[world, k] += now < squares[k] <= was
-                if now < squares[0]:
-                    in_contact[row] = in_contact[other] = True
-                    entered[row] += was >= squares[0]
-                    entered[other] += was >= squares[0]
+            now = square_distance(positions, row, other, width, height)
+            if now >= furthest:
+                continue
+            was = square_distance(before, row, other, width, height) if counted[row] and counted[other] else np.inf
+            for k in range(squares.shape[0]):
+                samples[world, k] += now < squares[k]
+                events[world, k] += now < squares[k] <= was
+            if now < squares[0]:
+                in_contact[row] = in_contact[other] = True
+                entered[row] += was >= squares[0]
+                entered[other] += was >= squares[0]
     # One by one: assigning whole slices costs more than the pairs of a small world.
-    for row in range(positions.shape[0]):
+    for row in range(first, end):
         before[row, 0] = positions[row, 0]
         before[row, 1] = positions[row, 1]
         counted[row] = present[row]
+
+
+@kernel
+def count_pairs(
+    positions: Floats, present: Flags, before: Floats, counted: Flags, squares: Floats, samples: Ints, events: Ints,
+    in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, width: float, height: float,
+    furthest: float,
+) -> None:  # fmt: skip
+    """Count every world once; see `count_world`."""
+    for world in range(samples.shape[0]):
+        count_world(
+            world, positions, present, before, counted, squares, samples, events, in_contact, entered, near, following,
+            cells, width, height, furthest,
+        )  # fmt: skip

@@ -19,6 +19,8 @@ import pymunk
 from numpy.typing import NDArray
 
 from clean_swarm_env import physics_motion as motion
+from clean_swarm_env import physics_tick as ticking
+from clean_swarm_env.collisions import CollisionCounter
 from clean_swarm_env.physics_settings import Contacts, PhysicsSettings
 
 try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
@@ -186,10 +188,20 @@ class Physics:
         self._copies = np.zeros(rows, np.uint8)
         self._patience = np.zeros(worlds, np.int64)  # (W,) substeps until a world is free of contacts
         self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
-        self._current = [False] * worlds  # does pymunk hold the rows of `_bodies` as they are?
-        self._search = motion.ALONE
+        self._current = np.zeros(worlds, np.bool_)  # (W,) does pymunk hold the rows of `_bodies` as they are?
+        self._left = np.zeros(worlds, np.int64)  # (W,) substeps of this tick that a world still has to do
+        self._blocks = [slice(world * robots, (world + 1) * robots) for world in range(worlds)]
+        search = motion.ALONE
         if contacts == "solid" and robots > 1:
-            self._search = motion.PAIRS if robots <= PAIR_SEARCH_LIMIT else motion.ALWAYS
+            search = motion.PAIRS if robots <= PAIR_SEARCH_LIMIT else motion.ALWAYS
+        reach, zone = 2.0 * radius * (1.0 + SKIN), 4.0 * radius
+        self._sizes: ticking.Sizes = (
+            search, float(width), float(height), reach, zone, float(timestep), PERSISTENCE + 1, mass / timestep
+        )  # fmt: skip
+        self._motion: ticking.Motion = (
+            self.positions, self.headings, self._bodies, self._wanted, self._forces, self._copies, self.present,
+            self._patience,
+        )  # fmt: skip
 
     def place(self, world: int, positions: NDArray[np.float64], headings: NDArray[np.float64]) -> None:
         """Put the robots of one world, at rest; nothing of what was before is left.
@@ -209,7 +221,7 @@ class Physics:
             self.positions[row, 0] = motion.wrapped(float(positions[offset, 0]), settings.width)
             self.positions[row, 1] = motion.wrapped(float(positions[offset, 1]), settings.height)
             self.headings[row] = motion.wrapped_angle(float(headings[offset]))
-        rows = self._rows(world)
+        rows = self._blocks[world]
         self._bodies[rows, :2] = self.positions[rows]
         self._bodies[rows, 2:] = 0.0
         self._wanted[rows] = 0.0
@@ -247,65 +259,57 @@ class Physics:
         Each robot wants to move at `speed` (R,) [m/s] along the heading it has at the beginning of the substep, and
         does unless contacts prevent it; then its heading advances by `turn_rate` (R,) [rad/s] * timestep.
         """
-        settings = self.settings
+        search, width, height, reach, _, timestep, settling, _ = self._sizes
         engaged = motion.fly(
-            self.positions,
-            self.headings,
-            self._bodies,
-            self._wanted,
-            self.present,
-            self._patience,
-            speed,
-            turn_rate,
-            self._search,
-            settings.width,
-            settings.height,
-            2.0 * settings.radius * (1.0 + SKIN),
-            settings.timestep,
-            PERSISTENCE + 1,
-        )
+            self.positions, self.headings, self._bodies, self._wanted, self.present, self._patience, speed, turn_rate,
+            search, width, height, reach, timestep, settling,
+        )  # fmt: skip
         if engaged:
             for world in np.flatnonzero(self._patience).tolist():
                 self._substep_in_contact(world)
 
-    def _substep_in_contact(self, world: int) -> None:
-        settings = self.settings
-        rows = self._rows(world)
-        space = self._spaces[world]
+    def tick(
+        self,
+        substeps: int,
+        speed: NDArray[np.float64],
+        turn_rate: NDArray[np.float64],
+        counter: CollisionCounter,
+        entered: NDArray[np.int64],
+    ) -> None:
+        """Advance all worlds by `substeps` timesteps and let `counter` count after each; the same as by turns.
+
+        entered (R,) int64 gets the events of the counter's first distance in which each robot took part.
+        """
+        rest = (self._motion, self._sizes, speed, turn_rate, counter.tables, entered)
+        if not ticking.begin_tick(substeps, *rest, self._left):
+            return
+        for world in np.flatnonzero(self._left).tolist():
+            left = int(self._left[world])
+            while left:
+                self._touch(world)
+                left = ticking.settle_and_go_on(world, left, *rest, self._current)
+
+    def _touch(self, world: int) -> None:
+        """Let pymunk do a substep of a world whose forces and copies are set."""
+        space, rows = self._spaces[world], self._blocks[world]
         if space is None:
-            space = ContactSpace(settings, self._bodies[rows], self._forces[rows])
+            space = ContactSpace(self.settings, self._bodies[rows], self._forces[rows])
             for robot in np.flatnonzero(~self.present[rows]).tolist():
                 space.let_touch(robot, False)
             self._spaces[world] = space
-        motion.push(
-            self._forces,
-            self._copies,
-            self.positions,
-            self._bodies,
-            self._wanted,
-            self.present,
-            rows.start,
-            rows.stop,
-            settings.height,
-            4.0 * settings.radius,
-            settings.mass / settings.timestep,
-        )
         if not self._current[world]:
             space.load()
         space.set_copies(self._copies[rows])
-        space.step(settings.timestep)
-        crossed = motion.land(
-            self.positions,
-            self._bodies,
-            rows.start,
-            rows.stop,
-            settings.width,
-            settings.height,
-            settings.timestep,
-        )
+        space.step(self.settings.timestep)
+
+    def _substep_in_contact(self, world: int) -> None:
+        rows = self._blocks[world]
+        _, width, height, _, zone, timestep, _, stiffness = self._sizes
+        motion.push(
+            self._forces, self._copies, self.positions, self._bodies, self._wanted, self.present, rows.start,
+            rows.stop, height, zone, stiffness,
+        )  # fmt: skip
+        self._touch(world)
+        crossed = motion.land(self.positions, self._bodies, rows.start, rows.stop, width, height, timestep)
         # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
         self._current[world] = not crossed and self._patience[world] > 1
-
-    def _rows(self, world: int) -> slice:
-        robots = self.settings.robots
-        return slice(world * robots, (world + 1) * robots)

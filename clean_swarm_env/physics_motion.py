@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined, kernel
 
 ALONE: Final = 0  # contact search of `fly`: nobody ever touches
 PAIRS: Final = 1  # look at every pair of a world
@@ -86,23 +86,48 @@ def move(positions: np.ndarray, bodies: np.ndarray, row: int, width: float, heig
     return True
 
 
+@inlined
+def search_contacts(
+    world: int, positions: np.ndarray, present: np.ndarray, patience: np.ndarray, search: int, width: float,
+    height: float, reach: float, settling: int,
+) -> bool:  # fmt: skip
+    """Set the patience (W,) of a world for the substep that begins; returns whether it is in contact."""
+    robots = positions.shape[0] // patience.shape[0]
+    first = world * robots
+    if search == ALWAYS or (
+        search == PAIRS and touching(positions, present, first, first + robots, width, height, reach)
+    ):
+        patience[world] = settling
+    elif patience[world] > 0:
+        patience[world] -= 1
+    return bool(patience[world] > 0)
+
+
+@inlined
+def steer_world(
+    first: int, end: int, free: bool, positions: np.ndarray, headings: np.ndarray, bodies: np.ndarray,
+    wanted: np.ndarray, present: np.ndarray, speed: np.ndarray, turn_rate: np.ndarray, width: float, height: float,
+    timestep: float,
+) -> None:  # fmt: skip
+    """Take up what the rows first .. end - 1 want in this substep, turn them and, where `free`, move them."""
+    for row in range(first, end):
+        if not present[row]:
+            continue
+        wanted[row, 0] = speed[row] * np.cos(headings[row])
+        wanted[row, 1] = speed[row] * np.sin(headings[row])
+        headings[row] = wrapped_angle(headings[row] + turn_rate[row] * timestep)
+        if free:
+            bodies[row, 0], bodies[row, 1] = positions[row, 0], positions[row, 1]
+            bodies[row, 2], bodies[row, 3] = wanted[row, 0], wanted[row, 1]
+            move(positions, bodies, row, width, height, timestep)
+
+
 @kernel
 def fly(
-    positions: np.ndarray,
-    headings: np.ndarray,
-    bodies: np.ndarray,
-    wanted: np.ndarray,
-    present: np.ndarray,
-    patience: np.ndarray,
-    speed: np.ndarray,
-    turn_rate: np.ndarray,
-    search: int,
-    width: float,
-    height: float,
-    reach: float,
-    timestep: float,
-    settling: int,
-) -> int:
+    positions: np.ndarray, headings: np.ndarray, bodies: np.ndarray, wanted: np.ndarray, present: np.ndarray,
+    patience: np.ndarray, speed: np.ndarray, turn_rate: np.ndarray, search: int, width: float, height: float,
+    reach: float, timestep: float, settling: int,
+) -> int:  # fmt: skip
     """One substep of every world that is free of contacts; returns the number of the others.
 
     positions (R, 2) [m], headings (R,) [rad] and bodies (R, 4) are updated in place, headings of all worlds;
@@ -110,26 +135,15 @@ def fly(
     present (R,) bool: rows that are not stay as they are;
     patience (W,) counts down from `settling` since the last contact: a world is free at 0.
     """
-    worlds = patience.shape[0]
-    robots = positions.shape[0] // worlds
+    robots = positions.shape[0] // patience.shape[0]
     engaged = 0
-    for world in range(worlds):
-        first, end = world * robots, (world + 1) * robots
-        if search == ALWAYS or (search == PAIRS and touching(positions, present, first, end, width, height, reach)):
-            patience[world] = settling
-        elif patience[world] > 0:
-            patience[world] -= 1
-        for row in range(first, end):
-            if not present[row]:
-                continue
-            wanted[row, 0] = speed[row] * np.cos(headings[row])
-            wanted[row, 1] = speed[row] * np.sin(headings[row])
-            headings[row] = wrapped_angle(headings[row] + turn_rate[row] * timestep)
-            if patience[world] == 0:
-                bodies[row, :2] = positions[row]
-                bodies[row, 2:] = wanted[row]
-                move(positions, bodies, row, width, height, timestep)
-        engaged += patience[world] > 0
+    for world in range(patience.shape[0]):
+        contact = search_contacts(world, positions, present, patience, search, width, height, reach, settling)
+        steer_world(
+            world * robots, (world + 1) * robots, not contact, positions, headings, bodies, wanted, present, speed,
+            turn_rate, width, height, timestep,
+        )  # fmt: skip
+        engaged += contact
     return engaged
 
 

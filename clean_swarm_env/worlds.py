@@ -67,6 +67,7 @@ class Worlds:
         self.worlds, self.robots = worlds, mission.robots.count
         self.rows = worlds * self.robots
         self.period = 1.0 / mission.world.control_rate
+        self._substeps = mission.world.physics_steps_per_tick
         # On a grid that floats hold exactly, times are sums without rounding: how long ago something was does not
         # depend on when its world was reset. Rounded up, so that a period of whole ticks is over with the last one.
         self._clock_period = float(np.ceil(self.period / CLOCK_GRID) * CLOCK_GRID)
@@ -253,8 +254,4 @@ class Worlds:
         physics, drive = self.physics, self.drive
         drive.command(self._vectors, self._commanded, physics.headings, self.now)
         drive.speed[self._commands.in_place] = 0.0
-        self._entered[:] = 0
-        for _ in range(self.mission.world.physics_steps_per_tick):
-            physics.substep(drive.speed, drive.turn_rate)
-            self.collisions.count(physics.positions, physics.present)
-            self._entered += self.collisions.entered
+        physics.tick(self._substeps, drive.speed, drive.turn_rate, self.collisions, self._entered)
