@@ -1,8 +1,4 @@
-"""The knowledge store: expert knowledge and what was learned of it, in a database named by URL.
-
->>> from selector.store import Batch, KnowledgeStore  # doctest: +SKIP
->>> store = KnowledgeStore("knowledge.sqlite")  # doctest: +SKIP
-"""
+"""The knowledge store: expert knowledge and what was learned of it, in a database (`docs/knowledge.md`)."""
 
 from selector.store.batch import Batch as Batch
 from selector.store.contents import Contents as Contents

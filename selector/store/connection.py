@@ -12,7 +12,7 @@ from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
 from selector.documents import shown
 from selector.store.errors import StoreError
-from selector.store.tables import meta, metadata
+from selector.store.tables import learned, meta, metadata
 
 SCHEMA = 1
 """Version of the tables that this program writes."""
@@ -127,10 +127,13 @@ def prepare(engine: Engine, where: str, *, create: bool) -> str:
     return identity
 
 
-def lock(connection: Connection) -> None:
-    """Let no other process change schema or expert options until this transaction ends."""
-    if connection.dialect.name == "postgresql":  # SQLite has one writer at a time anyway
-        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
+def lock(connection: Connection, *, everything: bool = False) -> None:
+    """Let no other process change schema or expert options, or anything, until this transaction ends."""
+    if connection.dialect.name != "postgresql":  # SQLite has one writer at a time anyway
+        return
+    connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
+    if everything:  # rows are deleted in any order: an update of some of them could wait for us and we for it
+        connection.execute(text(f"LOCK TABLE {learned.name} IN SHARE ROW EXCLUSIVE MODE"))
 
 
 def _check_file(connection: Connection, where: str) -> None:

@@ -12,6 +12,8 @@ from selector.store.moments import Moments
 
 NAME_LIMIT = 120
 """Most characters of a goal, an option, a context or a source: four of them fit into an index of PostgreSQL."""
+TIME_LIMIT = 253_402_300_800 * 10**6
+"""End of the year 9999, the last that a date can name [us since 1970]."""
 EXPERT = "expert"
 """Source of expert knowledge unless another is named."""
 
@@ -121,7 +123,11 @@ def definition(option: Option) -> tuple[str, str]:
 
 
 def check(contents: Contents) -> None:
-    """Raise StoreError for a name that is too long or unreadable, an impossible entry or parameters out of JSON."""
+    """Raise StoreError for what no store takes: unreadable names, impossible entries and times, odd parameters."""
+    times = [rated.updated for rated in contents.expert.values()] + [e.updated for e in contents.learned.values()]
+    for updated in times:
+        if not 0 <= updated < TIME_LIMIT:
+            raise StoreError(f"updated: expected a time from 1970 to 9999 [us], got {updated}")
     check_names("goal", (goal for goal, _ in contents.expert))
     for rated in contents.expert.values():
         check_names("option", [rated.option.name])

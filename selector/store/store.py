@@ -57,8 +57,12 @@ class KnowledgeStore:
         self._own_engine = connecting.engine_of(parts, create=create)
         self._process = os.getpid()
         self._of_parent: list[Pool] = []
-        with reported(self.name):
-            self._identity = connecting.prepare(self._engine, self.name, create=create)
+        try:
+            with reported(self.name):
+                self._identity = connecting.prepare(self._engine, self.name, create=create)
+        except StoreError:
+            self.close()
+            raise
 
     def close(self) -> None:
         """Close all connections; the store opens new ones if it is used again."""
@@ -117,7 +121,9 @@ class KnowledgeStore:
     def contents(self) -> Contents:
         """Return all that the store holds, as of one moment."""
         with self._reading() as connection:
-            return Contents(tables.read_expert(connection), tables.read_learned(connection))
+            contents = Contents(tables.read_expert(connection), tables.read_learned(connection))
+            check(contents)
+        return contents
 
     def absorb(self, contents: Contents) -> None:
         """Add all of `contents` to what the store holds."""
@@ -158,7 +164,7 @@ class KnowledgeStore:
             check_names(what, [name])
         columns = {"goal": "goal", "option": "name", "source": "source"}
         with self._writing() as connection:
-            connecting.lock(connection)
+            connecting.lock(connection, everything=True)
             entries = tables.delete_learned(connection, chosen)
             of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
             return entries, tables.delete_expert(connection, of_expert) if expert else 0
@@ -179,9 +185,7 @@ class KnowledgeStore:
                 connection = connection.execution_options(isolation_level="REPEATABLE READ")  # one moment for all
             try:
                 yield connection
-            except StoreError:
-                raise
-            except (TypeError, ValueError) as error:
+            except (TypeError, ValueError) as error:  # StoreError among them, of what `check` finds
                 raise StoreError(f"{self.name}: is corrupt: {' '.join(str(error).split())}") from error
 
     @contextmanager

@@ -33,6 +33,8 @@ from selector.store.moments import COUNT_LIMIT, Moments
 
 LOW_BITS = 62
 LOW = (1 << LOW_BITS) - 1
+MOST_NAMED = 500
+"""Most contexts that a query names; databases limit them, and with more it costs less to read all."""
 SUMS = ("total", "squares")
 
 metadata = MetaData()
@@ -134,11 +136,11 @@ def _rated(row: Row[Any]) -> Rated:
 def read_learned(
     connection: Connection, goal: str | None = None, contexts: Sequence[str] | None = None
 ) -> dict[Key, Entry]:
-    """Return the learned entries by key: all of them, or those of one goal and of some contexts."""
+    """Return the learned entries by key: all of them, or those of one goal and, at least, of some contexts."""
     query = select(learned)
     if goal is not None:
         query = query.where(learned.c.goal == goal)
-    if contexts is not None:
+    if contexts is not None and len(contexts) <= MOST_NAMED:
         query = query.where(learned.c.context.in_(list(contexts)))
     return {Key(row.goal, row.option, row.context, row.source): _entry(row) for row in connection.execute(query)}
 

@@ -228,3 +228,21 @@ def test_a_forked_process_goes_on_with_a_connection_of_its_own(new_store):
     os.waitpid(child, 0)
     store.add(batch("G", [("a", 4.0)]), source="run")
     assert store.contents().learned[Key("G", "a", "", "run")].moments == some.moments_of([1.0, 2.0, 4.0])
+
+
+def test_more_contexts_than_a_query_can_name(new_store):
+    store, contexts = new_store(), [f"cell {k}" for k in range(40_000)]
+    made = Batch("G", ["a"])
+    made.record(np.zeros(3, dtype=int), np.array([1.0, 2.0, 4.0]), [contexts[k] for k in (0, 39_999, 39_999)])
+    store.add(made, source="run")
+    found = store.estimates("G", ["a"], contexts)
+    assert np.flatnonzero(found.known[:, 0]).tolist() == [0, 39_999]
+    assert found.mean[-1, 0] == 3.0
+
+
+@pytest.mark.parametrize("updated", [-1, 10**18])
+def test_times_that_no_date_has_are_refused(new_store, updated):
+    store = new_store()
+    with pytest.raises(StoreError, match=r"updated: expected a time from 1970 to 9999 \[us\], got"):
+        store.add(batch("G", [("a", 1.0)]), source="run", updated=updated)
+    assert store.contents() == Contents()
