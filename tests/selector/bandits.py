@@ -1,10 +1,15 @@
 """Synthetic bandits on which strategies prove that they learn: many independent rows at once."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from selector.decisions import Problem
 from selector.registry import create
 from selector.streams import row_keys
+
+Means = Callable[[int, np.ndarray], np.ndarray]
+"""Mean rewards (R, O) or (1, O), given the step and the contexts (R, F)."""
 
 
 def regrets(name, parameters, means, *, steps, rows=60, noise=0.25, seed=0, features=0, scores=None):

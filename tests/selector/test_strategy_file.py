@@ -18,7 +18,7 @@ from selector.strategy_file import load_strategy, save_strategy, spec_of
 from selector.streams import row_keys
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.array([1.0, 2.0, 3.0]), ("x", "y"))
-LEARNING = ("DiscountedUCB", "EXP3", "EpsilonGreedy", "GaussianThompson", "LinUCB", "LinearThompson", "SlidingWindowUCB", "UCB1")  # fmt: skip
+LEARNING = sorted(set(registered()) - {"Fixed", "Policy", "MaxScore", "Random"})
 
 
 def made(name, parameters=None, *, problem=PROBLEM, rows=6, groups=None, seed=1):
@@ -32,13 +32,6 @@ def live(strategy, steps=20, seed=0):
         chosen.append(strategy.select(context))
         strategy.update(chosen[-1], generator.normal(size=strategy.rows) + chosen[-1], context)
     return np.array(chosen)
-
-
-def test_all_strategies_that_learn_are_tried():
-    learning = {
-        name for name, strategy in registered().items() if name not in ("Fixed", "Policy", "MaxScore", "Random")
-    }
-    assert learning == set(LEARNING)
 
 
 @pytest.mark.parametrize("name", LEARNING)
