@@ -6,24 +6,27 @@ w*N .. (w+1)*N - 1); a world of a batch takes, bit for bit, the course it takes 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.config_files import load_mission
 from clean_swarm_env.mission import MissionResult, result_of
 from clean_swarm_env.observation import Observations, Observer
-from clean_swarm_env.progress import COLLISION, COMPLETED, TIMED_OUT, Progress
-from clean_swarm_env.reward import RewardConfig, rewards
+from clean_swarm_env.observation_terms import ObservationConfig
+from clean_swarm_env.progress import COMPLETED, TIMED_OUT, Progress
+from clean_swarm_env.reward import RewardConfig, Rewards
 from clean_swarm_env.robot_model import coordinators_of
 from clean_swarm_env.starts import for_start, random_start, run_seed
 from clean_swarm_env.worlds import Worlds
 from selector.knowledge import load_knowledge
-from selector.library import Library
+from selector.library import library_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -65,15 +68,20 @@ class Batch:
     Args:
         mission: a mission, or the name of one in `configs/missions`.
         worlds: W.
+        observation: terms of the observation.
         reward: weights of the reward's terms.
+        action: what an action is.
         begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
             it stays as it is, and counts no more, until `reset`.
+        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
 
     Episode k of a world after `reset` with seed S is always the same: random start k of S.
 
     Attributes:
-        goals: (C,) names of the coordinated goals.
-        options: (C,) of each goal, the names of its options.
+        options: coordinated goal -> names of its options.
+        observer: knows the names of the components of an observation.
+        choices: the options as actions.
+        progress: what happened in the last period.
         observations: (R, F) float32, the last ones, always the same array.
 
     >>> batch = Batch("table1", worlds=2)
@@ -88,32 +96,34 @@ class Batch:
         self,
         mission: MissionConfig | str = "table1",
         worlds: int = 1,
-        reward: RewardConfig | None = None,
         *,
+        observation: ObservationConfig | None = None,
+        reward: RewardConfig | None = None,
+        action: ActionConfig | None = None,
         begin_anew: bool = True,
+        directories: tuple[Path, ...] = (),
     ) -> None:
-        self.mission = load_mission(mission) if isinstance(mission, str) else mission
-        library, knowledge = Library(), load_knowledge(self.mission.knowledge)
-        library.check(knowledge)
-        models = coordinators_of(self.mission.network, knowledge, library)
-        self.worlds = Worlds(self.mission, models, worlds)
+        self.mission = load_mission(mission, directories) if isinstance(mission, str) else mission
+        self.action, self.begin_anew = action or ActionConfig(), begin_anew
+        knowledge = load_knowledge(self.mission.knowledge, directories)
+        models = coordinators_of(self.mission.network, knowledge, library_of(directories), directories)
+        self.worlds = Worlds(self.mission, models, worlds, directories=directories)
         self.rows, self.robots = self.worlds.rows, self.worlds.robots
-        self.goals = tuple(model.goal for model in models)
-        self.options = tuple(model.options for model in models)
-        self.reward = reward or RewardConfig()
-        self.begin_anew = begin_anew
-        self.observer = Observer(self.worlds)
-        self.width = self.observer.width
-        self._finished: list[Finished] = []
-        self._default = np.tile([int(np.argmax(model.scores)) for model in models], (self.rows, 1))
+        self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
+        self.choices = OptionActions(self.worlds, self.action)
+        self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
         self.progress = Progress(self.worlds, max(round(self.mission.time_limit * rate), 1))
-        shape = (self.rows, self.width)
+        self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
+        self.observer = Observer(self.worlds, self.progress, observation)
+        self.width = self.observer.width
+        self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
+        self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
+        self._gained: Floats = np.zeros(self.rows)
+        self._finished: list[Finished] = []
         self._seeds: list[int | None] = [None] * worlds
         self._episodes = [0] * worlds
-        self.observations: Observations = np.zeros(shape, dtype=np.float32)
-        self._final: Observations = np.zeros(shape, dtype=np.float32)
 
     def reset(self, seeds: Sequence[int | None] | None = None, start: StartConfiguration | None = None) -> Observations:
         """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
@@ -131,6 +141,7 @@ class Batch:
             self._begin(world, start)
         self._finished.clear()
         self.progress.begin_period()
+        self.progress.elapsed[:] = 0
         self.observer.observe(self.observations)
         return self.observations
 
@@ -149,21 +160,26 @@ class Batch:
             for_start(self.mission, start)
         self.worlds.reset(world, start, run_seed(seed, f"episode {episode}"))
         rows = self.worlds.rows_of(world)
-        self.worlds.hold(self._default[rows], rows)
+        self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)
         self._episodes[world] += 1
 
-    def step(self, options: Ints) -> Step:
-        """Let each robot hold its options (R, C), or (R,) for one goal, for one decision period.
+    def masks(self) -> Flags:
+        """Return which options (R, O) can serve in the coming period, those of all goals one after the other."""
+        return self.choices.masks(self.observer.phases)
 
-        In a world whose mission ends the period ends early.
+    def step(self, actions: NDArray[Any]) -> Step:
+        """Let each robot act for one decision period; in a world whose mission ends the period ends early.
+
+        `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
         """
         if self._seeds[0] is None:
             raise RuntimeError("step: call reset first")
-        expected = (self.rows, len(self.goals))
-        if np.shape(options) != expected and (np.shape(options) != expected[:1] or len(self.goals) > 1):
-            raise ValueError(f"options: expected shape {expected}, got {np.shape(options)}")
-        self.worlds.hold(options)
+        if self._steering is None:
+            options = self.choices.check(actions, self.rows)
+            self.worlds.hold(self.choices.able(options, self.observer.phases))
+        else:
+            self._steering.steer(actions)
         self._finished.clear()
         progress = self.progress
         progress.begin_period()
@@ -172,8 +188,7 @@ class Batch:
                 self._keep_ends()
                 if progress.outcome.all():  # no world runs
                     break
-        seconds = np.multiply(progress.ticks, self.worlds.period)
-        gained = rewards(self.reward, progress.dumped, seconds, progress.events[COLLISION], self.robots)
+        self.rewards.of(progress, self._gained)
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIMED_OUT
         if self.begin_anew:
             for end in self._finished:
@@ -182,7 +197,7 @@ class Batch:
         if not self.begin_anew:
             over = np.repeat(terminated | truncated, self.robots)
             self.observations[over] = self._final[over]
-        return Step(self.observations, gained, terminated, truncated, self._final)
+        return Step(self.observations, self._gained, terminated, truncated, self._final)
 
     def _keep_ends(self) -> None:
         """Keep what the missions came to that ended with the last tick, and what their robots see."""

@@ -8,8 +8,9 @@
         actions = {agent: env.action_space(agent).sample() for agent in env.agents}
         observations, rewards, terminations, truncations, infos = env.step(actions)
 
-An action is the option that serves AvoidCollision in that robot for the next decision period; everything else the robot
-decides itself. Observations are described in `observation.TERMS`, rewards in `reward.RewardConfig`.
+An action is the option that serves AvoidCollision in that robot for the next decision period (with several coordinated
+goals one option for each); all else the robot decides itself. `ActionConfig(mode="velocity")` makes it a movement
+vector. Observations are described in `observation_terms`, rewards in `reward.RewardConfig`.
 """
 
 from __future__ import annotations
@@ -23,25 +24,35 @@ from numpy.typing import NDArray
 from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils.conversions import parallel_to_aec
 
+from clean_swarm_env.actions import ActionConfig
 from clean_swarm_env.batch import Batch
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.observation import Observations
-from clean_swarm_env.progress import COLLISION, EVENTS
+from clean_swarm_env.observation_terms import ObservationConfig
 from clean_swarm_env.reward import RewardConfig
+from clean_swarm_env.spaces import action_space, mask_of, observation_space
 
-Step = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]
+Action = int | NDArray[np.int64] | NDArray[np.float32]
+Infos = dict[str, dict[str, Any]]
+Step = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], Infos]
 
 
-class CleanSwarm(ParallelEnv[str, Observations, int]):
+class CleanSwarm(ParallelEnv[str, Observations, Action]):
     """One world of cleaning robots; each agent is a robot.
 
     Args:
         mission: a mission, or the name of one in `configs/missions`.
+        observation: terms of the observation.
         reward: weights of the reward's terms.
+        action: what an action is.
         render_mode: None or "rgb_array".
 
     Without `options={"start": StartConfiguration}` each reset draws a new start: episode k after `reset(seed=S)` is
     always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit.
+    Infos hold the time, what happened in the period, and the `action_mask` of options that can serve next.
+
+    Attributes:
+        options: coordinated goal -> names of its options.
 
     """
 
@@ -52,39 +63,42 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
         mission: MissionConfig | str = "table1",
         reward: RewardConfig | None = None,
         render_mode: str | None = None,
+        *,
+        observation: ObservationConfig | None = None,
+        action: ActionConfig | None = None,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")
-        self._batch = Batch(mission, reward=reward, begin_anew=False)
-        self.mission, self.reward, self.options = self._batch.mission, self._batch.reward, self._batch.options[0]
+        self._batch = Batch(mission, observation=observation, reward=reward, action=action, begin_anew=False)
+        self.mission, self.options = self._batch.mission, self._batch.options
         self.render_mode = render_mode
         self.possible_agents = [f"robot_{row}" for row in range(self._batch.robots)]
         self.agents: list[str] = []
-        self.observation_spaces = {agent: _box(self._batch.width) for agent in self.possible_agents}
-        self.action_spaces = {agent: gymnasium.spaces.Discrete(len(self.options)) for agent in self.possible_agents}
-        self.state_space = _box(self._batch.rows * self._batch.width)
+        self.observation_spaces = {agent: observation_space(self._batch) for agent in self.possible_agents}
+        self.action_spaces = {agent: action_space(self._batch) for agent in self.possible_agents}
+        self.state_space = observation_space(self._batch, self._batch.robots)
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Box:
         """Return the space of an agent's observations: always the same object."""
         return self.observation_spaces[agent]
 
-    def action_space(self, agent: str) -> gymnasium.spaces.Discrete:
+    def action_space(self, agent: str) -> gymnasium.Space[Any]:
         """Return the space of an agent's actions: always the same object."""
         return self.action_spaces[agent]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Observations], dict[str, dict[str, Any]]]:
+    ) -> tuple[dict[str, Observations], Infos]:
         """Begin an episode; `options["start"]` may give a `StartConfiguration` (other keys are left alone)."""
         start = (options or {}).get("start")
         if start is not None and not isinstance(start, StartConfiguration):
             raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")
         seen = self._batch.reset([seed], start)
         self.agents = list(self.possible_agents)
-        return self._by_agent(seen), {agent: {} for agent in self.agents}
+        return self._by_agent(seen), self._infos()
 
-    def step(self, actions: Mapping[str, int]) -> Step:
-        """Let each robot hold its option for one decision period; the period ends early when the mission does."""
+    def step(self, actions: Mapping[str, Action]) -> Step:
+        """Let each robot act for one decision period; the period ends early when the mission does."""
         if not self.agents:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         step = self._batch.step(self._checked(actions))
@@ -100,19 +114,29 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
             self.agents = []
         return result
 
-    def _infos(self) -> dict[str, dict[str, Any]]:
-        """Return what happened in the period: for the team, and of each kind of event how many of the agent's own."""
+    def _infos(self) -> Infos:
+        """Return what happened in the period, the agent's own events beside those of the team, and what can be done."""
         progress, worlds = self._batch.progress, self._batch.worlds
         team = {
             "time_s": int(progress.elapsed[0]) * worlds.period,
             "dumped": int(progress.dumped[0]),
             "collision_samples": int(worlds.collisions.samples[0, 0]),
         }
-        own = progress.events.T.tolist()
-        return {
-            agent: {**team, "collision_events": own[row][COLLISION], "events": dict(zip(EVENTS, own[row], strict=True))}
-            for row, agent in enumerate(self.agents)
-        }
+        infos = {}
+        for agent, (picked, recycled, dumped, collisions, contact, avoiding), able in zip(
+            self.possible_agents, progress.events.T.tolist(), self._batch.masks(), strict=True
+        ):
+            infos[agent] = {
+                **team,
+                "own_picked": picked,
+                "own_recycled": recycled,
+                "own_dumped": dumped,
+                "collision_events": collisions,
+                "contact_s": contact * worlds.period,
+                "avoiding_s": avoiding * worlds.period,
+                "action_mask": mask_of(self._batch, able),
+            }
+        return {agent: infos[agent] for agent in self.agents}
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or None without a render mode."""
@@ -129,30 +153,34 @@ class CleanSwarm(ParallelEnv[str, Observations, int]):
     def _by_agent(self, observations: Observations) -> dict[str, Observations]:
         return dict(zip(self.agents, observations.copy(), strict=True))
 
-    def _checked(self, actions: Mapping[str, int]) -> NDArray[np.int64]:
-        """Return the options (N,) that `actions` names, or raise ValueError."""
+    def _checked(self, actions: Mapping[str, Action]) -> NDArray[Any]:
+        """Return `actions` as rows, or raise ValueError."""
         if actions.keys() != set(self.agents):
             missing, unknown = sorted(set(self.agents) - actions.keys()), sorted(actions.keys() - set(self.agents))
             raise ValueError(f"actions: expected one for each agent, missing {missing}, unknown {unknown}")
         for agent, action in actions.items():
-            if not self.action_spaces[agent].contains(action):
-                raise ValueError(f"actions[{agent!r}]: expected 0..{len(self.options) - 1}, got {action!r}")
-        return np.fromiter((actions[agent] for agent in self.agents), np.int64, len(self.agents))
-
-
-def _box(width: int) -> gymnasium.spaces.Box:
-    return gymnasium.spaces.Box(-1.0, 1.0, (width,), np.float32)
+            space = self.action_spaces[agent]
+            if not space.contains(action):
+                expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
+                raise ValueError(f"actions[{agent!r}]: expected {expected}, got {action!r}")
+        return np.array([actions[agent] for agent in self.agents])
 
 
 def parallel_env(
-    mission: MissionConfig | str = "table1", reward: RewardConfig | None = None, render_mode: str | None = None
+    mission: MissionConfig | str = "table1",
+    reward: RewardConfig | None = None,
+    render_mode: str | None = None,
+    **settings: Any,  # noqa: ANN401  (the rest of the arguments of CleanSwarm)
 ) -> CleanSwarm:
     """Return the environment in which all robots act at once; see `CleanSwarm` for the arguments."""
-    return CleanSwarm(mission, reward, render_mode)
+    return CleanSwarm(mission, reward, render_mode, **settings)
 
 
 def env(
-    mission: MissionConfig | str = "table1", reward: RewardConfig | None = None, render_mode: str | None = None
-) -> AECEnv[str, Observations, int]:
+    mission: MissionConfig | str = "table1",
+    reward: RewardConfig | None = None,
+    render_mode: str | None = None,
+    **settings: Any,  # noqa: ANN401  (the rest of the arguments of CleanSwarm)
+) -> AECEnv[str, Observations, Action]:
     """Return the environment in which robots act one after the other (by PettingZoo's own conversion)."""
-    return parallel_to_aec(CleanSwarm(mission, reward, render_mode))
+    return parallel_to_aec(CleanSwarm(mission, reward, render_mode, **settings))

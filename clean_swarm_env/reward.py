@@ -1,11 +1,17 @@
-"""What a selector is rewarded for: the mission's cost, in parts that are named and weighted."""
+"""What a selector is rewarded for: the mission's cost, in parts that are named and weighted, and shaping terms.
+
+The shaping terms are plain counts. They are not differences of a potential, so that they may change which behaviour is
+best: a robot paid for picking could carry things about. They are 0 unless asked for.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from selector.documents import Closed, Number
+from clean_swarm_env.progress import AVOIDING, COLLISION, COMPLETED, CONTACT, DUMPED, EVENTS, PICKED, RECYCLED, Progress
+from selector.documents import Closed, Number, Share
+from selforg.compiled import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -20,9 +26,65 @@ class RewardConfig(Closed):
     """For each second that passed before the mission was over [1/s]."""
     collision: Number = -0.1
     """For each collision event in which the robot took part [1/event]."""
+    completed: Number = 0.0
+    """Once, when all garbage is dumped [-]."""
+    own_picked: Number = 0.0
+    """Shaping: for each item that the robot picked [1/item]."""
+    own_recycled: Number = 0.0
+    """Shaping: for each item that the robot recycled [1/item]."""
+    own_dumped: Number = 0.0
+    """Shaping: for each item that the robot itself dumped [1/item]."""
+    contact: Number = 0.0
+    """Shaping: for each second in which somebody was closer than the collision distance [1/s]."""
+    avoiding: Number = 0.0
+    """Shaping: for each second in which the robot avoided others [1/s]."""
+    shared: Share = 0.0
+    """Share of a robot's own terms (collisions and shaping) that goes to all robots of its world alike [-]."""
 
 
-def rewards(config: RewardConfig, dumped: Ints, seconds: Floats, collisions: Ints, robots: int) -> Floats:
-    """Return the reward (R,) of `dumped` (W,) items, `seconds` (W,) [s] and `collisions` (R,) events of one period."""
-    team = config.dumped * dumped + config.time * seconds
-    return np.repeat(team, robots) + config.collision * collisions
+class Rewards:
+    """Rewards (R,) of a batch of worlds, from what its progress counted in a period.
+
+    Attributes:
+        own: (E,) weight of each kind of event of a robot, in the order of EVENTS.
+
+    """
+
+    def __init__(self, config: RewardConfig, period: float) -> None:
+        """`period` [s]: of one tick."""
+        self.config = config
+        self._period = period
+        self.own: Floats = np.zeros(len(EVENTS))
+        self.own[[PICKED, RECYCLED, DUMPED, COLLISION]] = (
+            config.own_picked, config.own_recycled, config.own_dumped, config.collision,
+        )  # fmt: skip
+        self.own[[CONTACT, AVOIDING]] = config.contact * period, config.avoiding * period
+
+    def of(self, progress: Progress, rewards: Floats) -> None:
+        """Fill `rewards` (R,) with those of the period that `progress` counted; a mission that was over gets none."""
+        config = self.config
+        add_up(
+            self.own, progress.events, progress.ticks, progress.dumped, progress.outcome, config.dumped,
+            config.time * self._period, config.completed, config.shared, rewards,
+        )  # fmt: skip
+
+
+@kernel
+def add_up(
+    own: Floats, events: Ints, ticks: Ints, dumped: Ints, outcome: Ints, for_dumped: float, for_tick: float,
+    for_completing: float, shared: float, rewards: Floats,
+) -> None:  # fmt: skip
+    """Fill `rewards` (R,); see `RewardConfig`. ticks, dumped and outcome (W,) of the period, events (E, R)."""
+    robots = rewards.shape[0] // ticks.shape[0]
+    for world in range(ticks.shape[0]):
+        team = for_dumped * dumped[world] + for_tick * ticks[world]
+        if outcome[world] == COMPLETED and ticks[world] > 0:
+            team += for_completing
+        mean = 0.0
+        for row in range(world * robots, (world + 1) * robots):
+            rewards[row] = 0.0
+            for kind in range(own.shape[0]):
+                rewards[row] += own[kind] * events[kind, row]
+            mean += rewards[row] / robots
+        for row in range(world * robots, (world + 1) * robots):
+            rewards[row] = team + (1.0 - shared) * rewards[row] + shared * mean

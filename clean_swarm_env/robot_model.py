@@ -121,3 +121,13 @@ def read_sensors(
         readings[row, AT_DUMP] = 1.0 if to_dump <= limits[2] else 0.0
         readings[row, DIST_RECYCLING] = to_recycling
         readings[row, DIST_DUMP] = to_dump
+
+
+@kernel
+def cargo_in_reach(readings: Floats, in_reach: Ints) -> None:
+    """Write into `in_reach` (R, 3) where a robot can pick, recycle and dump, by its sensors in `readings` (R, S)."""
+    for row in range(readings.shape[0]):
+        carrying, recycled = readings[row, CARRYING] == 1.0, readings[row, RECYCLED] == 1.0
+        in_reach[row, 0] = not carrying and readings[row, GARBAGE_AT] == 1.0
+        in_reach[row, 1] = carrying and not recycled and readings[row, AT_RECYCLING] == 1.0
+        in_reach[row, 2] = carrying and recycled and readings[row, AT_DUMP] == 1.0

@@ -18,7 +18,7 @@ from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.garbage import Garbage, handle_cargo
 from clean_swarm_env.movement import rows_running, to_stations
 from clean_swarm_env.physics import Physics
-from clean_swarm_env.robot_model import read_sensors, robot_model
+from clean_swarm_env.robot_model import cargo_in_reach, read_sensors, robot_model
 from selector.coordinator import Coordinator
 from selector.coordinator_model import CoordinatorModel
 from selector.host import Host, host_knowledge
@@ -35,6 +35,7 @@ from selforg.space import Torus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 ITEMS, PHEROMONES = "garbage", "pheromone"  # channels
 CLOCK_GRID = 2.0**-30
@@ -81,6 +82,8 @@ class Worlds:
         self._commanded = np.zeros(self.rows, dtype=np.bool_)
         self._entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self._vectors: Floats = np.zeros((self.rows, 2))
+        self._steered: Floats | None = None
+        self._in_reach: Ints = np.zeros((self.rows, 3), dtype=np.int64)
         self._commands = Commands(self._vectors, self._commanded, np.zeros(self.rows, dtype=np.bool_))
         self._picked: Ints = np.zeros((self.rows, 2), dtype=np.int64)
         self._running: Ints = np.zeros((len(self._movers), self.rows), dtype=np.int64)
@@ -192,34 +195,51 @@ class Worlds:
         """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
         hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
+    def steer(self, vectors: Floats | None) -> None:
+        """Let robots follow vectors (R, 2) [m/s] from the next tick on; None: their behaviours, as at first.
+
+        Steered robots decide nothing by themselves but what to do with cargo: they pick, recycle and dump wherever
+        their sensors say that they can.
+        """
+        self._steered = vectors
+
     def tick(self) -> Ints:
         """One control period of all worlds: sense, decide, act, move.
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
         self.poses.update(self.physics.positions, self.physics.headings, self.now)
-        self._sense()
-        self.network.step()
-        self._act()
-        self._move()
+        if self._steered is None:
+            self._sense()
+            self.network.step()
+            self._act()
+            self._move(self._vectors, self._commanded)
+        else:
+            self._read_sensors()
+            cargo_in_reach(self.network.readings, self._in_reach)
+            self._handle_cargo(self._in_reach, np.arange(3))
+            self._move(self._steered, self.physics.present)
         self._now_ticks += 1
         self.ticks += 1
         return self._entered
 
     def _sense(self) -> None:
-        garbage = self.garbage
         for coordinator in self.coordinators:
             coordinator.sense(self.now)
+        self._read_sensors()
+
+    def _read_sensors(self) -> None:
+        garbage = self.garbage
         read_sensors(
             self.physics.positions, self.extent, self.stations, self._limits, garbage.positions, garbage.stage,
             garbage.cargo, garbage.recycled, self.network.readings,
         )  # fmt: skip
 
-    def _act(self) -> None:
-        """Let what runs act: handle cargo, and give every robot that moves a vector."""
-        garbage, network = self.garbage, self.network
+    def _handle_cargo(self, started: Ints, columns: Ints) -> None:
+        """Let robots pick, recycle and dump that start to; `columns` (3,) of `started` (R, B)."""
+        garbage = self.garbage
         picked = handle_cargo(
-            network.started, self._cargo, self.physics.positions, self.extent, self.mission.garbage.pick_distance,
+            started, columns, self.physics.positions, self.extent, self.mission.garbage.pick_distance,
             garbage.positions, garbage.stage, garbage.leftover, garbage.cargo, garbage.recycled, garbage.done,
             self._picked,
         )  # fmt: skip
@@ -227,6 +247,11 @@ class Worlds:
             rows, items = self._picked[:picked].T
             worlds = rows // self.robots
             self.items.extinguish(worlds, ITEMS, garbage.positions[worlds, items], self.now)
+
+    def _act(self) -> None:
+        """Let what runs act: handle cargo, and give every robot that moves a vector."""
+        network = self.network
+        self._handle_cargo(network.started, self._cargo)
         self._commanded[:] = False
         self._commands.in_place[:] = False
         to_stations(
@@ -250,8 +275,8 @@ class Worlds:
             self._vectors[rows] = vectors
             self._commanded[rows] = active
 
-    def _move(self) -> None:
+    def _move(self, vectors: Floats, commanded: Flags) -> None:
         physics, drive = self.physics, self.drive
-        drive.command(self._vectors, self._commanded, physics.headings, self.now)
+        drive.command(vectors, commanded, physics.headings, self.now)
         drive.speed[self._commands.in_place] = 0.0
         physics.tick(self._substeps, drive.speed, drive.turn_rate, self.collisions, self._entered)

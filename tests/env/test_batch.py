@@ -133,5 +133,5 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
     batch.reset([1, 2])
     with pytest.raises(ValueError, match=r"options: expected shape \(10, 1\), got \(9,\)"):
         batch.step(np.zeros(9, dtype=np.int64))
-    with pytest.raises(ValueError, match=r"expected options 0\.\.2"):
+    with pytest.raises(ValueError, match=r"options\[0\]: expected 0\.\.2, got 3"):
         batch.step(np.full(10, 3))

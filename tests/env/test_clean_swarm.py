@@ -89,7 +89,7 @@ def test_spaces_are_the_same_objects_all_the_time():
         assert env.observation_space(agent) is env.observation_space(agent)
         assert env.action_space(agent) is env.action_space(agent)
         assert env.action_space(agent).n == len(OPTIONS)
-    assert env.options == OPTIONS
+    assert env.options == {"AvoidCollision": OPTIONS}
 
 
 @long_course

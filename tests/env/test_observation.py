@@ -1,13 +1,16 @@
-"""Observations against a naive account of each robot, and their bounds in crowds and deserts."""
+"""Observations against a naive account of each robot, their bounds in crowds and deserts, and the choice of terms."""
 
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 import pytest
 
+from clean_swarm_env.batch import Batch
 from clean_swarm_env.garbage import LYING, NOTHING
-from clean_swarm_env.observation import NEIGHBOUR_RANGE, TERMS, Observer
-from tests.env.courses import OPTIONS, mission, worlds_at_start
+from clean_swarm_env.observation_terms import PHASES, TERMS, ObservationConfig
+from tests.env.courses import OPTIONS, long_course, mission
+
+RANGES = (1.0, 1.5, 2.5)
 
 
 def _offset(worlds, place, other):
@@ -22,49 +25,125 @@ def _way(worlds, row, other, scale):
     return [min(hypot(x, y) / scale, 1.0), cos(angle), sin(angle)]
 
 
-def _nearest(worlds, row, others, within):
-    near = [(hypot(*_offset(worlds, worlds.physics.positions[row], o)), k) for k, o in enumerate(others)]
-    near = [pair for pair in sorted(near) if pair[0] <= within]
-    return len(near), (near[0][1] if near else None)
-
-
-def _expected(worlds, row):
-    world, config, garbage = row // worlds.robots, worlds.mission, worlds.garbage
-    diagonal = hypot(config.world.width, config.world.height) / 2
+def _task(batch, row):
+    worlds, garbage = batch.worlds, batch.worlds.garbage
+    world, stations = row // worlds.robots, worlds.mission.stations
+    place, diagonal = worlds.physics.positions[row], hypot(*worlds.extent) / 2
+    carrying, recycled = garbage.cargo[row] != NOTHING, garbage.recycled[row] == 1
     items = garbage.positions[world][garbage.stage[world] == LYING]
-    _, item = _nearest(worlds, row, items, 2.0)
-    seen = [0.0, 1.0, 0.0, 0.0] if item is None else [1.0, *_way(worlds, row, items[item], 2.0)]
-    cargo = [float(garbage.cargo[row] != NOTHING), float(garbage.recycled[row])]
-    stations = _way(worlds, row, config.stations.recycling, diagonal) + _way(
-        worlds, row, config.stations.dump, diagonal
-    )
-    others = np.delete(worlds.physics.positions[worlds.rows_of(world)], row % worlds.robots, axis=0)
-    count, other = _nearest(worlds, row, others, NEIGHBOUR_RANGE)
-    near = [0.0, 1.0, 0.0, 0.0]
-    if other is not None:
-        near = [count / (worlds.robots - 1), *_way(worlds, row, others[other], NEIGHBOUR_RANGE)]
-    column = worlds.network.model.sensor_index["rep_len"]
-    length = min(worlds.network.readings[row, column] / 1.5, 1.0)
-    drive = [worlds.drive.speed[row], worlds.drive.turn_rate[row] / 2.0]
-    progress = [garbage.done[world] / config.garbage.count, 1.0 - worlds.ticks[world] * 0.2 / config.time_limit]
-    held = [float(worlds.coordinator.held[row] == k) for k in range(3)]
-    return [*seen, *cargo, *stations, *near, length, *drive, *progress, *held]
+    near = sorted((hypot(*_offset(worlds, place, item)), k) for k, item in enumerate(items))
+    seen = bool(near) and near[0][0] <= 2.0
+    phase = ("to_dump" if recycled else "to_recycling") if carrying else ("approach" if seen else "patrol")
+    ways = [_way(worlds, row, station, diagonal) for station in (stations.recycling, stations.dump)]
+    distances = [hypot(*_offset(worlds, place, station)) for station in (stations.recycling, stations.dump)]
+    place_name = ("carrying" if carrying else "free") + ("_near" if min(distances) <= 2.0 else "_far")
+    return {
+        "garbage": [1.0, *_way(worlds, row, items[near[0][1]], 2.0)] if seen else [0.0, 1.0, 0.0, 0.0],
+        "cargo": [float(carrying), float(recycled)],
+        "phase": [float(phase == name) for name in PHASES],
+        "situation": [float(place_name == name) for name in TERMS["situation"][1]],
+        "recycling": ways[0],
+        "dump": ways[1],
+        "nearness": [max(1.0 - distance / 2.0, 0.0) for distance in distances],
+        "target": ways[int(recycled)] if carrying else [1.0, 0.0, 0.0],
+    }
 
 
+def _others(batch, row):
+    worlds, physics = batch.worlds, batch.worlds.physics
+    loaded = worlds.garbage.cargo != NOTHING
+    others = [other for other in worlds.rows_of(row // worlds.robots) if other != row]
+    offsets = {other: _offset(worlds, physics.positions[row], physics.positions[other]) for other in others}
+    near = sorted((hypot(*offset), other) for other, offset in offsets.items() if hypot(*offset) <= RANGES[-1])
+    terms = {
+        "neighbour": [0.0, 1.0, 0.0, 0.0],
+        "encounter": [0.0] * 4,
+        "crowd": [sum(distance <= reach for distance, _ in near) / 6 for reach in RANGES],
+        "carriers": [sum(bool(loaded[other]) for _, other in near) / 6],
+        "density": [(len(others) + 1) * pi / 121],
+    }
+    if near:
+        distance, other = near[0]
+        turned = physics.headings[other] - physics.headings[row]
+        relative = physics.velocities[row] - physics.velocities[other]
+        closing = float(relative @ offsets[other]) / distance / 2.0
+        terms["neighbour"] = [len(near) / len(others), *_way(worlds, row, physics.positions[other], RANGES[-1])]
+        terms["encounter"] = [cos(turned), sin(turned), closing, float(loaded[other])]
+    return terms
+
+
+def _expected(batch, row, idle):
+    worlds, config, garbage = batch.worlds, batch.mission, batch.worlds.garbage
+    world, network = row // worlds.robots, worlds.network
+    length = network.readings[row, network.model.sensor_index["rep_len"]]
+    avoiding = network.executing[row, network.model.behaviour_index["AvoidCollision"]]
+    terms = {
+        **_task(batch, row),
+        **_others(batch, row),
+        "avoidance": [min(length / 1.5, 1.0), float(avoiding)],
+        "movement": [worlds.drive.speed[row], worlds.drive.turn_rate[row] / 2.0],
+        "mission": [
+            garbage.done[world] / config.garbage.count, 1.0 - worlds.ticks[world] * 0.2 / config.time_limit,
+        ],
+        "idle": [min(idle / 60.0, 1.0)],
+        "holds": [float(worlds.coordinator.held[row] == k) for k in range(3)],
+    }  # fmt: skip
+    return np.concatenate([terms[name] for name in TERMS])
+
+
+@long_course
 @pytest.mark.parametrize("name", ["table1", "reference"])
 def test_every_term_is_what_its_name_says(name):
-    worlds = worlds_at_start(mission(name), [1, 2])
-    worlds.hold(np.arange(10) % 3)
-    observer = Observer(worlds)
-    seen = np.zeros((10, observer.width), np.float32)
-    for tick in range(600):
-        worlds.tick()
-        if tick % 20 == 0:
-            observer.observe(seen)
-            for row in range(10):
-                np.testing.assert_allclose(seen[row], _expected(worlds, row), atol=1e-6, err_msg=f"{tick} {row}")
-    assert observer.names == (*TERMS, *(f"holds_{option}" for option in OPTIONS))
-    assert observer.width == len(TERMS) + 3
+    batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
+    seen = batch.reset([1, 2])
+    met = np.zeros(batch.width)
+    for _ in range(120):
+        for row in range(10):
+            np.testing.assert_allclose(seen[row], _expected(batch, row, idle[row]), atol=1e-6, err_msg=str(row))
+        met += np.abs(seen).max(axis=0) > 0
+        seen = batch.step(rng.integers(0, 3, 10)).observations
+        assert not batch.finished
+        idle = np.where(batch.progress.events[:3].any(axis=0), batch.progress.idle * 0.2, idle + 1.0)
+    assert met.all(), [name for name, count in zip(batch.observer.names, met, strict=True) if not count]
+
+
+def test_names_are_those_of_the_terms_and_unique():
+    names = Batch().observer.names
+    assert len(set(names)) == len(names)
+    assert names[-3:] == tuple(f"holds_{option}" for option in OPTIONS)
+    assert [name for name in names if name.startswith("crowd")] == ["crowd_1m", "crowd_1.5m", "crowd_2.5m"]
+    assert names[: len(TERMS["garbage"][1])] == TERMS["garbage"][1]
+
+
+def test_terms_are_chosen_ordered_and_weighted():
+    whole = Batch()
+    chosen = ["holds", {"name": "mission", "weight": -2.0}, "cargo", {"name": "neighbour", "weight": 0.5}]
+    batch = Batch(observation=ObservationConfig(terms=chosen))
+    full, part = whole.reset([3]), batch.reset([3])
+    names = batch.observer.names
+    weight = {"garbage_done": -2.0, "time_left": -2.0, **dict.fromkeys(TERMS["neighbour"][1], 0.5)}
+    for k, name in enumerate(names):
+        expected = full[:, whole.observer.names.index(name)] * np.float32(weight.get(name, 1.0))
+        assert np.array_equal(part[:, k], expected)
+        assert batch.observer.bounds[k] == abs(weight.get(name, 1.0))
+    assert names[:3] == tuple(f"holds_{option}" for option in OPTIONS)
+    assert len(names) == 3 + 2 + 2 + 4
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"terms": ["garbag"]}, "unknown term 'garbag'.*did you mean 'garbage'"),
+        ({"terms": ["cargo", "cargo"]}, "terms: 'cargo' is given twice"),
+        ({"terms": []}, "at least 1"),
+        ({"terms": [{"name": "cargo", "wait": 1.0}]}, "wait"),
+        ({"neighbour_ranges": [1.0, 1.0]}, "expected growing distances"),
+        ({"full_crowd": 0}, "greater than or equal to 1"),
+    ],
+)
+def test_impossible_choices_are_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        ObservationConfig.model_validate(given)
 
 
 @pytest.mark.parametrize(
@@ -79,22 +158,18 @@ def test_every_term_is_what_its_name_says(name):
     ids=["crowd", "alone", "nothing to do", "no reach", "narrow"],
 )
 def test_observations_stay_within_their_bounds(changes):
-    worlds = worlds_at_start(mission(**changes), [1])
-    observer = Observer(worlds)
-    seen = np.full((worlds.rows, observer.width), np.nan, np.float32)
-    for _ in range(200):
-        worlds.tick()
-        observer.observe(seen)
+    batch = Batch(mission(**changes), observation=ObservationConfig(full_crowd=2))
+    seen = batch.reset([1])
+    for _ in range(40):
         assert (np.abs(seen) <= 1.0).all()
+        seen = batch.step(np.full(batch.rows, 1)).observations
 
 
 def test_looking_changes_nothing():
-    worlds = worlds_at_start(mission(), [1])
-    observer, seen = Observer(worlds), np.zeros((5, 24), np.float32)
-    before = worlds.network.readings.copy(), worlds.physics.positions.copy()
-    observer.observe(seen)
-    again = seen.copy()
-    observer.observe(again)
-    assert np.array_equal(seen, again)
-    assert np.array_equal(before[0], worlds.network.readings)
-    assert np.array_equal(before[1], worlds.physics.positions)
+    batch = Batch()
+    seen = batch.reset([1]).copy()
+    before = batch.worlds.network.readings.copy(), batch.worlds.physics.positions.copy()
+    batch.observer.observe(batch.observations)
+    assert np.array_equal(seen, batch.observations)
+    assert np.array_equal(before[0], batch.worlds.network.readings)
+    assert np.array_equal(before[1], batch.worlds.physics.positions)

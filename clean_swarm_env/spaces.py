@@ -1,0 +1,38 @@
+"""Gymnasium spaces of a batch, for one robot and for a team, and masks in the form that `sample` takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from clean_swarm_env.batch import Batch
+
+Flags = NDArray[np.bool_]
+Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
+
+
+def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:
+    """Return the space of what `robots` robots see, one after the other."""
+    bounds = np.tile(batch.observer.bounds, robots)
+    return spaces.Box(-bounds, bounds, dtype=np.float32)
+
+
+def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
+    """Return the space of what is decided for `robots` robots, one after the other.
+
+    One option of one goal is Discrete, several are MultiDiscrete, vectors a Box.
+    """
+    if batch.action.mode == "velocity":
+        return spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
+    counts = list(batch.choices.counts) * robots
+    return spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
+
+
+def mask_of(batch: Batch, able: Flags) -> Mask:
+    """Return `able` (O,) as `sample` of the action space of one robot takes it, and as PettingZoo writes it."""
+    whole = able.astype(np.int8)
+    counts = batch.choices.counts
+    return whole if len(counts) == 1 else tuple(np.split(whole, np.cumsum(counts)[:-1]))
