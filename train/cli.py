@@ -56,6 +56,15 @@ def _common(
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
 
 
+Configs = Annotated[
+    list[Path] | None,
+    typer.Option(
+        help="Directory of your own configurations, with mechanisms/, knowledge/, robots/, missions/, experiments/; "
+        "searched before the shipped ones; can be repeated.",
+    ),
+]
+
+
 @app.command()
 def evaluate(
     experiment: Annotated[str, typer.Argument(help="Name of an experiment, or path to its YAML file.")] = "table1",
@@ -70,6 +79,7 @@ def evaluate(
     resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
     starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,
     condition: Annotated[list[str] | None, typer.Option(help="Run this condition only; can be repeated.")] = None,
+    configs: Configs = None,
 ) -> None:
     """Run an experiment under all its conditions and print its table; the default is the paper's Table 1."""
     for name, value, least in (("--scenarios", scenarios, 1), ("--workers", workers, 1), ("--seed", seed, 0)):
@@ -81,7 +91,7 @@ def evaluate(
 
     raise typer.Exit(
         evaluation.evaluate(
-            Request(experiment, seed, scenarios, starts, tuple(condition or ())),
+            Request(experiment, seed, scenarios, starts, tuple(condition or ()), tuple(configs or ())),
             workers=workers or usable_cpus(),
             output=output,
             resume=resume,
@@ -110,11 +120,11 @@ def explain_step(
 
     task = repeat.task_of(run, scenario, condition)
     with _repeating(run):
-        situation, explanation = explain.explained(task, robot, time)
+        told = explain.explained(task, robot, time)
     if json:
-        typer.echo(explain.as_json(situation, explanation))
+        typer.echo(explain.as_json(*told))
     else:
-        Console(highlight=False, markup=False).print(explain.on_terminal(situation, explanation))
+        Console(highlight=False, markup=False).print(explain.on_terminal(*told))
 
 
 @app.command("record")
@@ -124,12 +134,12 @@ def record_run(
     scenario: Scenario = None,
     condition: Condition = None,
 ) -> None:
-    """Repeat a run and keep every step of every robot's behaviour network in an NPZ file."""
-    from train import explain, repeat
+    """Repeat a run and keep every step of every robot's networks, and the options held, in an NPZ file."""
+    from train import record, repeat
 
     task = repeat.task_of(run, scenario, condition)
     with _repeating(run):
-        steps = explain.record(task, output)
+        steps = record.record(task, output)
     typer.echo(f"{steps} steps of {task.mission.robots.count} robots in {output}")
 
 
@@ -147,12 +157,12 @@ def _repeating(run: Path) -> Iterator[None]:
 
 
 @app.command("list")
-def list_experiments() -> None:
+def list_experiments(configs: Configs = None) -> None:
     """List the experiments with their conditions."""
     from clean_swarm_env.config_files import load_experiment, names
 
-    for name in names("experiments"):
-        experiment = load_experiment(name)
+    for name in names("experiments", configs or ()):
+        experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
         typer.echo(f"{name}: {experiment.description}")
         typer.echo(f"  {starts} start configurations; conditions: {', '.join(c.name for c in experiment.conditions)}")

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from train.figure import draw
 from train.grids import markdown, on_terminal
-from train.plan import Plan, Request, check_planner, check_scores, plan_of
+from train.plan import Plan, Request, check_coordination, check_planner, plan_of
 from train.preparing import compile_first
 from train.report import Report, report_of, summary_json
 from train.results import Results, default_directory
@@ -31,9 +31,9 @@ def evaluate(
     anything is written.
     """
     plan = plan_of(request)
-    check_scores(plan.experiment, request.experiment)
+    check_coordination(plan.experiment, plan.directories, request.experiment)
     check_planner(plan.experiment, request.experiment)
-    tasks = tasks_of(plan.experiment, plan.seed)
+    tasks = tasks_of(plan.experiment, plan.seed, plan.directories)
     results = Results(output or default_directory(plan.stem, resume=resume), plan.manifest, resume=resume)
     try:
         _run_missing(tasks, results, workers, run_mission)
@@ -90,6 +90,7 @@ def _say_how_to_resume(request: Request, results: Results, total: int, what: str
     words += ["--scenarios", str(request.scenarios)] if request.scenarios is not None else []
     words += ["--starts", str(request.starts)] if request.starts is not None else []
     words += [word for name in request.conditions for word in ("--condition", name)]
+    words += [word for path in request.directories for word in ("--configs", str(path))]
     words += ["--output", str(results.directory), "--resume"]
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
     errors.print(

@@ -1,18 +1,15 @@
-"""One step of one robot as a reader sees it: what it weighed, what it planned, what runs and why; and a whole run kept.
+"""One step of one robot as a reader sees it: what it weighed, what it planned, what runs and why.
 
 The text is meant for 80 columns: a table of what adds up to each behaviour's activation, a tree of reasons, conditions
 and goals.
 """
 
-import io
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
-from pathlib import Path
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -20,29 +17,50 @@ from rich.tree import Tree
 
 from clean_swarm_env.config_errors import ConfigurationError
 from clean_swarm_env.worlds import Worlds
+from selector.coordinator import Coordinator
 from selforg.network.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount, explain
 from selforg.network.explanation_text import COLUMNS, header
-from selforg.network.recording import Recorder, stacked
-from train.repeat import steps_of, world_at
-from train.results import write_atomically
+from selforg.network.network import BehaviourNetwork
+from selforg.network.recording import Recorder
+from train.repeat import world_at
 from train.runs import RunTask
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short forms of columns, which let the table fit."""
 
 
-def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation]:
-    """Repeat a run up to `time` [s]; return where the robot was in the run, and the explanation of its step."""
+@dataclass(frozen=True)
+class Coordinated:
+    """One coordinator of a robot in one step: the option it held, and the network inside if that decided."""
+
+    goal: str
+    option: str
+    inner: Explanation | None
+
+
+def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Coordinated, ...]]:
+    """Repeat a run up to `time` [s]; return where the robot was in the run, its step, and its coordinators."""
     count = task.mission.robots.count
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     worlds = world_at(task, time)
-    record = Recorder(worlds.network, np.array([robot])).take()
-    return _situation(task, worlds, robot), explain(worlds.network.model, record, robot)
+    coordinated = tuple(_coordinated(coordinator, robot) for coordinator in worlds.coordinators)
+    return _situation(task, worlds, robot), _step_of(worlds.network, robot), coordinated
+
+
+def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
+    return explain(network.model, Recorder(network, np.array([robot])).take(), robot)
+
+
+def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
+    option = int(coordinator.held[robot])
+    runs = coordinator.parent.executing[robot, coordinator.index] == 1
+    inner = _step_of(coordinator.contents[option].network, robot) if runs else None
+    return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
 
 
 def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
-    coordinator, step = worlds.coordinator.model, int(worlds.ticks[0]) - 1
+    step = int(worlds.ticks[0]) - 1
     return {
         "experiment": task.experiment,
         "scenario": task.scenario,
@@ -51,16 +69,19 @@ def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
         "robot": robot,
         "step": step,
         "time_s": round(step * worlds.period, 9),
-        "options": {coordinator.goal: coordinator.options[worlds.coordinator.held[robot]]},
+        "options": {c.model.goal: c.model.options[c.held[robot]] for c in worlds.coordinators},
     }
 
 
-def as_json(situation: dict[str, Any], explanation: Explanation) -> str:
-    """Return situation and explanation as a JSON object; without a plan, `plan` is null."""
-    return json.dumps(situation | asdict(explanation), indent=2, allow_nan=False)
+def as_json(situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]) -> str:
+    """Return a step as a JSON object; without a plan, `plan` is null, and so is `inner` of what does not run."""
+    coordinators = {"coordinators": [asdict(one) for one in coordinated]}
+    return json.dumps(situation | asdict(explanation) | coordinators, indent=2, allow_nan=False)
 
 
-def on_terminal(situation: dict[str, Any], explanation: Explanation) -> RenderableType:
+def on_terminal(
+    situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]
+) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
@@ -68,7 +89,14 @@ def on_terminal(situation: dict[str, Any], explanation: Explanation) -> Renderab
     due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
     facts = Text(f"{title}\n\n" + "\n".join(filter(None, [*header(explanation), due])))
     trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
-    return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees)
+    inner = [part for one in coordinated if one.inner for part in _inside(one, one.inner)]
+    return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees, *inner)
+
+
+def _inside(one: Coordinated, inner: Explanation) -> list[RenderableType]:
+    """Return what the network inside a coordinator decided."""
+    title = Text(f"\ninside {one.goal}: {one.option}")
+    return [title, _table(inner.behaviours), _behaviours(inner.behaviours)]
 
 
 def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
@@ -117,35 +145,3 @@ def _add_conditions(branch: Tree, accounts: Sequence[ConditionAccount]) -> None:
 def _wishes(account: BehaviourAccount | GoalAccount) -> str:
     wished = [f"{sensor} {wish:+.3g}" for sensor, wish in account.wishes if wish != 0.0]
     return f", wishes {', '.join(wished)}" if wished else ""
-
-
-def record(task: RunTask, output: Path) -> int:
-    """Repeat a whole run and keep every step of every robot in an NPZ file; return the number of steps (T)."""
-    if output.exists():
-        raise ConfigurationError(f"{output}: exists already; expected a new file")
-    recorder = None
-    for worlds in steps_of(task):
-        recorder = recorder or Recorder(worlds.network)
-        recorder.take()
-    if recorder is None:
-        raise ConfigurationError("the mission has nothing to do and is over at once")
-    arrays: dict[str, Any] = stacked(recorder.steps) | _names(task, worlds)
-    file = io.BytesIO()
-    np.savez_compressed(file, **arrays)
-    try:
-        write_atomically(output, file.getvalue())
-    except OSError as error:
-        raise ConfigurationError(f"{output}: cannot be written ({error.strerror})") from error
-    return len(recorder.steps)
-
-
-def _names(task: RunTask, worlds: Worlds) -> dict[str, NDArray[Any]]:
-    """Return what the axes of a recording mean."""
-    model = worlds.network.model
-    run = {"experiment": task.experiment, "scenario": task.scenario, "condition": task.condition, "seed": task.seed}
-    return {
-        "behaviour_names": np.array([behaviour.name for behaviour in model.behaviours]),
-        "sensor_names": np.array([sensor.name for sensor in model.sensors]),
-        "goal_names": np.array([goal.name for goal in model.goals]),
-        "run": np.array(json.dumps(run | {"period_s": worlds.period})),
-    }

@@ -13,9 +13,12 @@ from clean_swarm_env.config import StartConfiguration
 from clean_swarm_env.config_errors import ConfigurationError
 from clean_swarm_env.config_files import load_experiment
 from clean_swarm_env.experiment import ExperimentConfig
+from clean_swarm_env.robot_model import coordinators_of, robot_model
 from clean_swarm_env.starts import load_starts, random_start
 from selector.documents import unknown
 from selector.knowledge import load_knowledge
+from selector.library import library_of
+from selector.registry import checked
 from selforg.network.planner_names import check_planner as check_planner_name
 from train.reference import Measured
 
@@ -38,6 +41,8 @@ class Request:
     """File of start configurations, in place of the experiment's own."""
     conditions: tuple[str, ...] = ()
     """Names of the conditions to run; empty: all."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations, searched before the shipped one."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,8 @@ class Plan:
     """Where the start configurations come from."""
     stem: str
     """Name of the default directory for the results."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations, as absolute paths."""
 
     @property
     def manifest(self) -> dict[str, Any]:
@@ -63,7 +70,8 @@ class Plan:
                 "experiment": self.experiment.name,
                 "seed": self.seed,
                 "configuration": self.experiment.model_dump(mode="json"),
-                "files": fingerprints(FINGERPRINTED),
+                "files": fingerprints(FINGERPRINTED, self.directories),
+                "directories": [str(directory) for directory in self.directories],
             },
             "starts_from": self.starts_from,
             "versions": versions(),
@@ -75,22 +83,22 @@ def plan_of(request: Request) -> Plan:
     """Resolve what the user asked for; whatever does not exist or fit raises an error of one line."""
     if request.scenarios is not None and request.starts is not None:
         raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
-    experiment = _with_conditions(load_experiment(request.experiment), request.conditions)
+    directories = tuple(directory.resolve() for directory in request.directories)
+    experiment = _with_conditions(load_experiment(request.experiment, directories), request.conditions)
     stem = f"{experiment.name}-seed{request.seed}"
     if request.starts is not None:
         given = load_starts(request.starts)
         experiment = experiment.model_copy(
             update={"mission": given.world_of(experiment.mission), "starts": given.starts}
         )
-        return Plan(
-            experiment, request.seed, given.measured, False, str(request.starts), f"{stem}-{request.starts.stem}"
-        )
+        stem = f"{stem}-{request.starts.stem}"
+        return Plan(experiment, request.seed, given.measured, False, str(request.starts), stem, directories)
     if request.scenarios is None and experiment.starts:
-        return Plan(experiment, request.seed, {}, True, "the experiment's own start configurations", stem)
+        return Plan(experiment, request.seed, {}, True, "the experiment's own start configurations", stem, directories)
     count = request.scenarios or experiment.scenarios
     experiment = experiment.model_copy(update={"starts": _random_starts(experiment, request.seed, count)})
     source = f"{count} random start configurations of seed {request.seed}"
-    return Plan(experiment, request.seed, {}, False, source, f"{stem}-{count}-scenarios")
+    return Plan(experiment, request.seed, {}, False, source, f"{stem}-{count}-scenarios", directories)
 
 
 def check_planner(experiment: ExperimentConfig, where: str) -> None:
@@ -101,14 +109,21 @@ def check_planner(experiment: ExperimentConfig, where: str) -> None:
         raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
 
 
-def check_scores(experiment: ExperimentConfig, where: str) -> None:
-    """Raise an error of one line if a condition scores a goal or an option that the expert knowledge does not have."""
-    knowledge = load_knowledge(experiment.mission.knowledge)
+def check_coordination(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
+    """Raise an error of one line if what the experiment names to serve goals cannot be built or does not exist.
+
+    These are the robot's document, the expert knowledge and its configurations, the scores and the strategies.
+    """
+    library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
+    library.check(knowledge)
+    models = coordinators_of(experiment.mission.network, knowledge, library, directories)
+    robot_model(experiment.mission.network, models, directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)
         except ValueError as error:
             raise ConfigurationError(f"{where}: condition {condition.name!r}: scores: {error}") from error
+        checked(condition.strategy, f"{where}: condition {condition.name!r}: strategy")
 
 
 def _with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:
@@ -129,8 +144,12 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
-def fingerprints(kinds: Sequence[str]) -> dict[str, str]:
-    """Return file -> SHA-256 for the shipped files of these kinds."""
-    root = configs.directory()
-    paths = sorted(path for kind in kinds for path in (root / kind).glob("*.yaml"))
-    return {path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+def fingerprints(kinds: Sequence[str], directories: Sequence[Path] = ()) -> dict[str, str]:
+    """Return file -> SHA-256 for the files of these kinds: the shipped ones, and those of the user's directories."""
+    shipped = configs.directory()
+    found = {}
+    for root in (shipped, *directories):
+        for path in sorted(path for kind in kinds for path in (root / kind).glob("*.yaml")):
+            name = (path.relative_to(root) if root == shipped else path).as_posix()
+            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found

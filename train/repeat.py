@@ -28,13 +28,14 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     """Return one run of an evaluation; without names the first scenario and the first condition.
 
     Raises:
-        ConfigurationError: no results there, no such scenario or condition, or the shipped mechanisms and knowledge are
-            not those that the evaluation ran with.
+        ConfigurationError: no results there, no such scenario or condition, or the mechanisms, knowledge and robots
+            are not those that the evaluation ran with.
 
     """
     manifest = read_manifest(directory)
     path, identity = directory / MANIFEST, manifest["identity"]
-    _check_same_files(identity.get("files"), path)
+    directories = tuple(Path(name) for name in identity.get("directories", []))
+    _check_same_files(identity.get("files"), directories, path)
     try:
         experiment = ExperimentConfig.model_validate(identity.get("configuration"))
     except ValidationError as error:
@@ -42,7 +43,7 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     seed = identity.get("seed")
     if not isinstance(seed, int):
         raise ConfigurationError(f"{path}: identity.seed: expected a whole number, got {seed!r}")
-    tasks = _of_scenario(tasks_of(experiment, seed), scenario, directory)
+    tasks = _of_scenario(tasks_of(experiment, seed, directories), scenario, directory)
     names = [task.condition for task in tasks]
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
@@ -112,8 +113,8 @@ def _of_scenario(tasks: Sequence[RunTask], scenario: str | None, directory: Path
     return [task for task in tasks if task.scenario == wanted]
 
 
-def _check_same_files(held: object, path: Path) -> None:
-    now = fingerprints(FINGERPRINTED)
+def _check_same_files(held: object, directories: Sequence[Path], path: Path) -> None:
+    now = fingerprints(FINGERPRINTED, directories)
     if held == now:
         return
     of_then = held if isinstance(held, dict) else {}

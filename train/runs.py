@@ -112,7 +112,7 @@ def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, .
             condition.scores,
             condition.strategy,
             directories,
-        )  # fmt: skip
+        )
         for start, mission in zip(experiment.starts, missions, strict=True)
         for condition in experiment.conditions
     ]

@@ -57,8 +57,10 @@ def snapshot(worlds: Worlds, world: int) -> dict[str, np.ndarray]:
         "executing": network.executing[rows],
         "values": network.state.values[:, rows],  # activations and their terms
         "row_values": network.state.row_values[:, rows],
-        "inner": np.stack([content.network.state.values[0, rows] for content in worlds.coordinator.contents]),
-        "held": worlds.coordinator.held[rows],
+        "inner": np.concatenate(
+            [content.network.state.values[0, rows] for c in worlds.coordinators for content in c.contents], axis=1
+        ),
+        "held": np.stack([coordinator.held[rows] for coordinator in worlds.coordinators]),
     }
     return {name: part.copy() for name, part in parts.items()}
 

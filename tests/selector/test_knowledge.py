@@ -67,7 +67,8 @@ def test_the_nearest_directory_wins_and_names_are_listed(tmp_path):
     assert load_knowledge("mine", [tmp_path]).scores("G").tolist() == [1e-9]
     assert "AvoidCollision" in load_knowledge("cleaning", [tmp_path]).goals
     with pytest.raises(
-        DocumentError, match=r"unknown expert knowledge 'mien' \(known: cleaning, library, mine; did you mean"
+        DocumentError,
+        match=r"unknown expert knowledge 'mien' \(known: cleaning, cleaning-patrol, library, mine; did you mean",
     ):
         load_knowledge("mien", [tmp_path])
     with pytest.raises(DocumentError, match="nowhere: no such directory"):

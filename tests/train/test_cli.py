@@ -145,7 +145,7 @@ def _experiment(path: Path, **changes: object) -> Path:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["tabel1"], "unknown experiment 'tabel1' (known: table1"),
+        (["tabel1"], "unknown experiment 'tabel1' (known: patrol, table1"),
         (["none.yaml"], "none.yaml: no such file"),
         (
             ["--condition", "Gradient"],

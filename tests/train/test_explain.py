@@ -232,8 +232,38 @@ def test_a_recording_holds_every_step_and_explains_it(evaluated, tmp_path, told)
                 assert [b.why for b in account.behaviours] == [b["why"] for b in json.loads(printed)["behaviours"]]
         assert steps == len(arrays["readings"])
         assert arrays["behaviour_names"].tolist() == [b.name for b in worlds.network.model.behaviours]
+        held, inner = arrays["held"], record_at(inner_arrays(arrays, "AvoidCollision/RepulsionFernandez"), 40)
+        assert held.shape == (steps, 5, 1)
+        assert not held.any()  # the first option, all the time
+        assert arrays["coordinator_names"].tolist() == ["AvoidCollision"]
+        assert arrays["AvoidCollision/option_names"][0] == "RepulsionFernandez"
+        content = worlds.coordinator.contents[0].network
+        assert explain(content.model, inner, 2).behaviours[0].name == "Avoid"
+        assert not any(name.startswith("AvoidCollision/RepulsionGradient/") for name in arrays)
     assert steps == result_of(worlds, 0).ticks
     assert told("record", evaluated, "--output", path)[0] == 2  # nothing is overwritten
+
+
+def inner_arrays(arrays, prefix):
+    return {name.removeprefix(f"{prefix}/"): arrays[name] for name in arrays if name.startswith(f"{prefix}/")}
+
+
+def test_a_running_coordinator_is_explained_from_inside(evaluated, told):
+    for worlds in steps_of(task_of(evaluated)):
+        running = np.flatnonzero(worlds.network.executing[:, worlds.coordinator.index])
+        if len(running):
+            break
+    robot, time = running[0], (worlds.ticks[0] - 1) * 0.2
+    _, out, _ = told("explain", evaluated, "--robot", robot, "--time", time)
+    assert "inside AvoidCollision: RepulsionFernandez" in out
+    _, out, _ = told("explain", evaluated, "--robot", robot, "--time", time, "--json")
+    (coordinator,) = json.loads(out)["coordinators"]
+    assert (coordinator["goal"], coordinator["option"]) == ("AvoidCollision", "RepulsionFernandez")
+    (inside,) = coordinator["inner"]["behaviours"]
+    assert (inside["name"], inside["running"], inside["why"]) == ("Avoid", True, "started: ready and active enough")
+    idle = next(row for row in range(5) if row not in running)
+    _, out, _ = told("explain", evaluated, "--robot", idle, "--time", time, "--json")
+    assert json.loads(out)["coordinators"][0]["inner"] is None
 
 
 def test_a_recording_needs_a_directory(evaluated, tmp_path, told):
