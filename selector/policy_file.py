@@ -169,7 +169,7 @@ def _check(policy: TrainedPolicy, where: str) -> None:
     expected: dict[str, tuple[int, ...]] = {}
     for name, inputs, outputs in policy.spec.layers():
         expected |= {f"{name}.weight": (outputs, inputs), f"{name}.bias": (outputs,)}
-    line = names_differ("weights", tuple(expected), tuple(policy.weights))
+    line = names_differ("weights", tuple(expected), tuple(sorted(policy.weights)))
     if line is not None:
         raise DocumentError(f"{where}: {line}")
     for name, shape in expected.items():

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from selector.decisions import Ints, Problem
 from selector.documents import Closed, DocumentError, Name, read_value, unknown, validated
@@ -18,7 +18,7 @@ _registered: dict[str, type[DecisionStrategy]] = {}
 
 
 class StrategySpec(Closed):
-    """A strategy with its parameters, as YAML and the command line name it."""
+    """A strategy with its parameters, as YAML and the command line name it; both have to exist."""
 
     name: Name
     """Name of a registered strategy."""
@@ -26,6 +26,14 @@ class StrategySpec(Closed):
     """Values for what the strategy lets one set."""
     sharing: Literal["all", "team", "robot"] = "all"
     """Who learns together: all robots of all worlds, the robots of each world, or each robot for itself."""
+
+    @model_validator(mode="after")
+    def _exists(self) -> Self:
+        known = registered()
+        if self.name not in known:
+            raise ValueError(unknown("strategy", self.name, tuple(known)))
+        validated(known[self.name].Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
+        return self
 
     def build(self, problem: Problem, keys: Keys, teams: Ints) -> DecisionStrategy:
         """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,)."""
@@ -51,21 +59,7 @@ def spec_from_text(text: str) -> StrategySpec:
             raise DocumentError(f"strategy {text!r}: expected NAME:parameter=value,..., each once, got {part!r}")
         values[key] = read_value(value)
     content = {"name": name, **({"sharing": values.pop("sharing")} if "sharing" in values else {})}
-    return checked(validated(StrategySpec, content | {"parameters": values}, f"strategy {text!r}"))
-
-
-def checked(spec: StrategySpec, where: str = "strategy") -> StrategySpec:
-    """Return a spec whose name is registered and whose parameters fit.
-
-    Raises:
-        DocumentError: they do not; the message begins with `where`.
-
-    """
-    known = registered()
-    if spec.name not in known:
-        raise DocumentError(f"{where}: {unknown('strategy', spec.name, tuple(known))}")
-    validated(known[spec.name].Parameters, spec.parameters, f"{where} {spec.name}")
-    return spec
+    return validated(StrategySpec, content | {"parameters": values}, f"strategy {text!r}")
 
 
 def register(strategy: S) -> S:

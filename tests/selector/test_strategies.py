@@ -6,8 +6,8 @@ import pytest
 import selector.registry
 import selector.strategy
 from selector.decisions import Problem
-from selector.documents import DocumentError
-from selector.registry import StrategySpec, checked, create, register, registered, spec_from_text
+from selector.documents import Closed, DocumentError, validated
+from selector.registry import StrategySpec, create, register, registered, spec_from_text
 from selector.strategies.fixed import Fixed
 from selector.strategies.max_score import MaxScore
 from selector.strategies.random_choice import Random
@@ -98,10 +98,10 @@ def test_a_strategy_is_named_in_one_word(text, spec):
         ("Luck", "unknown strategy 'Luck'"),
         ("UCB1:prior", "expected NAME:parameter=value,.*got 'prior'"),
         ("UCB1:prior=1,prior=2", "each once, got 'prior=2'"),
-        ("UCB1:prior=-1", r"strategy UCB1: prior: expected greater than or equal to 0, got -1"),
+        ("UCB1:prior=-1", r"strategy 'UCB1:prior=-1': UCB1: prior: expected greater than or equal to 0, got -1"),
         ("UCB1:prior={", "expected a value, got '{'"),
         ("UCB1:sharing=nobody", "sharing: expected 'all', 'team' or 'robot', got 'nobody'"),
-        ("EXP3:lowest=2", "strategy EXP3: highest: expected more than the lowest reward 2"),
+        ("EXP3:lowest=2", "EXP3: highest: expected more than the lowest reward 2"),
         ("", "name: "),
     ],
 )
@@ -114,7 +114,7 @@ def test_what_names_no_strategy_is_one_line(text, message):
 def test_sharing_says_who_learns_together():
     teams = np.array([0, 0, 1, 1, 1])
     for sharing, groups in (("all", [0] * 5), ("team", [0, 0, 1, 1, 1]), ("robot", [0, 1, 2, 3, 4])):
-        spec = checked(StrategySpec(name="UCB1", sharing=sharing))
+        spec = StrategySpec(name="UCB1", sharing=sharing)
         strategy = spec.build(problem([1.0, 2.0]), np.arange(5, dtype=np.uint64), teams)
         assert strategy.group_of.tolist() == groups
         assert strategy.learned()["counts"].shape == (max(groups) + 1, 2)
@@ -162,3 +162,19 @@ def test_the_examples_in_the_texts_work(module, monkeypatch):
     failed, attempted = doctest.testmod(module)
     assert attempted > 0
     assert failed == 0
+
+
+@pytest.mark.parametrize(
+    ("strategy", "message"),
+    [
+        ({"name": "Luck"}, r"^file: strategy: unknown strategy 'Luck' \(known: DiscountedUCB"),
+        ({"name": "UCB1", "parameters": {"luck": 7}}, "^file: strategy: UCB1: luck: unknown key$"),
+        ({"name": "UCB1", "share": "all"}, r"^file: strategy\.share: unknown key$"),
+    ],
+)
+def test_a_strategy_in_a_file_is_checked_as_it_is_read(strategy, message):
+    class Holder(Closed):
+        strategy: StrategySpec
+
+    with pytest.raises(DocumentError, match=message):
+        validated(Holder, {"strategy": strategy}, "file")
