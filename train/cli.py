@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `explain`, `record`, `list`, `knowledge` and `--version`.
+"""The command line: `clean-swarm evaluate`, `run`, `explain`, `record`, `list`, `knowledge` and `--version`.
 
 What is wrong with the input is one line on the standard error and exit code 2; Ctrl-C ends with exit code 130. The
 heavy imports wait until a command needs them, so that help is quick.
@@ -16,7 +16,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config_errors import ConfigurationError
-from train import knowledge_cli
+from train import goal_cli, knowledge_cli
 
 if TYPE_CHECKING:
     from train.runs import MissionRunner
@@ -28,6 +28,7 @@ THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 app.add_typer(knowledge_cli.app, name="knowledge")
+app.command()(goal_cli.run)
 
 
 def main() -> None:

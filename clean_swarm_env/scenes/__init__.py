@@ -4,7 +4,9 @@ Importing this package registers them; `find(goal)` returns the scene of a goal,
 """
 
 from clean_swarm_env.scenes import avoidance as avoidance
+from clean_swarm_env.scenes import decisions as decisions
 from clean_swarm_env.scenes import exploration as exploration
+from clean_swarm_env.scenes import foraging as foraging
 from clean_swarm_env.scenes import formation as formation
 from clean_swarm_env.scenes import patrol as patrol
 from clean_swarm_env.scenes import potential as potential

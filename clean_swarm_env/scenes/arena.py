@@ -6,27 +6,29 @@ Rows are robots, R = W * N; a world depends on its own seed only, alone or in a 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Final, Literal
+from typing import Final, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.collisions import CollisionCounter
 from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.physics import Physics
 from clean_swarm_env.physics_settings import Contacts
 from clean_swarm_env.scenes.ground import Ground
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Ints
 from selforg.components import Commands
 from selforg.poses import OwnPoses
 from selforg.randomness import DirectionStream
 
+T = TypeVar("T", bound=np.generic)
 DriveKind = Literal["differential", "holonomic"]
 
 SUBSTEPS: Final = 4  # physics steps in a control period
 TIMESTEP: Final = 0.05  # [s] of physics
 PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
 CLOSE: Final = 0.55  # [m] between centres below which a pair counts as colliding, as in the mission
-PLACES, THINGS, STREAMS, RIVALS = range(4)  # what the seed of a world is split into
+PLACES, THINGS, STREAMS, DRAWS, RIVALS = range(5)  # what the seed of a world is split into
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class Arena:
             ground.space, self.rows, self.world_of_row, diffusion=body.pose_diffusion,
             goal_radius=body.pose_goal_radius,
         )  # fmt: skip
-        self._seeds = [np.random.SeedSequence(seed).spawn(4) for seed in seeds]
+        self._seeds = [np.random.SeedSequence(seed).spawn(5) for seed in seeds]
         self.directions = DirectionStream(self.generators(STREAMS))
         self.ticks = 0
 
@@ -85,7 +87,7 @@ class Arena:
         return self.ticks * PERIOD
 
     def chance(self, world: int, what: int) -> np.random.Generator:
-        """Return the generator of a world for one of PLACES, THINGS, STREAMS and RIVALS, as at the beginning."""
+        """Return the generator of a world for one of its parts of chance, as at the beginning."""
         return np.random.default_rng(self._seeds[world][what])
 
     def generators(self, what: int) -> list[np.random.Generator]:
@@ -93,7 +95,7 @@ class Arena:
         roots = [np.random.SeedSequence(s[what].entropy, spawn_key=s[what].spawn_key) for s in self._seeds]
         return [np.random.default_rng(child) for root in roots for child in root.spawn(self.robots)]
 
-    def by_world(self, values: Floats) -> Floats:
+    def by_world(self, values: NDArray[T]) -> NDArray[T]:
         """Return values (R, ...) as (W, N, ...)."""
         return values.reshape(self.worlds, self.robots, *values.shape[1:])
 

@@ -106,6 +106,7 @@ class AgentCollisionAvoidance(Crossing):
         PROGRESS,
     )  # fmt: skip
     setting = Setting(robots=10, seconds=120.0, ground="torus")
+    fewest = 2
     side = 11.0
 
     def _result(self) -> dict[str, Floats]:

@@ -9,28 +9,31 @@ from clean_swarm_env.scenes.rivals import Controller, GoStraight, Instead, Stand
 from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
 from selforg.arrays import Floats
 
-SPACING = 3.0
+SPACING = 1.5
 """Distance at which flocking robots want their neighbours [m]: the reach of their pose gradient."""
-PULL, PUSH = 10.0, 6.0
-"""Diffusions [m] of the two gradients of the beacon: their forces cancel out 3.75 m beyond touching it."""
+CIRCLE = 3.5
+"""Goal radius of the beacon [m]; robots stand their own one farther away."""
+SET_OUT = 0.4
+"""Speed with which everybody sets out [m/s]."""
 LAST = 10.0
 """Seconds at the end over which the order of a flock is averaged."""
 
 
 @register
 class FormationControl(Scene):
-    """A flock forms out of robots that look anywhere."""
+    """A flock forms out of robots that move anywhere; it shares the momentum that they have."""
 
     goal = "FormationControl"
-    story = "12 robots on 9 m x 9 m that look anywhere become a flock within 60 s"
+    story = "12 robots on 4 m x 4 m set out in any direction of one half and become a flock within 60 s"
     measures = (
-        Measure("polarisation", "-", "higher", 0.9, "12 headings at random give 0.26, all the same 1"),
-        Measure("error of spacing", "m", "lower", 0.6, "a fifth of the wanted distance of 3 m to the nearest"),
+        Measure("polarisation", "-", "higher", 0.9, "headings in one half give 0.66, all the same 1"),
+        Measure("error of spacing", "m", "lower", 0.3, "a fifth of the wanted distance of 1.5 m to the nearest"),
     )
     baseline = "everybody goes straight on"
     setting = Setting(robots=12, seconds=60.0, ground="open")
-    side = 9.0
-    body = Body(drive="holonomic", pose_diffusion=2.5)
+    fewest = 2
+    side = 4.0
+    body = Body(drive="holonomic")
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         places = scattered(rng, self.chosen.robots, self.ground, 0.8)
@@ -42,7 +45,8 @@ class FormationControl(Scene):
         self._looks = 0
 
     def _with_errand(self, controller: Controller) -> Controller:
-        return Instead(controller, GoStraight(self.arena, self._directions))  # a flock needs momentum to share
+        # Momentum is what a flock shares: robots that start at rest stay there.
+        return Instead(controller, GoStraight(self.arena, self._directions, SET_OUT))
 
     def _rival(self) -> Controller:
         return StandStill(self.arena)
@@ -70,6 +74,7 @@ class CircleFormation(Scene):
     )
     baseline = "everybody stays where it is"
     setting = Setting(robots=10, seconds=90.0, ground="open")
+    fewest = 2
     side = 8.0
     body = Body(pose_diffusion=1.5)
 
@@ -79,7 +84,7 @@ class CircleFormation(Scene):
 
     def _around(self) -> tuple[Gradients, ...]:
         beacons = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
-        return (Gradients("centre", beacons, +1, diffusion=PULL), Gradients("keep off", beacons, -1, diffusion=PUSH))
+        return (Gradients("centre", beacons, +1, diffusion=5.0, goal_radius=CIRCLE),)
 
     def _rival(self) -> Controller:
         return StandStill(self.arena)

@@ -12,7 +12,7 @@ MAX_TRIES = 10_000
 
 def scattered(
     rng: np.random.Generator, count: int, ground: Ground, apart: float, side: float | None = None,
-    centre: Floats | None = None, free_of: Floats | None = None, gap: float = 0.0,
+    centre: Floats | None = None, free_of: Floats | None = None, gap: float | Floats = 0.0,
 ) -> Floats:  # fmt: skip
     """Return (count, 2) uniform places [m] in a square at least `apart` [m] from each other.
 
@@ -24,7 +24,7 @@ def scattered(
         side: of the square [m]; the whole field unless given.
         centre: of the square (2,) [m]; the field's unless given.
         free_of: places (K, 2) [m] that are taken already.
-        gap: least distance from those [m].
+        gap: least distance from those [m], one or one for each (K,).
 
     Raises:
         ConfigurationError: no room for as many.
@@ -37,8 +37,8 @@ def scattered(
     for placed in range(count):
         for _ in range(MAX_TRIES):
             place = ground.space.wrap(corner + rng.uniform(size=2) * side)
-            others, stones = ground.distances(place, places[:placed]), ground.distances(place, taken)
-            if others.min(initial=np.inf) >= apart and stones.min(initial=np.inf) >= gap:
+            others, things = ground.distances(place, places[:placed]), ground.distances(place, taken)
+            if (others >= apart).all() and (things >= gap).all():
                 places[placed] = place
                 break
         else:

@@ -9,8 +9,9 @@ from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, reg
 from selforg.arrays import Floats
 
 OBSTACLES, OBSTACLE_RADIUS = 8, 0.5  # [-], [m]
-GOAL_RADIUS, START_AWAY = 1.0, 6.0  # [m]
-FIELD = 16.0  # [m]
+GOAL_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
+OFF_GOAL, OFF_START = 4.5, 2.2  # [m] of obstacles: so far off, they repel nobody who has arrived or not yet begun
+FIELD = 20.0  # [m]
 
 
 @register
@@ -18,7 +19,7 @@ class ReachGoal(Scene):
     """Robots start around the goal, at least START_AWAY from it; obstacles lie in between."""
 
     goal = "ReachGoal"
-    story = "6 robots, 6 m and more from the goal, get to it around 8 obstacles"
+    story = "6 robots, 8 m and more from the goal, get to it around 8 obstacles"
     measures = (
         Measure("distance to the goal area", "m", "lower", 0.5, "a robot's length beyond touching it"),
         Measure(
@@ -36,13 +37,12 @@ class ReachGoal(Scene):
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
-        goal, starts = self.ground.centre[None], self.positions
-        self._obstacles = np.stack([
-            scattered(
-                rng, OBSTACLES, self.ground, 3.0, side=10.0, free_of=np.concatenate([goal, starts[world]]), gap=2.2
-            )
-            for world, rng in enumerate(chances)
-        ])  # fmt: skip
+        goal = self.ground.centre[None]
+        self._obstacles = np.empty((self.arena.worlds, OBSTACLES, 2))
+        for world, rng in enumerate(chances):
+            taken = np.concatenate([goal, self.positions[world]])
+            gaps = np.array([OFF_GOAL] + [OFF_START] * self.chosen.robots)
+            self._obstacles[world] = scattered(rng, OBSTACLES, self.ground, 3.0, side=14.0, free_of=taken, gap=gaps)
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
 
     def _around(self) -> tuple[Gradients, ...]:

@@ -56,11 +56,11 @@ class Wander(Controller):
 
 
 class GoStraight(Controller):
-    """Everybody keeps the direction (R,) [rad] that it is given, at full speed."""
+    """Everybody keeps the direction (R,) [rad] that it is given, at a speed [m/s], the full one unless given."""
 
-    def __init__(self, arena: Arena, directions: Floats) -> None:
+    def __init__(self, arena: Arena, directions: Floats, speed: float | None = None) -> None:
         super().__init__(arena)
-        self._commands.vectors[:] = along(directions, arena.body.max_speed)
+        self._commands.vectors[:] = along(directions, arena.body.max_speed if speed is None else speed)
 
     def _command(self, commands: Commands) -> None:
         commands.commanded[:] = True

@@ -15,6 +15,14 @@ from clean_swarm_env.scenes.ground import Ground, GroundKind
 from clean_swarm_env.scenes.rivals import Controller
 from selector.documents import unknown
 from selforg.arrays import Floats
+from selforg.buffer import SoBuffer
+from selforg.delivery import Delivery
+from selforg.settings import BufferSettings
+
+LYING = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
+"""Settings of the buffer of everything but pheromones: what lies in one place is one thing."""
+TRAILS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
+"""Settings of the buffer of pheromones: those of the cleaning mission."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +67,22 @@ class Setting:
 
 @dataclass(frozen=True)
 class Gradients:
-    """Static gradients of one kind that lie around: places (W, M, 2) [m], and what they have in common."""
+    """Static gradients of one channel that lie around: places (W, M, 2) [m]; diffusion and goal radius (M,) or one."""
 
     channel: str
     places: Floats
     attraction: int = 1
     diffusion: float | Floats = 1.0
     goal_radius: float | Floats = 0.0
+
+    def store(self, buffer: SoBuffer) -> None:
+        """Put them into a buffer whose teams are the worlds."""
+        worlds, count, _ = self.places.shape
+        buffer.store_static(
+            np.repeat(np.arange(worlds), count), self.channel, self.places.reshape(-1, 2), 0.0,
+            attraction=self.attraction, diffusion=np.tile(np.broadcast_to(self.diffusion, count), worlds),
+            goal_radius=np.tile(np.broadcast_to(self.goal_radius, count), worlds),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -92,6 +109,9 @@ class Scene(ABC):
         chosen: the setting of this run.
         ground, arena: where it plays, and the robots.
         around: gradients that lie around from the start on.
+        known: what the robots know to begin with: name -> (R,) or one value.
+        served: whether a mechanism serves the goal in this run; otherwise it is the baseline's.
+        controller: the mechanism or the baseline, once the run has begun.
 
     """
 
@@ -101,23 +121,33 @@ class Scene(ABC):
     baseline: ClassVar[str]  # what the robots do that the mechanism must beat
     setting: ClassVar[Setting]
     side: ClassVar[float]  # [m] of the field
+    fewest: ClassVar[int] = 1  # robots with which the measures have a meaning
     body: ClassVar[Body] = Body()
 
     @final
     def __init__(self, setting: Setting, seeds: Sequence[int]) -> None:
+        if setting.robots < self.fewest:
+            raise ConfigurationError(f"--robots: {self.goal} expects at least {self.fewest}, got {setting.robots}")
         self.chosen = setting
         self.ground = Ground(setting.ground, self.side, setting.seconds * self.body.max_speed)
-        self.arena = Arena(self.ground, setting.robots, seeds, self.body)
+        try:
+            self.arena = Arena(self.ground, setting.robots, seeds, self.body)
+        except ValueError as error:
+            raise ConfigurationError(f"--robots: {error}") from error
         for world in range(self.arena.worlds):
             self.arena.physics.place(world, *self._place(self.arena.chance(world, PLACES)))
         self._prepare([self.arena.chance(world, THINGS) for world in range(self.arena.worlds)])
         self.around = self._around()
+        self.known = self._known()
+        self.served = False
 
     @final
     def run(self, make: Callable[[Scene], Controller] | None = None) -> Run:
         """Run to the end with the controller that `make` makes for this scene; without one, with the baseline."""
         arena = self.arena
-        controller = self._with_errand(self._rival() if make is None else make(self))
+        self.served = make is not None
+        self.controller = self._rival() if make is None else make(self)
+        controller = self._with_errand(self.controller)
         tracks = [arena.positions.copy()]
         for _ in range(self.chosen.ticks):
             arena.announce()
@@ -125,6 +155,18 @@ class Scene(ABC):
             self._look()
             tracks.append(arena.positions.copy())
         return Run(self._result(), np.stack(tracks))
+
+    def buffers(self) -> dict[str, SoBuffer]:
+        """Return new buffers, by the names that configurations use, with what lies around.
+
+        What a robot puts into `own_pheromones` nobody else finds.
+        """
+        space, poses = self.ground.space, self.arena.poses
+        gradients = SoBuffer(LYING, space, poses)
+        for lying in self.around:
+            lying.store(gradients)
+        own = SoBuffer(TRAILS, space, poses, Delivery(reach=0.0))
+        return {"gradients": gradients, "pheromones": SoBuffer(TRAILS, space, poses), "own_pheromones": own}
 
     @property
     def positions(self) -> Floats:
@@ -155,6 +197,10 @@ class Scene(ABC):
         """Return the gradients that lie around from the start on; called after `_prepare`."""
         return ()
 
+    def _known(self) -> Mapping[str, Floats | float]:
+        """Return what the robots know to begin with; called after `_prepare`."""
+        return {}
+
     def _with_errand(self, controller: Controller) -> Controller:
         """Return what commands the robots in the end: the mechanism or the baseline, and what they do beside it."""
         return controller
@@ -163,25 +209,25 @@ class Scene(ABC):
         """Look at the robots after each control period."""
 
 
-_known: dict[str, type[Scene]] = {}
+_scenes: dict[str, type[Scene]] = {}
 Class = TypeVar("Class", bound=type[Scene])
 
 
 def register(scene: Class) -> Class:
     """Enter a scene under its goal; a goal that has one raises ValueError."""
-    if scene.goal in _known:
-        raise ValueError(f"goal {scene.goal!r} has a scene already, in {_known[scene.goal].__module__}")
-    _known[scene.goal] = scene
+    if scene.goal in _scenes:
+        raise ValueError(f"goal {scene.goal!r} has a scene already, in {_scenes[scene.goal].__module__}")
+    _scenes[scene.goal] = scene
     return scene
 
 
 def goals() -> tuple[str, ...]:
     """Return the goals that have a scene, in the order of registration."""
-    return tuple(_known)
+    return tuple(_scenes)
 
 
 def find(goal: str) -> type[Scene]:
     """Return the scene of a goal; an unknown one raises ConfigurationError and lists the known ones."""
-    if goal not in _known:
-        raise ConfigurationError(unknown("goal", goal, sorted(_known)))
-    return _known[goal]
+    if goal not in _scenes:
+        raise ConfigurationError(unknown("goal", goal, sorted(_scenes)))
+    return _scenes[goal]

@@ -25,6 +25,7 @@ class UniformDistribution(Scene):
     )  # fmt: skip
     baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=24, seconds=120.0, ground="torus")
+    fewest = 2
     side = 14.0
     body = Body(pose_diffusion=3.0)
 

@@ -1,0 +1,66 @@
+"""Foraging: find food, bring it to the nest, and let others find it by the trail."""
+
+import numpy as np
+
+from clean_swarm_env.scenes.placing import any_headings, scattered
+from clean_swarm_env.scenes.rivals import Controller
+from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.served import ServedTeam, expertise
+from selforg.arrays import Floats
+
+PATCHES, PATCH_RADIUS, NEST_RADIUS = 2, 0.5, 1.5  # [-], [m], [m]
+AWAY = 9.0  # [m] least distance of food from the nest
+AT_NEST = 1.0
+"""Farthest from the edge of the nest [m] at which an item counts as brought: a robot's goal radius and some way on."""
+RANDOM_SEARCH = "RandomSearch"
+"""Option of the knowledge that is the baseline."""
+
+
+@register
+class Foraging(Scene):
+    """Patches hold more than can be brought; an item is brought when a robot gets rid of it at the nest."""
+
+    goal = "Foraging"
+    story = "12 robots bring food from 2 patches, 9 m and more away, to a nest on a torus of 900 m2 for 300 s"
+    measures = (
+        Measure(
+            "items brought per minute", "1/min", "higher", 10.0,
+            "above a quarter of the 36 that 12 robots bring who know the way of 10 m",
+        ),
+    )  # fmt: skip
+    baseline = "random search: the same robots, which never follow a trail"
+    setting = Setting(robots=12, seconds=300.0, ground="torus")
+    side = 30.0
+
+    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        places = scattered(rng, self.chosen.robots, self.ground, 0.6, side=5.0)
+        return places, any_headings(rng, self.chosen.robots)
+
+    def _prepare(self, chances: list[np.random.Generator]) -> None:
+        nest = self.ground.centre[None]
+        self._food = np.stack(
+            [scattered(rng, PATCHES, self.ground, 6.0, side=24.0, free_of=nest, gap=AWAY) for rng in chances]
+        )
+        self._carried = np.zeros(self.arena.rows, dtype=np.bool_)
+        self._brought = np.zeros(self.arena.worlds)
+
+    def _around(self) -> tuple[Gradients, ...]:
+        nests = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
+        return (
+            Gradients("food", self._food, diffusion=0.0, goal_radius=PATCH_RADIUS),
+            Gradients("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
+        )
+
+    def _rival(self) -> Controller:
+        return ServedTeam(self, expertise(self.goal, RANDOM_SEARCH))
+
+    def _look(self) -> None:
+        assert isinstance(self.controller, ServedTeam)  # the baseline is one too
+        carrying = self.controller.knowledge.values("carrying") == 1.0
+        at_nest = self.ground.distances(self.arena.positions, self.ground.centre) < NEST_RADIUS + AT_NEST
+        brought = self._carried & ~carrying & at_nest
+        self._brought += self.arena.by_world(brought).sum(axis=1)
+        self._carried = carrying.copy()
+
+    def _result(self) -> dict[str, Floats]:
+        return {"items brought per minute": self._brought / (self.chosen.seconds / 60.0)}

@@ -1,0 +1,99 @@
+"""A team served by a coordinator: the options of one goal, at work in the robots of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clean_swarm_env.config_errors import ConfigurationError
+from clean_swarm_env.scenes.arena import DRAWS
+from clean_swarm_env.scenes.rivals import Controller
+from clean_swarm_env.scenes.scene import Scene
+from selector.coordinator_model import CoordinatorModel
+from selector.decisions import Problem
+from selector.documents import unknown
+from selector.host import Host, host_knowledge
+from selector.knowledge import load_knowledge
+from selector.library import Library
+from selector.robots import CoordinatedRobots
+from selector.strategies.max_score import MaxScore
+from selforg.arrays import Floats, Ints
+from selforg.components import Commands
+from selforg.mechanisms import DecisionMechanism
+
+KNOWLEDGE = "library"
+"""Name of the expert knowledge in which the goals of the scenes stand."""
+
+
+@dataclass(frozen=True)
+class Expertise:
+    """What serves a goal and which option is taken.
+
+    Attributes:
+        model: the options with their configurations.
+        option: number of the option that all robots hold.
+
+    """
+
+    model: CoordinatorModel
+    option: int
+
+    @property
+    def name(self) -> str:
+        """Name of the option."""
+        return self.model.options[self.option]
+
+
+def expertise(goal: str, option: str | None = None, directories: Sequence[Path] = ()) -> Expertise:
+    """Return what serves a goal, by the option of a name or that of the highest score.
+
+    Raises:
+        ConfigurationError: no such goal or option, or a mistake in a file.
+
+    """
+    knowledge, library = load_knowledge(KNOWLEDGE, directories), Library(directories)
+    model = CoordinatorModel(goal, knowledge, library)
+    if option is None:
+        strategy = MaxScore(Problem(goal, model.options, model.scores), np.zeros(1, dtype=np.uint64))
+        return Expertise(model, int(strategy.select(np.zeros((1, 0)))[0]))
+    if option not in model.options:
+        raise ConfigurationError(f"goal {goal}: {unknown('option', option, model.options)}")
+    return Expertise(model, model.options.index(option))
+
+
+class ServedTeam(Controller):
+    """Robots that consist of one coordinator; what it commands is what they do.
+
+    Attributes:
+        knowledge: what every robot knows whatever option it holds, to begin with what the scene says.
+
+    """
+
+    def __init__(self, scene: Scene, expert: Expertise) -> None:
+        super().__init__(scene.arena)
+        arena = scene.arena
+        self._goal, self._buffers = expert.model.goal, scene.buffers()
+        self.knowledge = host_knowledge(expert.model.configurations, arena.rows)
+        for name, values in scene.known.items():
+            if name in self.knowledge.kinds:
+                self.knowledge.write(name, np.arange(arena.rows), values)
+        host = Host(arena.poses, self._buffers, arena.directions, arena.generators(DRAWS), self.knowledge)
+        self._robots = CoordinatedRobots(expert.model, host)
+        self._robots.hold(np.full(arena.rows, expert.option))
+        self._content = self._robots.coordinators[0].contents[expert.option]
+
+    def decisions(self) -> tuple[Floats, Ints]:
+        """Return values (R,) and states (R,) of the first decision mechanism of the option that is held."""
+        for mechanism in self._content.mechanisms.values():
+            if isinstance(mechanism, DecisionMechanism):
+                return mechanism.values, mechanism.state_codes
+        raise ConfigurationError(f"goal {self._goal}: expected an option with a decision mechanism")
+
+    def _command(self, commands: Commands) -> None:
+        for buffer in self._buffers.values():
+            buffer.deliver(self.arena.now)
+        told = self._robots.tick(self.arena.now)
+        commands.vectors[:], commands.commanded[:], commands.in_place[:] = told.vectors, told.commanded, told.in_place
