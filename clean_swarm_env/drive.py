@@ -57,20 +57,28 @@ class DifferentialDrive:
         self.settings = DriveSettings(max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout)
         self.speed = np.zeros(rows)
         self.turn_rate = np.zeros(rows)
+        self._nowhere = np.zeros(rows, np.bool_)
         self._commanded = np.zeros(rows)  # (R,) [s] time of the last command; of no meaning for a robot at rest
 
     def command(
-        self, vectors: NDArray[np.float64], has_command: NDArray[np.bool_], headings: NDArray[np.float64], now: float
+        self,
+        vectors: NDArray[np.float64],
+        has_command: NDArray[np.bool_],
+        headings: NDArray[np.float64],
+        now: float,
+        in_place: NDArray[np.bool_] | None = None,
     ) -> None:
         """Take the commands of this instant and update `speed` and `turn_rate`.
 
         vectors (R, 2) [m/s] counts where has_command (R,) is set; headings (R,) [rad] in (-pi, pi]; now [s].
-        A zero vector is a command to stand still. A robot whose last command is `command_timeout` old stops.
+        A zero vector is a command to stand still. A robot whose last command is `command_timeout` old stops. Where
+        `in_place` (R,) is set, a robot turns without driving.
         """
         settings = self.settings
         steer(
             vectors,
             has_command,
+            self._nowhere if in_place is None else in_place,
             headings,
             self.speed,
             self.turn_rate,
@@ -94,6 +102,7 @@ class DifferentialDrive:
 def steer(
     vectors: NDArray[np.float64],
     has_command: NDArray[np.bool_],
+    in_place: NDArray[np.bool_],
     headings: NDArray[np.float64],
     speed: NDArray[np.float64],
     turn_rate: NDArray[np.float64],
@@ -121,3 +130,5 @@ def steer(
         elif now - commanded[row] > command_timeout - CLOCK_TOLERANCE:
             speed[row] = 0.0
             turn_rate[row] = 0.0
+        if in_place[row]:
+            speed[row] = 0.0

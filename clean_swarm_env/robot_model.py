@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config import NetworkConfig
-from clean_swarm_env.garbage import NOTHING, distance, nearest_lying
+from clean_swarm_env.garbage import LYING, NOTHING, distance
+from clean_swarm_env.nearby import cells_along, fill_cells, nearest_point
 from selector.coordinator_model import CoordinatorModel, coordinator_models
 from selector.documents import DocumentError, find_file, shown
 from selector.knowledge import Knowledge
@@ -104,23 +105,31 @@ def read_sensors(
     robots (R, 2) and extent (2,) [m]; stations (W, 2, 2): recycling and dump [m]; limits (3,): distances of seeing an
     item, of being at an item, of being at a station [m]; positions, stage, cargo, recycled: of `Garbage`.
     """
-    per_world = robots.shape[0] // positions.shape[0]
-    for row in range(robots.shape[0]):
-        x, y = robots[row, 0], robots[row, 1]
-        world = row // per_world
-        _, near = nearest_lying(x, y, positions[world], stage[world], extent)
-        carrying = cargo[row] != NOTHING
-        to_recycling = distance(x, y, stations[world, 0, 0], stations[world, 0, 1], extent)
-        to_dump = distance(x, y, stations[world, 1, 0], stations[world, 1, 1], extent)
-        readings[row, GARBAGE_SEEN] = 1.0 if near <= limits[0] else 0.0
-        readings[row, GARBAGE_AT] = 1.0 if near <= limits[1] else 0.0
-        readings[row, GARBAGE_FOUND] = 1.0 if near <= limits[0] or carrying else 0.0
-        readings[row, CARRYING] = 1.0 if carrying else 0.0
-        readings[row, RECYCLED] = 1.0 if recycled[row] else 0.0
-        readings[row, AT_RECYCLING] = 1.0 if to_recycling <= limits[2] else 0.0
-        readings[row, AT_DUMP] = 1.0 if to_dump <= limits[2] else 0.0
-        readings[row, DIST_RECYCLING] = to_recycling
-        readings[row, DIST_DUMP] = to_dump
+    worlds, items = stage.shape
+    per_world, sight = robots.shape[0] // worlds, max(limits[0], limits[1])
+    lying = np.empty(items, np.bool_)
+    cells, links = np.empty(cells_along(items, sight, extent), np.int64), np.empty(items, np.int64)
+    for world in range(worlds):
+        for item in range(items):
+            lying[item] = stage[world, item] == LYING
+        fill_cells(positions[world], 0, lying, extent, cells, links)
+        for row in range(world * per_world, (world + 1) * per_world):
+            x, y = robots[row, 0], robots[row, 1]
+            near = np.inf
+            if items > 0:
+                _, _, near = nearest_point(x, y, -1, sight, positions[world], 0, lying, extent, cells, links)
+            carrying = cargo[row] != NOTHING
+            to_recycling = distance(x, y, stations[world, 0, 0], stations[world, 0, 1], extent)
+            to_dump = distance(x, y, stations[world, 1, 0], stations[world, 1, 1], extent)
+            readings[row, GARBAGE_SEEN] = 1.0 if near <= limits[0] else 0.0
+            readings[row, GARBAGE_AT] = 1.0 if near <= limits[1] else 0.0
+            readings[row, GARBAGE_FOUND] = 1.0 if near <= limits[0] or carrying else 0.0
+            readings[row, CARRYING] = 1.0 if carrying else 0.0
+            readings[row, RECYCLED] = 1.0 if recycled[row] else 0.0
+            readings[row, AT_RECYCLING] = 1.0 if to_recycling <= limits[2] else 0.0
+            readings[row, AT_DUMP] = 1.0 if to_dump <= limits[2] else 0.0
+            readings[row, DIST_RECYCLING] = to_recycling
+            readings[row, DIST_DUMP] = to_dump
 
 
 @kernel

@@ -16,7 +16,7 @@ from clean_swarm_env.collisions import CollisionCounter
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.garbage import Garbage, handle_cargo
-from clean_swarm_env.movement import rows_running, to_stations
+from clean_swarm_env.movement import begin_acting
 from clean_swarm_env.physics import Physics
 from clean_swarm_env.robot_model import cargo_in_reach, read_sensors, robot_model
 from selector.coordinator import Coordinator
@@ -25,6 +25,7 @@ from selector.host import Host, host_knowledge
 from selector.robots import hold_options
 from selforg.buffer import SoBuffer
 from selforg.components import Commands
+from selforg.components.sources import write_movements
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planner_names import planner_named
@@ -252,13 +253,10 @@ class Worlds:
         """Let what runs act: handle cargo, and give every robot that moves a vector."""
         network = self.network
         self._handle_cargo(network.started, self._cargo)
-        self._commanded[:] = False
-        self._commands.in_place[:] = False
-        to_stations(
-            network.executing, self._transport, self.physics.positions, self.extent, self.stations, self._vectors,
-            self._commanded,
+        begin_acting(
+            network.state.mark_table, self._transport, self._movers, self.physics.positions, self.extent,
+            self.stations, self._vectors, self._commanded, self._commands.in_place, self._running, self._counts,
         )  # fmt: skip
-        rows_running(network.executing, self._movers, self._running, self._counts)
         self._follow(self.to_garbage, self._running[0, : self._counts[0]])
         patrolling = self._running[1, : self._counts[1]] if len(self._movers) > 1 else self._running[0, :0]
         self._follow(self.patrol, patrolling)
@@ -272,11 +270,9 @@ class Worlds:
     def _follow(self, mechanism: MovementMechanism, rows: Ints) -> None:
         if len(rows):
             vectors, active = mechanism.move(self.now, rows)
-            self._vectors[rows] = vectors
-            self._commanded[rows] = active
+            write_movements(rows, vectors, active, self._vectors, self._commanded)
 
     def _move(self, vectors: Floats, commanded: Flags) -> None:
         physics, drive = self.physics, self.drive
-        drive.command(vectors, commanded, physics.headings, self.now)
-        drive.speed[self._commands.in_place] = 0.0
+        drive.command(vectors, commanded, physics.headings, self.now, self._commands.in_place)
         physics.tick(self._substeps, drive.speed, drive.turn_rate, self.collisions, self._entered)

@@ -90,17 +90,14 @@ class Coordinator:
 
     def act(self, now: float, commands: Commands) -> None:
         """Run the content where the parent runs the coordinator; its movement goes into `commands`."""
-        running = self.parent.executing[:, self.index] == 1
-        if not running.any():
-            return
-        started = self.parent.started[:, self.index] == 1
         for k, rows in self._in_use:
-            acting = rows[running[rows]]
+            acting, started = self.parent.running(self.index, rows)
             if not len(acting):
                 continue
             content = self.contents[k]
             network = content.network
-            network.halt(acting[started[acting]])
+            if len(started):
+                network.halt(started)
             network.step(acting, guarantee=True)
             content.robots.act(now, acting, commands)
             self._acted.append(content)

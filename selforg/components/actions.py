@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiled import kernel
 from selforg.components.knowledge import Knowledge
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
@@ -86,13 +87,25 @@ class Move(Action):
         self.sources = (source,)
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        commands.vectors[rows] = self.source.vectors[rows]
-        commands.commanded[rows] = self.source.active[rows]
-        commands.in_place[rows] = False
+        command_movements(
+            rows, self.source.vectors, self.source.active, commands.vectors, commands.commanded, commands.in_place
+        )
 
     def _leave(self, now: float, rows: Ints) -> None:
         if isinstance(self.source.mechanism, DepositingMechanism):
             self.source.mechanism.deposit(now, rows)
+
+
+@kernel
+def command_movements(
+    rows: Ints, vectors: Floats, active: Flags, to_vectors: Floats, commanded: Flags, in_place: Flags
+) -> None:
+    """Let `rows` (K,) move by their `vectors` (N, D) where there is one, `active` (N,)."""
+    for row in rows:
+        for axis in range(vectors.shape[1]):
+            to_vectors[row, axis] = vectors[row, axis]
+        commanded[row] = active[row]
+        in_place[row] = False
 
 
 class Turn(Action):

@@ -75,15 +75,14 @@ class OrganisedRobots:
 
     def act(self, now: float, rows: Ints, commands: Commands) -> None:
         """Let act in `rows` (K,) what runs after the network's step; movements go into `commands`."""
-        executing, started = self.network.executing, self.network.started
         self._acted = []
         for (b, action), sources in zip(self._actions, self._asked_late, strict=True):
-            acting = rows[executing[rows, b] == 1]
+            acting, started = self.network.running(b, rows)
             if not len(acting):
                 continue
             for source in sources:
                 source.ask(now, acting)
-            action.act(now, acting, acting[started[acting, b] == 1], commands)
+            action.act(now, acting, started, commands)
             self._acted.append((action, acting))
 
     def leave(self, now: float) -> None:

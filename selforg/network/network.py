@@ -46,6 +46,7 @@ class BehaviourNetwork:
         self._keys: NDArray[np.int64] = np.zeros((rows, self._memory.key_words), dtype=np.int64)
         self._priorities = np.array([b.priority for b in model.behaviours], dtype=np.int64)
         self._all = np.arange(rows)
+        self._runs: NDArray[np.int64] = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
 
     @property
@@ -65,6 +66,15 @@ class BehaviourNetwork:
         """(R, B) 1 where a behaviour that ran before was stopped in the last step."""
         stopped: NDArray[np.int64] = self.state.marks[st.STOPPED]
         return stopped
+
+    def running(self, behaviour: int, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return those of `rows` (K,) in which a behaviour runs, and those of them in which the last step started it.
+
+        Both hold until the next call for the same behaviour.
+        """
+        lists = self._runs[behaviour]
+        running, started = list_running(rows, self.state.mark_table, behaviour, lists)
+        return lists[0, :running], lists[1, :started]
 
     def reset(self, rows: NDArray[np.int64] | None = None) -> None:
         """Back to the first step, for all rows or `rows` (K,)."""
@@ -220,6 +230,20 @@ def _step(
         if timed_out:
             plan_marks[row, pw.ALARM] = 1
     return missing
+
+
+@kernel
+def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[int, int]:
+    """List in `lists` (2, R) where of `rows` (K,) a behaviour runs, and where it was started; return how many."""
+    running, started = 0, 0
+    for row in rows:
+        if marks[row, st.EXECUTING, behaviour]:
+            lists[0, running] = row
+            running += 1
+            if marks[row, st.STARTED, behaviour]:
+                lists[1, started] = row
+                started += 1
+    return running, started
 
 
 @inlined
