@@ -11,9 +11,11 @@ from selforg.columns import (
     CELL,
     CLOCK,
     COUNT,
+    COUNTERS,
     DIFFUSION,
     DROP,
     DUE,
+    EXTENT,
     GOAL,
     HEAD,
     LAYER,
@@ -38,7 +40,7 @@ from selforg.compiled import kernel
 from selforg.evaporation import evaporate, evaporated_away
 from selforg.gathering import Store
 from selforg.space import nearest_image, wrapped
-from selforg.windows import near_cells
+from selforg.windows import MOST_CELLS, near_cells
 
 
 @kernel
@@ -54,34 +56,34 @@ def aggregate(slot: int, first: int, rule: int, now: float, store: Store) -> boo
     nearest = find_nearest(slot, first, now, store)
     if nearest < 0:
         return True
-    numbers, links = store[0], store[1]
+    near, far = store[0], store[2]
     if rule == AVERAGE:
         kept = merge(slot, nearest, store)
     elif rule == NEW:
-        kept = numbers[slot, STAMP] >= numbers[nearest, STAMP]
+        kept = far[slot, STAMP] >= far[nearest, STAMP]
     else:
-        reach = numbers[slot, DIFFUSION] + numbers[slot, GOAL]
-        stored = numbers[nearest, DIFFUSION] + numbers[nearest, GOAL]
+        reach = near[slot, DIFFUSION] + near[slot, GOAL]
+        stored = near[nearest, DIFFUSION] + near[nearest, GOAL]
         kept = reach >= stored if rule == MAX else reach <= stored
     if kept or rule == AVERAGE:
-        remove(nearest, links, store[2], store[3], store[5])
+        remove(nearest, store[1], store[3], store[4], store[5], store[7])
     return kept
 
 
 @kernel
 def replace_older(slot: int, first: int, rule: int, now: float, store: Store) -> bool:
     """Remove the gradients of the same source (or of the whole channel); False if one of them is newer."""
-    numbers, links, layers, buckets, _, counters, _, _, _ = store
+    _, links, far, marks, layers, buckets, _, counters, _ = store
     for removing in (False, True):
         for layer in range(first, first + UNBOUNDED + 1):
             other = int(layers[layer, HEAD])
             while other >= 0:
-                following = int(links[other, AFTER])
+                following = int(marks[other, AFTER])
                 alive = still_there(other, now, store)
-                if alive and (rule != NEW_SOURCE or links[other, SOURCE] == links[slot, SOURCE]):
+                if alive and (rule != NEW_SOURCE or marks[other, SOURCE] == marks[slot, SOURCE]):
                     if removing:
-                        remove(other, links, layers, buckets, counters)
-                    elif numbers[other, STAMP] > numbers[slot, STAMP]:
+                        remove(other, links, marks, layers, buckets, counters)
+                    elif far[other, STAMP] > far[slot, STAMP]:
                         return False
                 other = following
     return True
@@ -90,11 +92,11 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Store) ->
 @kernel
 def still_there(slot: int, now: float, store: Store) -> bool:
     """Bring a stored gradient to `now` [s]; False if it evaporated away, it is removed then."""
-    numbers = store[0]
-    if now >= numbers[slot, DUE]:
-        evaporate(numbers, slot, now)
-        if evaporated_away(numbers, slot, store[6][MIN_DIFFUSION]):
-            remove(slot, store[1], store[2], store[3], store[5])
+    near = store[0]
+    if now >= near[slot, DUE]:
+        evaporate(near, store[2], slot, now)
+        if evaporated_away(near, slot, store[8][MIN_DIFFUSION]):
+            remove(slot, store[1], store[3], store[4], store[5], store[7])
             return False
     return True
 
@@ -105,7 +107,8 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
 
     Among equally near ones the one stored first, so that the order of the walk does not matter.
     """
-    numbers, links, layers, buckets, grid, _, settings, window, extent = store
+    near, links, _, marks, layers, buckets, grid, counters, settings = store
+    window = counters[COUNTERS : COUNTERS + MOST_CELLS]
     radius = settings[AGGREGATION_DISTANCE]
     best, nearest = radius, -1
     for level in range(UNBOUNDED + 1):
@@ -115,9 +118,7 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
             continue
         cells = -1
         if level < UNBOUNDED:
-            cells = near_cells(
-                numbers[slot, X], numbers[slot, Y], numbers[slot, Z], radius, grid, level, float(members), window
-            )
+            cells = near_cells(near[slot, X], near[slot, Y], near[slot, Z], radius, grid, level, float(members), window)
         for index in range(max(cells, 1)):
             other = int(layers[layer, HEAD])
             if cells == 0:
@@ -125,17 +126,17 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
             if cells > 0:
                 other = int(buckets[bucket_of(layer, int(window[index]), buckets)])
             while other >= 0:
-                following = int(links[other, AFTER if cells < 0 else NEXT])
+                following = int(marks[other, AFTER] if cells < 0 else links[other, NEXT])
                 here = cells < 0 or (links[other, LAYER] == layer and links[other, CELL] == window[index])
                 # most are alive: the tables are handed over only for those that may not be
-                if here and (now < numbers[other, DUE] or still_there(other, now, store)):
-                    dx = nearest_image(numbers[other, X] - numbers[slot, X], extent[0])
-                    dy = nearest_image(numbers[other, Y] - numbers[slot, Y], extent[1])
-                    dz = nearest_image(numbers[other, Z] - numbers[slot, Z], extent[2])
+                if here and (now < near[other, DUE] or still_there(other, now, store)):
+                    dx = nearest_image(near[other, X] - near[slot, X], settings[EXTENT])
+                    dy = nearest_image(near[other, Y] - near[slot, Y], settings[EXTENT + 1])
+                    dz = nearest_image(near[other, Z] - near[slot, Z], settings[EXTENT + 2])
                     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
                     older = (
                         nearest >= 0
-                        and (int(links[other, SERIAL]) - int(links[nearest, SERIAL])) % SERIALS > SERIALS // 2
+                        and (int(marks[other, SERIAL]) - int(marks[nearest, SERIAL])) % SERIALS > SERIALS // 2
                     )
                     if distance < best or (distance == best and (nearest < 0 or older)):
                         best, nearest = distance, other
@@ -149,23 +150,23 @@ def merge(slot: int, other: int, store: Store) -> bool:
 
     Same sign: mean radii. Opposite signs weaken each other: differences of the radii, the sign of the larger reach.
     """
-    numbers, links, extent = store[0], store[1], store[8]
+    near, links, far, settings = store[0], store[1], store[2], store[8]
     for axis in range(3):
-        delta = nearest_image(numbers[other, X + axis] - numbers[slot, X + axis], extent[axis])
-        numbers[slot, X + axis] = wrapped(numbers[slot, X + axis] + 0.5 * delta, extent[axis])
-    new_diffusion, new_goal = numbers[slot, DIFFUSION], numbers[slot, GOAL]
-    diffusion, goal = numbers[other, DIFFUSION], numbers[other, GOAL]
-    if np.isfinite(numbers[slot, DUE]):
-        numbers[slot, CLOCK] = numbers[slot, DUE] - numbers[slot, PERIOD]
+        delta = nearest_image(near[other, X + axis] - near[slot, X + axis], settings[EXTENT + axis])
+        near[slot, X + axis] = wrapped(near[slot, X + axis] + 0.5 * delta, settings[EXTENT + axis])
+    new_diffusion, new_goal = near[slot, DIFFUSION], near[slot, GOAL]
+    diffusion, goal = near[other, DIFFUSION], near[other, GOAL]
+    if np.isfinite(near[slot, DUE]):
+        far[slot, CLOCK] = near[slot, DUE] - far[slot, PERIOD]
     if links[slot, ATTRACTION] == links[other, ATTRACTION]:
-        numbers[slot, DIFFUSION] = numbers[slot, START] = 0.5 * (new_diffusion + diffusion)
-        numbers[slot, GOAL] = 0.5 * (new_goal + goal)
+        near[slot, DIFFUSION] = far[slot, START] = 0.5 * (new_diffusion + diffusion)
+        near[slot, GOAL] = 0.5 * (new_goal + goal)
         return True
     if diffusion + goal > new_diffusion + new_goal:
         links[slot, ATTRACTION] = links[other, ATTRACTION]
-    numbers[slot, DIFFUSION] = numbers[slot, START] = difference(new_diffusion, diffusion)
-    numbers[slot, GOAL] = abs(new_goal - goal)
-    return not evaporated_away(numbers, slot, store[6][MIN_DIFFUSION])
+    near[slot, DIFFUSION] = far[slot, START] = difference(new_diffusion, diffusion)
+    near[slot, GOAL] = abs(new_goal - goal)
+    return not evaporated_away(near, slot, settings[MIN_DIFFUSION])
 
 
 @kernel

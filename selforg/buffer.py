@@ -12,8 +12,9 @@ from selforg.columns import (
     CLOCK,
     DIFFUSION,
     FACTOR,
+    FAR,
     GOAL,
-    GRADIENT_COLUMNS,
+    MESSAGE_COLUMNS,
     PERIOD,
     SERIALS,
     STAMP,
@@ -104,8 +105,8 @@ class SoBuffer:
         messages, tags = self.blank(len(places), channel)
         messages[:, X : X + self.space.dim] = self.space.wrap(places)
         messages[:, DIFFUSION], messages[:, GOAL] = diffusion, goal_radius
-        messages[:, FACTOR], messages[:, PERIOD] = evaporation_factor, evaporation_period
-        messages[:, STAMP] = messages[:, CLOCK] = now
+        messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = evaporation_factor, evaporation_period
+        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
         sources = np.asarray(source)
         require(
             "source", sources, (sources >= -1) & (sources < self.poses.rows), f"a row below {self.poses.rows}, or -1"
@@ -141,7 +142,7 @@ class SoBuffer:
         )  # fmt: skip
 
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:
-        """Let rows (TAG_SOURCE) spread messages (M, GRADIENT_COLUMNS), tags (M, TAG_COLUMNS) by the delivery model."""
+        """Let rows (TAG_SOURCE) spread messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS) by the delivery model."""
         tags[:, TAG_SPACE] = self.poses.teams[tags[:, TAG_SOURCE]]
         if self.shared:
             self.store_tables(messages, tags, now)
@@ -153,7 +154,7 @@ class SoBuffer:
             self.store_tables(messages, tags, now)
 
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
-        """Spread a copy of `message` (GRADIENT_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
+        """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
         if self.shared:
             self.table.reserve(len(rows))
             deposit_rows(rows, message, tag, self.rules, now, self.poses.tables, self.tables)
@@ -161,7 +162,7 @@ class SoBuffer:
         rows = rows[self.poses.known[rows]]
         messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)
         messages[:, X : X + 3] = self.poses.own[rows, 0, X : X + 3]
-        messages[:, STAMP] = messages[:, CLOCK] = now
+        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
         tags[:, TAG_SOURCE] = rows
         self.spread(messages, tags, now)
 
@@ -223,13 +224,13 @@ class SoBuffer:
         return self.sources.name(code) if code >= 0 else ""
 
     def blank(self, count: int, channel: str) -> tuple[Floats, Ints]:
-        """Return messages (count, GRADIENT_COLUMNS) and tags (count, TAG_COLUMNS) to fill, on one channel."""
+        """Return messages (count, MESSAGE_COLUMNS) and tags (count, TAG_COLUMNS) to fill, on one channel."""
         tags = np.zeros((count, TAG_COLUMNS), dtype=np.int64)
         tags[:, TAG_CHANNEL], tags[:, TAG_KEY] = self.channel_code(channel), -1
-        return np.zeros((count, GRADIENT_COLUMNS)), tags
+        return np.zeros((count, MESSAGE_COLUMNS)), tags
 
     def store_tables(self, messages: Floats, tags: Ints, now: float) -> None:
-        """Store checked messages (M, GRADIENT_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
+        """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
         self.table.reserve(len(messages))
         store_rows(messages, tags, self.rules, float(now), self.tables)
 

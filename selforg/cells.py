@@ -116,17 +116,17 @@ def bucket_of(layer: int, cell: int, buckets: Links) -> int:
 
 
 @kernel
-def link(slot: int, links: Links, layers: Links, buckets: Links) -> None:
+def link(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -> None:
     """Put `slot`, whose LAYER and CELL are set, at the front of its bucket and at the end of its layer's list."""
     layer = int(links[slot, LAYER])
     bucket = bucket_of(layer, int(links[slot, CELL]), buckets)
     links[slot, NEXT] = buckets[bucket]
     buckets[bucket] = slot
     tail = layers[layer, TAIL]
-    links[slot, BEFORE] = tail
-    links[slot, AFTER] = -1
+    marks[slot, BEFORE] = tail
+    marks[slot, AFTER] = -1
     if tail >= 0:
-        links[tail, AFTER] = slot
+        marks[tail, AFTER] = slot
     else:
         layers[layer, HEAD] = slot
     layers[layer, TAIL] = slot
@@ -134,11 +134,11 @@ def link(slot: int, links: Links, layers: Links, buckets: Links) -> None:
 
 
 @kernel
-def unlink(slot: int, links: Links, layers: Links, buckets: Links) -> None:
+def unlink(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -> None:
     """Take `slot` out of its bucket and its layer's list."""
     layer = int(links[slot, LAYER])
     bucket = bucket_of(layer, int(links[slot, CELL]), buckets)
-    after, before = links[slot, AFTER], links[slot, BEFORE]
+    after, before = marks[slot, AFTER], marks[slot, BEFORE]
     if buckets[bucket] == slot:
         buckets[bucket] = links[slot, NEXT]
     else:
@@ -147,11 +147,11 @@ def unlink(slot: int, links: Links, layers: Links, buckets: Links) -> None:
             previous = links[previous, NEXT]
         links[previous, NEXT] = links[slot, NEXT]
     if before >= 0:
-        links[before, AFTER] = after
+        marks[before, AFTER] = after
     else:
         layers[layer, HEAD] = after
     if after >= 0:
-        links[after, BEFORE] = before
+        marks[after, BEFORE] = before
     else:
         layers[layer, TAIL] = before
     if layers[layer, SWEEP] == slot:
@@ -173,16 +173,16 @@ def take_slot(links: Links, counters: Ints) -> int:
 
 
 @kernel
-def remove(slot: int, links: Links, layers: Links, buckets: Links, counters: Ints) -> None:
+def remove(slot: int, links: Links, marks: Links, layers: Links, buckets: Links, counters: Ints) -> None:
     """Delete the gradient in `slot`; older moving gradients of its source move up one rank."""
     layer = int(links[slot, LAYER])
-    unlink(slot, links, layers, buckets)
+    unlink(slot, links, marks, layers, buckets)
     if layer % LEVELS == MOVING:
-        cell, rank = links[slot, CELL], links[slot, RANK]
+        cell, rank = links[slot, CELL], marks[slot, RANK]
         other = int(buckets[bucket_of(layer, int(cell), buckets)])
         while other >= 0:
-            if links[other, LAYER] == layer and links[other, CELL] == cell and links[other, RANK] > rank:
-                links[other, RANK] -= 1
+            if links[other, LAYER] == layer and links[other, CELL] == cell and marks[other, RANK] > rank:
+                marks[other, RANK] -= 1
             other = int(links[other, NEXT])
     links[slot, LAYER] = -1
     links[slot, NEXT] = counters[FREE]
@@ -191,25 +191,27 @@ def remove(slot: int, links: Links, layers: Links, buckets: Links, counters: Int
 
 
 @kernel
-def insert(slot: int, layer: int, numbers: Floats, links: Links, layers: Links, buckets: Links, grid: Floats) -> None:
+def insert(
+    slot: int, layer: int, near: Floats, links: Links, marks: Links, layers: Links, buckets: Links, grid: Floats
+) -> None:
     """Link the static gradient whose fields are in `slot` into `layer`, by its position."""
     links[slot, LAYER] = layer
     level = layer % LEVELS
     links[slot, CELL] = 0
     if level < BOUNDED:
-        links[slot, CELL] = cell_of(numbers[slot, X], numbers[slot, Y], numbers[slot, Z], grid, level)
-    links[slot, RANK] = 0
-    link(slot, links, layers, buckets)
+        links[slot, CELL] = cell_of(near[slot, X], near[slot, Y], near[slot, Z], grid, level)
+    marks[slot, RANK] = 0
+    link(slot, links, marks, layers, buckets)
 
 
 @kernel
-def level_for(slot: int, numbers: Floats, grid: Floats) -> int:
+def level_for(slot: int, near: Floats, grid: Floats) -> int:
     """Return the level of the static gradient in `slot` by its reach."""
-    return level_of(numbers[slot, DIFFUSION] + numbers[slot, GOAL], grid)
+    return level_of(near[slot, DIFFUSION] + near[slot, GOAL], grid)
 
 
 @kernel
-def rebuild(links: Links, layers: Links, buckets: Links, counters: Ints) -> None:
+def rebuild(links: Links, marks: Links, layers: Links, buckets: Links, counters: Ints) -> None:
     """Fill empty `buckets` anew from the lists of the layers: in their order, so that each cell keeps its own."""
     buckets[:] = -1
     for layer in range(int(counters[SPACES] * counters[CHANNELS]) * LEVELS):
@@ -218,4 +220,4 @@ def rebuild(links: Links, layers: Links, buckets: Links, counters: Ints) -> None
             bucket = bucket_of(layer, int(links[slot, CELL]), buckets)
             links[slot, NEXT] = buckets[bucket]
             buckets[bucket] = slot
-            slot = int(links[slot, AFTER])
+            slot = int(marks[slot, AFTER])

@@ -8,29 +8,41 @@ because every array argument of a compiled call costs time. Lengths in [m], time
 X, Y, Z = 0, 1, 2
 DIFFUSION, GOAL = 3, 4  # radii [m], at the same place in the tables of gradients and of own poses
 
-# Table of stored gradients, float64 (M, GRADIENT_COLUMNS)
-DUE = 5  # time of the next evaporation [s], infinite if there is none; here, because a walk reads columns 0 to 5
-START = 6  # diffusion at CLOCK [m]
-FACTOR, PERIOD = 7, 8  # evaporation [-], [s]
-CLOCK = 9  # time from which evaporation counts [s]
-STAMP = 10  # when it was spread [s]
-HX, HY, HZ = 11, 12, 13  # unit heading, all zero if it has none
-VALUE = 14  # a number that it carries; which one, KEY says
-GRADIENT_COLUMNS = 15
+# A stored gradient has a row in each of four tables. A walk reads the links of all gradients in the cells that it
+# visits, then the near columns of those that lie there, and the far ones and the marks of hardly any.
 
-# Table of links of stored gradients, int32 (M, LINK_COLUMNS)
-# Those that a walk reads come first.
+# Links, int32 (M, LINK_COLUMNS)
 NEXT = 0  # next slot in the bucket (or in the list of free slots), -1 at the end
 CELL = 1  # cell of a static gradient, source of a moving one
 LAYER = 2  # row of the layer table, -1 for a free slot
 ATTRACTION = 3  # +1, 0, -1
-RANK = 4  # age of a moving gradient among those of its source, 0 is the newest
-SOURCE = 5  # who spread it
-AFTER, BEFORE = 6, 7  # neighbours in the list of the layer, in the order of storing
-SERIAL = 8  # running number of the message, modulo SERIALS; the border finds payloads by it
+LINK_COLUMNS = 4
+
+# Near columns, float64 (M, NEAR_COLUMNS): X to GOAL and
+DUE = 5  # time of the next evaporation [s], infinite if there is none
+NEAR_COLUMNS = 6
+
+# Far columns, float64 (M, FAR_COLUMNS)
+START = 0  # diffusion at CLOCK [m]
+FACTOR, PERIOD = 1, 2  # evaporation [-], [s]
+CLOCK = 3  # time from which evaporation counts [s]
+STAMP = 4  # when it was spread [s]
+HX, HY, HZ = 5, 6, 7  # unit heading, all zero if it has none
+VALUE = 8  # a number that it carries; which one, KEY says
+FAR_COLUMNS = 9
+
+# Marks, int32 (M, MARK_COLUMNS)
+RANK = 0  # age of a moving gradient among those of its source, 0 is the newest
+SOURCE = 1  # who spread it
+AFTER, BEFORE = 2, 3  # neighbours in the list of the layer, in the order of storing
+SERIAL = 4  # running number of the message, modulo SERIALS; the border finds payloads by it
 SERIALS = 1 << 31
-KEY = 9  # code of the payload entry that VALUE is, -1 for none
-LINK_COLUMNS = 10
+KEY = 5  # code of the payload entry that VALUE is, -1 for none
+MARK_COLUMNS = 6
+
+# Incoming messages, float64 (M, MESSAGE_COLUMNS): columns X to GOAL, then from FAR on the far columns
+FAR = 5
+MESSAGE_COLUMNS = FAR + FAR_COLUMNS
 
 # Table of layers, int32 (layers, 4): all gradients of one channel, space and level
 HEAD, TAIL, COUNT, SWEEP = 0, 1, 2, 3
@@ -53,7 +65,8 @@ COUNTERS = 7
 
 # Settings of the store, float64
 AGGREGATION_DISTANCE, MIN_DIFFUSION, WHOLE_SECONDS, HISTORY = 0, 1, 2, 3
-SETTINGS = 4
+EXTENT = 4  # EXTENT + axis: extent of the space [m], 0 for an open axis
+SETTINGS = 7
 
 # Table of own poses, float64 (N, K, POSE_COLUMNS), newest first
 POSE_STAMP = 5
@@ -69,7 +82,7 @@ ROW_COLUMNS = 3
 DX, DY, DZ, DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN, SLOT = 0, 1, 2, 3, 4, 5, 6, 7
 PAIR_COLUMNS = 8  # SLOT: slot of the store, or -1 - (row + N * age) for the shared pose of a row, age 0 the newest
 
-# Incoming messages, int64 (M, TAG_COLUMNS), beside their gradient columns
+# What goes with each incoming message, int64 (M, TAG_COLUMNS)
 TAG_SPACE, TAG_CHANNEL, TAG_SOURCE, TAG_SIGN, TAG_MOVING, TAG_KEY = 0, 1, 2, 3, 4, 5
 TAG_COLUMNS = 6
 

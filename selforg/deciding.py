@@ -44,20 +44,20 @@ def decide_rows(
 @kernel
 def highest(own: float, pairs: Floats, found: int, key: int, store: Store) -> float:
     """Return the maximum of the own value and those that the first `found` pairs carry under `key`."""
-    numbers, links = store[0], store[1]
+    far, marks = store[2], store[3]
     for index in range(found):
         slot = int(pairs[index, SLOT])
-        if slot >= 0 and links[slot, KEY] == key:
-            own = max(own, numbers[slot, VALUE])
+        if slot >= 0 and marks[slot, KEY] == key:
+            own = max(own, far[slot, VALUE])
     return own
 
 
 @kernel
 def all_above(own: float, pairs: Floats, found: int, key: int, store: Store) -> bool:
     """Tell whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
-    numbers, links = store[0], store[1]
+    far, marks = store[2], store[3]
     for index in range(found):
         slot = int(pairs[index, SLOT])
-        if slot < 0 or links[slot, KEY] != key or not numbers[slot, VALUE] > own:
+        if slot < 0 or marks[slot, KEY] != key or not far[slot, VALUE] > own:
             return False
     return True

@@ -57,7 +57,7 @@ class Mail:
     tags: list[Ints] = field(default_factory=list)
 
     def add(self, arrival: float, messages: Floats, tags: Ints) -> None:
-        """Post messages (M, GRADIENT_COLUMNS) with tags (M, TAG_COLUMNS) that arrive together."""
+        """Post messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) that arrive together."""
         self.arrivals.append(arrival)
         self.messages.append(messages)
         self.tags.append(tags)
@@ -82,7 +82,7 @@ class Mail:
 def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -> tuple[Floats, Ints]:
     """Return messages and tags once for each row that receives them, TAG_SPACE being the receiver.
 
-    messages (M, GRADIENT_COLUMNS), tags (M, TAG_COLUMNS), whose TAG_SOURCE is the row that spreads. A row always
+    messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS), whose TAG_SOURCE is the row that spreads. A row always
     receives what it deposits itself, and never its own moving gradients.
     """
     out_messages, out_tags = [], []

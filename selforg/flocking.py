@@ -147,10 +147,10 @@ def flock_rows(
             if found > len(pairs):
                 return index, low
             if reynolds:
-                count = note_headings(pairs, found, own, store[0], boids)
+                count = note_headings(pairs, found, own, store[2], boids)
                 move_reynolds(row, boids, count, parameters, own, drawn, cursor, total)
             else:
-                count = note_velocities(pairs, found, own, store[0], store[1], poses[5], boids)
+                count = note_velocities(pairs, found, own, store[1], store[2], store[3], poses[5], boids)
                 move_olfati_saber(row, boids, count, parameters, own, poses[5], total)
             limit(total, 0.0, parameters[MAX_SPEED])
         for axis in range(vectors.shape[1]):
@@ -187,7 +187,7 @@ def move_olfati_saber(
 
 
 @kernel
-def note_headings(pairs: Floats, found: int, own: Floats, numbers: Floats, boids: Floats) -> int:
+def note_headings(pairs: Floats, found: int, own: Floats, far: Floats, boids: Floats) -> int:
     """Make boids (M, BOID_COLUMNS) with headings of the first `found` pairs; return how many."""
     rows = len(own)
     for index in range(found):
@@ -195,7 +195,7 @@ def note_headings(pairs: Floats, found: int, own: Floats, numbers: Floats, boids
         for axis in range(3):
             boids[index, OFFSET + axis] = pairs[index, DX + axis]
             if slot >= 0:
-                boids[index, VELOCITY + axis] = numbers[slot, HX + axis]
+                boids[index, VELOCITY + axis] = far[slot, HX + axis]
             else:
                 boids[index, VELOCITY + axis] = own[(-1 - slot) % rows, (-1 - slot) // rows, PHX + axis]
         boids[index, BOID_GOAL] = pairs[index, PAIR_GOAL]
@@ -204,7 +204,7 @@ def note_headings(pairs: Floats, found: int, own: Floats, numbers: Floats, boids
 
 @kernel
 def note_velocities(
-    pairs: Floats, found: int, own: Floats, numbers: Floats, links: Links, extent: Floats, boids: Floats
+    pairs: Floats, found: int, own: Floats, links: Links, far: Floats, marks: Links, extent: Floats, boids: Floats
 ) -> int:
     """Make boids (M, BOID_COLUMNS) of the sources with two or more of the first `found` pairs; return how many.
 
@@ -212,11 +212,11 @@ def note_velocities(
     """
     count = 0
     for index in range(found):
-        source, stamp = spreader(pairs, index, own, links), stamp_of(pairs, index, own, numbers)
+        source, stamp = spreader(pairs, index, own, links, marks), stamp_of(pairs, index, own, far)
         oldest, oldest_stamp, newest = index, stamp, True
         for other in range(found):
-            if other != index and spreader(pairs, other, own, links) == source:
-                other_stamp = stamp_of(pairs, other, own, numbers)
+            if other != index and spreader(pairs, other, own, links, marks) == source:
+                other_stamp = stamp_of(pairs, other, own, far)
                 newest = newest and other_stamp < stamp
                 if other_stamp < oldest_stamp:
                     oldest, oldest_stamp = other, other_stamp
@@ -232,18 +232,18 @@ def note_velocities(
 
 
 @kernel
-def spreader(pairs: Floats, index: int, own: Floats, links: Links) -> tuple[int, int]:
+def spreader(pairs: Floats, index: int, own: Floats, links: Links, marks: Links) -> tuple[int, int]:
     """Return what tells the histories of a pair's table apart: layer (-1: shared poses) and source."""
     slot = int(pairs[index, SLOT])
     if slot >= 0:
-        return int(links[slot, LAYER]), int(links[slot, SOURCE])
+        return int(links[slot, LAYER]), int(marks[slot, SOURCE])
     return -1, (-1 - slot) % len(own)
 
 
 @kernel
-def stamp_of(pairs: Floats, index: int, own: Floats, numbers: Floats) -> float:
+def stamp_of(pairs: Floats, index: int, own: Floats, far: Floats) -> float:
     """Return when the gradient of a pair was spread [s]."""
     slot = int(pairs[index, SLOT])
     if slot >= 0:
-        return float(numbers[slot, STAMP])
+        return float(far[slot, STAMP])
     return float(own[(-1 - slot) % len(own), (-1 - slot) // len(own), POSE_STAMP])

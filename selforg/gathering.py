@@ -3,7 +3,7 @@
 A gradient is in view when the distance of the centres is at most its reach plus a margin [m]. The margin depends on
 the sign of the gradient: a formula that is zero beyond a shorter distance need not be fed from farther away.
 
-The inner loops pass numbers, not tables: every table handed to a function that is not inlined costs some ten words.
+The inner loops pass near, not tables: every table handed to a function that is not inlined costs some ten words.
 """
 
 import numpy as np
@@ -16,12 +16,14 @@ from selforg.columns import (
     BOUND,
     CELL,
     COUNT,
+    COUNTERS,
     DIFFUSION,
     DISTANCE,
     DUE,
     DX,
     DY,
     DZ,
+    EXTENT,
     GOAL,
     HEAD,
     LAYER,
@@ -51,12 +53,16 @@ from selforg.columns import (
 from selforg.compiled import kernel
 from selforg.evaporation import evaporate, evaporated_away
 from selforg.pose_cells import CROWD, Poses
-from selforg.windows import near_cells
+from selforg.prefetching import prefetch
+from selforg.windows import MOST_CELLS, near_cells
 
-# numbers (M, GRADIENT_COLUMNS), links (M, LINK_COLUMNS), layers (L, LAYER_COLUMNS), buckets, cells of each level
-# (LEVELS, GRID_COLUMNS), counters (COUNTERS,), settings (SETTINGS,), room for the cells of a window (MOST_CELLS,),
-# extent of the space (3,) [m]
-Store = tuple[Floats, Links, Links, Links, Floats, Ints, Floats, Ints, Floats]
+# near (M, NEAR_COLUMNS), links (M, LINK_COLUMNS), far (M, FAR_COLUMNS), marks (M, MARK_COLUMNS), layers (L,
+# LAYER_COLUMNS), buckets, cells of each level (LEVELS, GRID_COLUMNS), counters (COUNTERS,) and behind them room for the
+# cells of a window (MOST_CELLS,) and for candidates (MOST_CANDIDATES,), settings (SETTINGS,)
+Store = tuple[Floats, Links, Floats, Links, Links, Links, Floats, Ints, Floats]
+
+MOST_CANDIDATES = 1024  # gradients that are looked at together
+IN_CACHE = 4096  # gradients: so few are not worth asking for ahead
 
 # margins [m] for gradients of attraction -1, 0, +1 (negative infinity: not looked at)
 Margins = tuple[float, float, float]
@@ -75,21 +81,22 @@ def gather(
     """
     found = 0
     if see & SEE_MOVING and channels[0] == 1:
-        found = gather_poses(row, margins, see, limit, poses, store[7], pairs)
-    if store[5][USED] == 0:
+        found = gather_poses(row, margins, see, limit, poses, store[7][COUNTERS : COUNTERS + MOST_CELLS], pairs)
+    counters = store[7]
+    if counters[USED] == 0:
         return found
     radius = max(margins[0], margins[1], margins[2])
-    grid, layers = store[4], store[2]
+    grid, layers, window = store[6], store[4], counters[COUNTERS : COUNTERS + MOST_CELLS]
     x, y, z = poses[0][row, 0, X], poses[0][row, 0, Y], poses[0][row, 0, Z]
     for index in range(1, len(channels)):
-        first = layer_of(int(channels[index]), space_of(row, poses[1], store[5]), 0, store[5])
+        first = layer_of(int(channels[index]), space_of(row, poses[1], counters), 0, counters)
         for level in range(LEVELS):
             members = int(layers[first + level, COUNT])
             if members == 0 or found >= limit or see & (SEE_MOVING if level == MOVING else SEE_STATIC) == 0:
                 continue
             cells = -1
             if level < UNBOUNDED:
-                cells = near_cells(x, y, z, radius + grid[level, BOUND], grid, level, float(members), store[7])
+                cells = near_cells(x, y, z, radius + grid[level, BOUND], grid, level, float(members), window)
             found = gather_layer(row, first + level, cells, margins, see, limit, now, x, y, z, store, pairs, found)
     return found
 
@@ -99,33 +106,52 @@ def gather_layer(
     row: int, layer: int, cells: int, margins: Margins, see: int, limit: int, now: float, x: float, y: float,
     z: float, store: Store, pairs: Floats, found: int,
 ) -> int:  # fmt: skip
-    """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative."""
-    numbers, links, layers, buckets, _, counters, settings, window, extent = store
-    ex, ey, ez = extent[0], extent[1], extent[2]
+    """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative.
+
+    First only the links are followed: where the next cell begins is then known without waiting for what lies in the
+    last one, and the rows of all candidates are fetched at the same time.
+    """
+    near, links, far, marks, layers, buckets, _, counters, settings = store
+    window, candidates = counters[COUNTERS:], counters[COUNTERS + MOST_CELLS :]
+    ex, ey, ez = settings[EXTENT], settings[EXTENT + 1], settings[EXTENT + 2]
     half_x, half_y, half_z = half(ex), half(ey), half(ez)
     newest_only = layer % LEVELS == MOVING and see & SEE_HISTORY == 0
     skipped = row if layer % LEVELS == MOVING and see & SKIP_OWN else -1  # rows are sources from 0 up
-    step = AFTER if cells < 0 else NEXT
-    for index in range(max(cells, 0 if cells == 0 else 1)):
-        cell = int(window[index])
-        slot = int(layers[layer, HEAD]) if cells < 0 else int(buckets[bucket_of(layer, cell, buckets)])
-        while slot >= 0 and found < limit:
-            here, slot = slot, int(links[slot, step])  # before `here` may be removed
-            if cells >= 0 and (links[here, CELL] != cell or links[here, LAYER] != layer):
+    visited, number, slot, cell = 0, max(cells, 0 if cells == 0 else 1), -1, 0
+    together = min(MOST_CANDIDATES, 16 * limit)
+    ahead = counters[USED] > IN_CACHE
+    if ahead:
+        look_ahead(layer, cells, near, links, buckets, window)
+    while slot >= 0 or visited < number:
+        count = 0
+        while count < together:
+            if slot >= 0:
+                candidates[count] = slot
+                if ahead:
+                    prefetch(near, slot)
+                count += 1 if cells < 0 or (links[slot, CELL] == cell and links[slot, LAYER] == layer) else 0
+                slot = int(marks[slot, AFTER] if cells < 0 else links[slot, NEXT])
+            elif visited < number:
+                cell = int(window[visited])
+                slot = int(layers[layer, HEAD]) if cells < 0 else int(buckets[bucket_of(layer, cell, buckets)])
+                visited += 1
+            else:
+                break
+        for index in range(count):
+            here = int(candidates[index])
+            if (newest_only and marks[here, RANK] != 0) or (skipped >= 0 and marks[here, SOURCE] == skipped):
                 continue
-            if (newest_only and links[here, RANK] != 0) or (skipped >= 0 and links[here, SOURCE] == skipped):
-                continue
-            if now >= numbers[here, DUE]:
-                evaporate(numbers, here, now)
-                if evaporated_away(numbers, here, settings[MIN_DIFFUSION]):
-                    remove(here, links, layers, buckets, counters)
+            if now >= near[here, DUE]:
+                evaporate(near, far, here, now)
+                if evaporated_away(near, here, settings[MIN_DIFFUSION]):
+                    remove(here, links, marks, layers, buckets, counters)
                     continue
             sign = int(links[here, ATTRACTION])
             margin = margins[sign + 1]
-            diffusion, goal = numbers[here, DIFFUSION], numbers[here, GOAL]
-            dx = shortest(numbers[here, X] - x, ex, half_x)
-            dy = shortest(numbers[here, Y] - y, ey, half_y)
-            dz = shortest(numbers[here, Z] - z, ez, half_z)
+            diffusion, goal = near[here, DIFFUSION], near[here, GOAL]
+            dx = shortest(near[here, X] - x, ex, half_x)
+            dy = shortest(near[here, Y] - y, ey, half_y)
+            dz = shortest(near[here, Z] - z, ez, half_z)
             squared = dx * dx + dy * dy + dz * dz
             if margin == -np.inf or beyond(squared, margin + (diffusion + goal)):
                 continue
@@ -137,7 +163,19 @@ def gather_layer(
                 pairs[found, PAIR_DIFFUSION], pairs[found, PAIR_GOAL] = diffusion, goal
                 pairs[found, SIGN], pairs[found, SLOT] = sign, here
             found += 1
+            if found >= limit:
+                return found
     return found
+
+
+@kernel
+def look_ahead(layer: int, cells: int, near: Floats, links: Links, buckets: Links, window: Ints) -> None:
+    """Ask for the first gradient of each of the first `cells` of a window; most of a cell lies next to its first."""
+    for index in range(cells):
+        slot = int(buckets[bucket_of(layer, int(window[index]), buckets)])
+        if slot >= 0:
+            prefetch(links, slot)
+            prefetch(near, slot)
 
 
 @kernel

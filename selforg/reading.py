@@ -33,22 +33,23 @@ def gradient_of(buffer: SoBuffer, pair: Floats) -> Gradient:
     if slot < 0:
         age, row = divmod(-1 - slot, buffer.poses.rows)
         return buffer.poses.gradient(row, age)
-    fields, link = buffer.table.numbers[slot], buffer.table.links[slot]
-    clock = fields[DUE] - fields[PERIOD] if np.isfinite(fields[DUE]) else fields[CLOCK]
-    payload = buffer.payloads.get(int(link[SERIAL]), {})
-    if not payload and link[KEY] >= 0:
-        payload = {buffer.keys.name(int(link[KEY])): float(fields[VALUE])}
+    table = buffer.table
+    fields, link, more, mark = table.near[slot], table.links[slot], table.far[slot], table.marks[slot]
+    clock = fields[DUE] - more[PERIOD] if np.isfinite(fields[DUE]) else more[CLOCK]
+    payload = buffer.payloads.get(int(mark[SERIAL]), {})
+    if not payload and mark[KEY] >= 0:
+        payload = {buffer.keys.name(int(mark[KEY])): float(more[VALUE])}
     return Gradient(
         channel=buffer.channels.name(int(link[LAYER]) // (LEVELS * buffer.table.spaces)),
         position=tuple(fields[X : X + dim].tolist()),
-        source=buffer.source_name(int(link[SOURCE])),
-        heading=tuple(fields[HX : HX + dim].tolist()),
+        source=buffer.source_name(int(mark[SOURCE])),
+        heading=tuple(more[HX : HX + dim].tolist()),
         attraction=int(link[ATTRACTION]),
         diffusion=float(fields[DIFFUSION]),
         goal_radius=float(fields[GOAL]),
-        evaporation_factor=float(fields[FACTOR]),
-        evaporation_period=float(fields[PERIOD]),
-        stamp=float(fields[STAMP]),
+        evaporation_factor=float(more[FACTOR]),
+        evaporation_period=float(more[PERIOD]),
+        stamp=float(more[STAMP]),
         clock=float(clock),
         moving=int(link[LAYER]) % LEVELS == MOVING,
         payload=payload,

@@ -1,5 +1,7 @@
 """The tables of a buffer: owned here, changed by compiled code only, doubled when they are full."""
 
+from typing import TypeVar
+
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
@@ -12,8 +14,9 @@ from selforg.columns import (
     CHANNELS,
     COUNT,
     COUNTERS,
+    EXTENT,
+    FAR_COLUMNS,
     FREE,
-    GRADIENT_COLUMNS,
     HEAD,
     HIGH,
     HISTORY,
@@ -22,7 +25,9 @@ from selforg.columns import (
     LAYER_COLUMNS,
     LEVELS,
     LINK_COLUMNS,
+    MARK_COLUMNS,
     MIN_DIFFUSION,
+    NEAR_COLUMNS,
     PER_ROW,
     SERIAL,
     SETTINGS,
@@ -32,10 +37,12 @@ from selforg.columns import (
     USED,
     WHOLE_SECONDS,
 )
-from selforg.gathering import Store
+from selforg.gathering import MOST_CANDIDATES, Store
 from selforg.settings import BufferSettings
 from selforg.space import Space
 from selforg.windows import MOST_CELLS
+
+Table = TypeVar("Table", Floats, Links)
 
 SMALLEST_CAPACITY = 64  # gradients
 SMALLEST_MESS = 4096  # gradients: as many fit a fast cache in any order
@@ -46,8 +53,8 @@ class Tables:
     """Tables for the gradients of `spaces` information spaces, of whole teams or (`per_row`) of single rows.
 
     Attributes:
-        numbers: (capacity, GRADIENT_COLUMNS) float64.
-        links: (capacity, LINK_COLUMNS) int32.
+        near, far: (capacity, NEAR_COLUMNS) and (capacity, FAR_COLUMNS) float64.
+        links, marks: (capacity, LINK_COLUMNS) and (capacity, MARK_COLUMNS) int32.
         layers: (channels * spaces * LEVELS, LAYER_COLUMNS) int32.
         packed: what compiled code takes, see `selforg.gathering.Store`; a new tuple whenever a table is replaced.
 
@@ -55,18 +62,19 @@ class Tables:
 
     def __init__(self, settings: BufferSettings, space: Space, spaces: int, per_row: bool) -> None:
         self.spaces = spaces
-        self.numbers: Floats = np.zeros((SMALLEST_CAPACITY, GRADIENT_COLUMNS))
-        self.links: Links = np.full((SMALLEST_CAPACITY, LINK_COLUMNS), -1, dtype=np.int32)
+        self.near: Floats = np.empty((SMALLEST_CAPACITY, NEAR_COLUMNS))
+        self.far: Floats = np.empty((SMALLEST_CAPACITY, FAR_COLUMNS))
+        self.links: Links = np.empty((SMALLEST_CAPACITY, LINK_COLUMNS), dtype=np.int32)
+        self.marks: Links = np.empty((SMALLEST_CAPACITY, MARK_COLUMNS), dtype=np.int32)
         self.layers: Links = np.zeros((0, LAYER_COLUMNS), dtype=np.int32)
         self._buckets: Links = np.full(SMALLEST_CAPACITY, -1, dtype=np.int32)
-        self._counters: Ints = np.zeros(COUNTERS, dtype=np.int64)
+        self._counters: Ints = np.zeros(COUNTERS + MOST_CELLS + MOST_CANDIDATES, dtype=np.int64)
         self._counters[[FREE, SPACES, PER_ROW]] = -1, spaces, per_row
         self._settings: Floats = np.zeros(SETTINGS)
         self._settings[[AGGREGATION_DISTANCE, MIN_DIFFUSION]] = settings.aggregation_distance, settings.min_diffusion
         self._settings[[WHOLE_SECONDS, HISTORY]] = settings.whole_seconds, settings.moving_storage_size
+        self._settings[EXTENT : EXTENT + 3] = space.padded_extent
         self._grid = make_grid(space.padded_extent, space.dim, settings.smallest_cell)
-        self._window: Ints = np.zeros(MOST_CELLS, dtype=np.int64)
-        self._extent = space.padded_extent
         self._tidy_at = SMALLEST_MESS  # serial number from which on neighbours are moved together again
         self.packed: Store = self._pack()
 
@@ -82,8 +90,8 @@ class Tables:
 
     def serials(self) -> set[int]:
         """Return the serial numbers (modulo SERIALS) of all stored gradients."""
-        used = self.links[: int(self._counters[HIGH])]
-        return set(used[used[:, LAYER] >= 0, SERIAL].tolist())
+        high = int(self._counters[HIGH])
+        return set(self.marks[:high, SERIAL][self.links[:high, LAYER] >= 0].tolist())
 
     @property
     def nbytes(self) -> int:
@@ -122,24 +130,27 @@ class Tables:
         place = np.full(len(self.links) + 1, -1, dtype=np.int32)  # new slot of each old one; the last: of "none"
         place[order] = np.arange(len(order), dtype=np.int32)
         del self.packed  # it holds the old tables, which go before the next are made
-        numbers = np.empty((capacity, GRADIENT_COLUMNS))
-        np.take(self.numbers, order, axis=0, out=numbers[: len(order)], mode="clip")  # "raise" would buffer
-        self.numbers = numbers
-        links = np.empty((capacity, LINK_COLUMNS), dtype=np.int32)
-        np.take(self.links, order, axis=0, out=links[: len(order)], mode="clip")
+        self.near, self.far = moved(self.near, order, capacity), moved(self.far, order, capacity)
+        self.links, self.marks = moved(self.links, order, capacity), moved(self.marks, order, capacity)
         for column in (AFTER, BEFORE):
-            links[: len(order), column] = place[links[: len(order), column]]
+            self.marks[: len(order), column] = place[self.marks[: len(order), column]]
         for column in (HEAD, TAIL, SWEEP):
             self.layers[:, column] = place[self.layers[:, column]]
-        self.links = links
         self._counters[[FREE, HIGH]] = -1, len(order)
         self._buckets = np.empty(capacity, dtype=np.int32)
-        rebuild(self.links, self.layers, self._buckets, self._counters)
+        rebuild(self.links, self.marks, self.layers, self._buckets, self._counters)
         self._tidy_at = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
         self.packed = self._pack()
 
     def _pack(self) -> Store:
         return (
-            self.numbers, self.links, self.layers, self._buckets, self._grid, self._counters, self._settings,
-            self._window, self._extent,
+            self.near, self.links, self.far, self.marks, self.layers, self._buckets, self._grid, self._counters,
+            self._settings,
         )  # fmt: skip
+
+
+def moved(old: Table, order: Ints, capacity: int) -> Table:
+    """Return a table of `capacity` rows, the first of which are the rows `order` (R,) of `old` (M, C)."""
+    new = np.empty((capacity, old.shape[1]), dtype=old.dtype)
+    np.take(old, order, axis=0, out=new[: len(order)], mode="clip")  # "raise" would buffer
+    return new

@@ -6,6 +6,7 @@ from selforg.columns import (
     CLOCK,
     DIFFUSION,
     FACTOR,
+    FAR,
     GOAL,
     HX,
     PERIOD,
@@ -21,17 +22,17 @@ from selforg.space import Space
 
 
 def write_gradient(gradient: Gradient, space: Space, keys: Codes, messages: Floats, tags: Ints) -> None:
-    """Fill all `messages` (M, GRADIENT_COLUMNS) and `tags` (M, TAG_COLUMNS) with one checked gradient."""
+    """Fill all `messages` (M, MESSAGE_COLUMNS) and `tags` (M, TAG_COLUMNS) with one checked gradient."""
     g, dim = gradient, space.dim
     place = padded(g.position, dim, "position")
     messages[:, X : X + dim] = space.wrap(place[:dim])
-    messages[:, HX : HX + 3] = padded(g.heading, dim, "heading")
+    messages[:, FAR + HX : FAR + HX + 3] = padded(g.heading, dim, "heading")
     messages[:, DIFFUSION], messages[:, GOAL] = g.diffusion, g.goal_radius
-    messages[:, FACTOR], messages[:, PERIOD] = g.evaporation_factor, g.evaporation_period
-    messages[:, STAMP], messages[:, CLOCK] = g.stamp, g.stamp if g.clock is None else g.clock
+    messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = g.evaporation_factor, g.evaporation_period
+    messages[:, FAR + STAMP], messages[:, FAR + CLOCK] = g.stamp, g.stamp if g.clock is None else g.clock
     tags[:, TAG_SIGN], tags[:, TAG_MOVING] = g.attraction, g.moving
     for key, value in g.payload.items():
         if type(value) in (int, float) and abs(value) < float("inf"):
             # the first number travels in the table, where compiled code sees it
-            messages[:, VALUE], tags[:, TAG_KEY] = value, keys.code(str(key))
+            messages[:, FAR + VALUE], tags[:, TAG_KEY] = value, keys.code(str(key))
             break

@@ -12,7 +12,8 @@ from selforg.choosing import LEAST_REACH
 from selforg.columns import (
     DIFFUSION,
     FACTOR,
-    GRADIENT_COLUMNS,
+    FAR,
+    MESSAGE_COLUMNS,
     PERIOD,
     TAG_CHANNEL,
     TAG_COLUMNS,
@@ -52,9 +53,9 @@ class DepositingMechanism(RuleMechanism):
     def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
         super().__init__(buffer, **options)
         self.pheromone = pheromone
-        self._message: Floats = np.zeros(GRADIENT_COLUMNS)
+        self._message: Floats = np.zeros(MESSAGE_COLUMNS)
         self._message[DIFFUSION] = pheromone.diffusion
-        self._message[[FACTOR, PERIOD]] = pheromone.evaporation_factor, pheromone.evaporation_period
+        self._message[[FAR + FACTOR, FAR + PERIOD]] = pheromone.evaporation_factor, pheromone.evaporation_period
         self._tag: Ints = np.zeros(TAG_COLUMNS, dtype=np.int64)
         self._tag[TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
         self._tag[TAG_SIGN] = pheromone.attraction

@@ -11,6 +11,7 @@ from selforg.columns import (
     CLOCK,
     DIFFUSION,
     FACTOR,
+    FAR,
     GOAL,
     PERIOD,
     STAMP,
@@ -72,9 +73,9 @@ class Spreader:
         messages[:, X : X + 3] = buffer.poses.own[rows, 0, X : X + 3]
         messages[:, DIFFUSION] = carried.diffusion if diffusions is None else diffusions
         messages[:, GOAL] = carried.goal_radius
-        messages[:, FACTOR], messages[:, PERIOD] = carried.evaporation_factor, carried.evaporation_period
-        messages[:, STAMP] = messages[:, CLOCK] = now
-        messages[:, VALUE] = 0.0 if values is None else values
+        messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = carried.evaporation_factor, carried.evaporation_period
+        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
+        messages[:, FAR + VALUE] = 0.0 if values is None else values
         tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = rows, carried.attraction
         tags[:, TAG_MOVING], tags[:, TAG_KEY] = carried.moving, self._key
         buffer.spread(messages, tags, now)

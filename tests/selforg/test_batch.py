@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from selforg.buffer import SoBuffer
+from selforg.columns import FACTOR, FAR, PERIOD
 from selforg.mechanisms import ChemotaxisBalch, Patrol, RepulsionFernandez, RepulsionGradient
 from selforg.poses import OwnPoses
 from selforg.randomness import DirectionStream
@@ -24,7 +25,7 @@ def run(worlds, capacity=64, late=()):
     trail.table.reserve(capacity)
     streams = [np.random.default_rng((seed, row)) for seed in worlds for row in range(ROBOTS)]
     patrol = Patrol(trail, directions=DirectionStream(streams, block=16), channels=["Pheromone"])
-    patrol._message[7:9] = 0.9, 1.0  # evaporates fast: much comes and goes
+    patrol._message[[FAR + FACTOR, FAR + PERIOD]] = 0.9, 1.0  # evaporates fast: much comes and goes
     mechanisms = [
         RepulsionFernandez(poses, view_distance=2.0),
         RepulsionGradient(poses),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from selforg.columns import DISTANCE, DX, SLOT
+from selforg.gathering import IN_CACHE
 from selforg.queries import ATTRACTIVE, Filter, Queries
 from selforg.settings import BufferSettings
 from selforg.space import Torus
@@ -29,6 +30,17 @@ def test_a_row_sees_exactly_what_is_within_reach_plus_view(space, view):
         expected = distances(world, world.poses.positions[row], positions)
         np.testing.assert_allclose(np.sort(mine[:, DISTANCE]), np.sort(expected[expected <= reach + view]))
         assert len(set(mine[:, SLOT])) == len(mine)
+
+
+@pytest.mark.parametrize("view", [0.7, np.inf])
+def test_many_gradients_are_looked_at_in_portions_and_asked_for_ahead(view):
+    world = make_world(rows=3, settings=SETTINGS)
+    positions = scatter(world, 2 * IN_CACHE, diffusion=0.4, size=7.0)
+    seen = Queries(world.buffer).see(0.0, None, Filter(view_distance=view, moving=False))
+    for row in range(3):
+        mine = seen.pairs[seen.start[row] : seen.start[row + 1]]
+        expected = distances(world, world.poses.positions[row], positions)
+        np.testing.assert_allclose(np.sort(mine[:, DISTANCE]), np.sort(expected[expected <= 0.4 + view]))
 
 
 def test_offsets_point_to_the_gradient_the_short_way():

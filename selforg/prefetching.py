@@ -1,0 +1,49 @@
+"""Prefetching: a compiled walk asks for memory that it will read soon. This changes speed, never results."""
+
+from typing import Any, TypeAlias
+
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+
+from selforg.arrays import Floats, Links
+
+Compiler: TypeAlias = Any  # Numba and LLVM are not typed
+LLVM: Compiler = cgutils
+
+READ, KEEP, DATA = 0, 3, 1  # arguments of llvm.prefetch: for reading, into the fastest cache, data and not code
+
+
+def prefetch(table: Floats | Links, row: int) -> None:
+    """Ask for the beginning of a row of `table` (M, C). Where nothing is compiled there is nothing to do."""
+
+
+def prefetch_row(typing: Compiler, table: Compiler, row: Compiler) -> Compiler:
+    """Return signature and code generator of the instruction."""
+
+    def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
+        kind = signature.args[0]
+        rows = context.make_array(kind)(context, builder, arguments[0])
+        place = context.cast(builder, arguments[1], signature.args[1], types.intp)
+        start = context.get_constant(types.intp, 0)
+        item = LLVM.get_item_pointer(context, builder, kind, rows, (place, start))
+        pointer, number = LLVM.voidptr_t, LLVM.int32_t
+        shape = LLVM.ir.FunctionType(LLVM.ir.VoidType(), [pointer, number, number, number])
+        function = LLVM.get_or_insert_function(builder.module, shape, "llvm.prefetch.p0i8")
+        builder.call(function, [builder.bitcast(item, pointer), number(READ), number(KEEP), number(DATA)])
+        return context.get_dummy_value()
+
+    return types.void(table, row), generate
+
+
+instruction: Compiler = intrinsic(prefetch_row)
+
+
+@overload(prefetch, inline="always")
+def compiled_prefetch(table: Compiler, row: Compiler) -> Compiler:
+    """Return what `prefetch` is in compiled code."""
+
+    def compiled(table: Compiler, row: Compiler) -> None:
+        instruction(table, row)
+
+    return compiled
