@@ -35,6 +35,8 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
         return "missing key" if isinstance(details["loc"][-1], str) else "missing value"
     if kind == "json_invalid":
         return f"expected JSON: {details['ctx']['error']}"
+    if kind == "value_error":  # raised by a model that knows best what is wrong
+        return str(details["ctx"]["error"])
     message = re.sub(r"^(Input should be|\w+ should have)", "expected", details["msg"]).removesuffix(
         " after validation, not 0"
     )

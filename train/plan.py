@@ -18,7 +18,6 @@ from clean_swarm_env.starts import load_starts, random_start
 from selector.documents import unknown
 from selector.knowledge import load_knowledge
 from selector.library import library_of
-from selector.registry import checked
 from selforg.network.planner_names import check_planner as check_planner_name
 from train.reference import Measured
 
@@ -112,7 +111,8 @@ def check_planner(experiment: ExperimentConfig, where: str) -> None:
 def check_coordination(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
     """Raise an error of one line if what the experiment names to serve goals cannot be built or does not exist.
 
-    These are the robot's document, the expert knowledge and its configurations, the scores and the strategies.
+    These are the robot's document, the expert knowledge, its configurations and the scores; strategies are checked as
+    they are read.
     """
     library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
     library.check(knowledge)
@@ -123,7 +123,6 @@ def check_coordination(experiment: ExperimentConfig, directories: tuple[Path, ..
             knowledge.with_scores(condition.scores)
         except ValueError as error:
             raise ConfigurationError(f"{where}: condition {condition.name!r}: scores: {error}") from error
-        checked(condition.strategy, f"{where}: condition {condition.name!r}: strategy")
 
 
 def _with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:

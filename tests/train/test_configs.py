@@ -97,7 +97,7 @@ def test_options_drawn_anew_in_every_decision_period_are_recorded(directory, tmp
         ("mechanisms", "Swerve", "VectorLength", "VectorLenght", "Swerve.yaml: sensors.rep_len: "),
         ("knowledge", "mine", "reach: 1.0", "reach: far", "mechanisms.swerve.parameters: view_distance"),
         ("knowledge", "mine", "Swerve", "Swreve", "unknown configuration 'Swreve'"),
-        ("experiments", "mine", "Random", "Radnom", "condition 'chance': strategy: unknown strategy 'Radnom'"),
+        ("experiments", "mine", "Random", "Radnom", "conditions.1.strategy: unknown strategy 'Radnom'"),
     ],
 )
 def test_a_mistake_is_one_line_before_anything_is_written(directory, tmp_path, told, kind, name, old, new, expected):
