@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config import MissionConfig, NetworkConfig
+from clean_swarm_env.config import MissionConfig
 from clean_swarm_env.config_files import load_mission
+from clean_swarm_env.config_network import NetworkConfig
 from clean_swarm_env.mission import run_mission
 from clean_swarm_env.robot_model import GOAL
 from clean_swarm_env.starts import random_start, run_seed

@@ -114,7 +114,7 @@ class Batch:
         self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
-        self.progress = Progress(self.worlds, max(round(self.mission.time_limit * rate), 1))
+        self.progress = Progress(self.worlds)
         self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
         self.observer = Observer(self.worlds, self.progress, observation)
         self.width = self.observer.width

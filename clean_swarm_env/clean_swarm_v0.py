@@ -48,8 +48,10 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         render_mode: None or "rgb_array".
 
     Without `options={"start": StartConfiguration}` each reset draws a new start: episode k after `reset(seed=S)` is
-    always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit.
-    Infos hold the time, what happened in the period, and the `action_mask` of options that can serve next.
+    always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit. The
+    agents are the robots at work: one that fails or is taken away terminates and stays gone, one that joins during the
+    mission is among the possible agents from the beginning and among the agents from the end of the step in which it
+    joins. Infos hold the time, what happened in the period, and the `action_mask` of options that can serve next.
 
     Attributes:
         options: coordinated goal -> names of its options.
@@ -94,7 +96,7 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         if start is not None and not isinstance(start, StartConfiguration):
             raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")
         seen = self._batch.reset([seed], start)
-        self.agents = list(self.possible_agents)
+        self.agents = self._at_work()
         return self._by_agent(seen), self._infos()
 
     def step(self, actions: Mapping[str, Action]) -> Step:
@@ -103,16 +105,25 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         step = self._batch.step(self._checked(actions))
         terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
+        before, after = set(self.agents), set(self._at_work())
+        gone, joined = before - after, after - before
+        self.agents = [agent for agent in self.possible_agents if agent in before | joined]
+        gained = dict(zip(self.possible_agents, step.rewards.tolist(), strict=True)) | dict.fromkeys(joined, 0.0)
+        infos = self._infos()
         result = (
             self._by_agent(step.observations),
-            dict(zip(self.agents, step.rewards.tolist(), strict=True)),
-            dict.fromkeys(self.agents, terminated),
-            dict.fromkeys(self.agents, truncated),
-            self._infos(),
+            {agent: gained[agent] for agent in self.agents},
+            {agent: terminated or agent in gone for agent in self.agents},
+            {agent: truncated and agent not in gone for agent in self.agents},
+            {agent: infos[agent] for agent in self.agents},
         )
-        if terminated or truncated:
-            self.agents = []
+        over = terminated or truncated
+        self.agents = [] if over else [agent for agent in self.agents if agent not in gone]
         return result
+
+    def _at_work(self) -> list[str]:
+        working = self._batch.worlds.team.working.tolist()
+        return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
 
     def _infos(self) -> Infos:
         """Return what happened in the period, the agent's own events beside those of the team, and what can be done."""
@@ -151,7 +162,8 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         return self._batch.observations.ravel().copy()
 
     def _by_agent(self, observations: Observations) -> dict[str, Observations]:
-        return dict(zip(self.agents, observations.copy(), strict=True))
+        seen = dict(zip(self.possible_agents, observations.copy(), strict=True))
+        return {agent: seen[agent] for agent in self.agents}
 
     def _checked(self, actions: Mapping[str, Action]) -> NDArray[Any]:
         """Return `actions` as rows, or raise ValueError."""
@@ -163,7 +175,9 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {action!r}")
-        return np.array([actions[agent] for agent in self.agents])
+        default: NDArray[Any] = self._batch.choices.default if self._batch.action.mode == "option" else np.zeros(2)
+        first = default.reshape(np.shape(actions[self.agents[0]]))  # what robots do that join during the period
+        return np.array([actions.get(agent, first) for agent in self.possible_agents])
 
 
 def parallel_env(

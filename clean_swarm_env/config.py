@@ -6,60 +6,35 @@ settings of the reference experiment (see `configs/missions`), with solid robots
 """
 
 import math
+import sys
 from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, field_validator, model_validator
 
-from selector.documents import Closed, NonNegative, Number, Positive, Share
+from clean_swarm_env.config_events import (
+    Event,
+    Join,
+    Land,
+    MoveStations,
+    Respawn,
+    check_team,
+)
+from clean_swarm_env.config_network import NetworkConfig
+from clean_swarm_env.config_types import Count, Index, Point, Pose, impossible
+from clean_swarm_env.config_world import WorldConfig, robots_that_fit
+from selector.documents import Closed, NonNegative, Positive, Share
 
-MAX_COVERED_SHARE = 0.45
-"""Largest share of the torus that solid discs may cover [-]: random sequential placement jams at 0.547."""
-
-Count = Annotated[int, Field(strict=True, ge=1)]
-Point = tuple[Number, Number]
-Pose = tuple[Number, Number, Number]
-
-
-def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
-    """Return the error for a value that only its context makes impossible, at the dotted `key` below the model."""
-    message = "expected {expected}, got {given}"
-    return PydanticCustomError("impossible", message, {"key": key, "expected": expected, "given": str(given)})
-
-
-class WorldConfig(Closed):
-    """The torus and its physics."""
-
-    width: Positive = 11.0
-    """Length of the torus along x [m]."""
-    height: Positive = 11.0
-    """Length of the torus along y [m]."""
-    contacts: Literal["solid", "pass_through"] = "solid"
-    """Whether robots bump into each other or drive through each other, as in the paper's simulator."""
-    physics_rate: Positive = 20.0
-    """Physics steps per second, which is also the sampling rate of collisions [Hz]."""
-    control_rate: Positive = 5.0
-    """Decisions of every robot per second [Hz]; the physics rate is a whole multiple of it."""
-
-    @model_validator(mode="after")
-    def _whole_steps(self) -> Self:
-        ratio = self.physics_rate / self.control_rate
-        if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
-            expected = f"a rate that divides physics_rate {self.physics_rate:g} Hz into whole steps"
-            raise impossible("control_rate", expected, self.control_rate)
-        return self
-
-    @property
-    def physics_steps_per_tick(self) -> int:
-        """Number of physics steps in one control period."""
-        return round(self.physics_rate / self.control_rate)
+RANDOM_ITEMS = 40
+"""Items that find room in a world in which garbage keeps coming, unless told otherwise."""
 
 
 class RobotConfig(Closed):
     """Body, drive and pose gradient of each robot."""
 
     count: Count = 5
-    """Number of robots."""
+    """Number of robots at the start."""
+    capacity: Index = 0
+    """Number of robots for which there is room in memory, over the whole mission; 0: as many as the events need."""
     radius: Positive = 0.25
     """Radius of the disc [m]."""
     mass: Positive = 1.0
@@ -78,13 +53,19 @@ class RobotConfig(Closed):
     """Goal radius of the repulsive gradient that each robot carries [m]."""
     pose_diffusion: NonNegative = 1.0
     """Diffusion of the repulsive gradient that each robot carries [m]."""
+    failed_pose: Literal["unseen", "seen"] = "unseen"
+    """Whether a robot that has failed still carries its gradient: others keep away from its body and its cargo."""
 
 
 class GarbageConfig(Closed):
     """The items and how near a robot must be to see or take one."""
 
     count: Annotated[int, Field(strict=True, ge=0)] = 10
-    """Number of items."""
+    """Number of items at the start."""
+    respawn: NonNegative = 0.0
+    """Items that arrive in a minute, at random times and places; with any, a mission lasts its time limit [1/min]."""
+    capacity: Index = 0
+    """Most items that lie or are carried at a time, further ones are lost; 0: as needed, with respawn at least 40."""
     diffusion: NonNegative = 1.0
     """Diffusion of an item's attractive gradient [m]."""
     goal_radius: NonNegative = 0.0
@@ -135,49 +116,6 @@ class PatrolConfig(Closed):
         return self
 
 
-class WeightsConfig(Closed):
-    """Weights of the terms that make up a behaviour's activation step."""
-
-    situation: Number = 1.0
-    """Weight of the precondition satisfaction [-]."""
-    goal: Number = 1.0
-    """Weight of the goals served [-]."""
-    conflictor: Number = 1.0
-    """Weight of the inhibition by goals and by conflictors that are hindered [-]."""
-    predecessor: Number = 1.0
-    """Weight of what the predecessors give [-]."""
-    successor: Number = 1.0
-    """Weight of what the successors give [-]."""
-    plan: Number = 1.0
-    """Weight of the place on the plan [-]."""
-
-
-def _planner(given: object) -> object:
-    """Read a truth value, which is what YAML makes of a bare `off`, as "built-in" or "off"."""
-    return ("built-in" if given else "off") if isinstance(given, bool) else given
-
-
-class NetworkConfig(Closed):
-    """The behaviour network of each robot."""
-
-    robot: Annotated[str, Field(strict=True, min_length=1)] = "cleaning"
-    """Name of the robot's document in `configs/robots`."""
-    activation_threshold: Positive = 7.0
-    """Activation that a behaviour needs to start, at the start of the mission [-]."""
-    threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8
-    """Factor on the threshold when nothing runs, and its divisor when something starts [-]."""
-    activation_decay: Share = 0.9
-    """Share of a behaviour's activation that stays from one step to the next [-]."""
-    max_parallel: Count = 1
-    """Number of behaviours of one robot that may run at the same time."""
-    planner: Annotated[str, BeforeValidator(_planner), Field(strict=True, min_length=1)] = "built-in"
-    """Whose plan adds to the activation of its next behaviours: "built-in", "off", or an engine of unified-planning."""
-    transport_full_range: Positive = 1.0
-    """Distance to a station from which its linear condition is fully satisfied [m]."""
-    weights: WeightsConfig = WeightsConfig()
-    """Weights of the terms of the activation step."""
-
-
 class StartConfiguration(Closed):
     """Where robots and items are when a mission starts."""
 
@@ -211,8 +149,12 @@ class MissionConfig(Closed):
     """The patrol."""
     network: NetworkConfig = NetworkConfig()
     """The behaviour network."""
+    events: tuple[Event, ...] = ()
+    """What changes during the mission."""
     time_limit: Positive = 3000.0
-    """Simulated time after which a mission ends uncompleted [s]."""
+    """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
+    collision_cost: NonNegative = 5.0
+    """Price of a collision event at the first distance in the cost of a mission [s]."""
     collision_distances: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.55, 1.0)
     """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
     decision_period: Positive = 1.0
@@ -223,10 +165,14 @@ class MissionConfig(Closed):
     @model_validator(mode="after")
     def _possible(self) -> Self:
         world, robots, stations = self.world, self.robots, self.stations
-        for name, (x, y) in (("recycling", stations.recycling), ("dump", stations.dump)):
+        places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
+        for k, event in enumerate(self.events):
+            if isinstance(event, MoveStations):
+                places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
+        for key, (x, y) in places.items():
             if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
                 expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
-                raise impossible(f"stations.{name}", expected, f"[{x:g}, {y:g}]")
+                raise impossible(key, expected, f"[{x:g}, {y:g}]")
         periods = self.decision_period * world.control_rate
         if round(periods) < 1 or abs(periods - round(periods)) > 1e-9:
             expected = f"a whole multiple of the control period {1.0 / world.control_rate:g} s"
@@ -236,11 +182,37 @@ class MissionConfig(Closed):
             room = f"{world.width:g} m x {world.height:g} m"
             expected = f"at most {fitting} solid robots of radius {robots.radius:g} m on {room}"
             raise impossible("robots.count", expected, robots.count)
+        room = f"on {world.width:g} m x {world.height:g} m"
+        check_team(self.events, robots.count, fitting if world.contacts == "solid" else sys.maxsize, room)
+        if 0 < robots.capacity < self._robots_needed:
+            expected = f"0 or at least {self._robots_needed}, the robots at the start and those that join"
+            raise impossible("robots.capacity", expected, robots.capacity)
+        if 0 < self.garbage.capacity < self.items_expected:
+            expected = f"0 or at least {self.items_expected}, the items at the start and those that land"
+            raise impossible("garbage.capacity", expected, self.garbage.capacity)
         return self
 
+    @property
+    def rows(self) -> int:
+        """Number of robots of the whole mission for which a world has rows."""
+        return self.robots.capacity or self._robots_needed
 
-def robots_that_fit(world: WorldConfig, radius: float) -> int:
-    """Return how many solid discs of `radius` [m] random sequential placement still finds room for."""
-    if min(world.width, world.height) < 4.0 * radius:  # a disc would touch its own image across the seam
-        return 0
-    return int(MAX_COVERED_SHARE * world.width * world.height / (math.pi * radius**2))
+    @property
+    def _robots_needed(self) -> int:
+        return self.robots.count + sum(event.robots for event in self.events if isinstance(event, Join))
+
+    @property
+    def continuous(self) -> bool:
+        """Whether garbage keeps coming at some time, so that only the time limit ends the mission."""
+        return self.garbage.respawn > 0.0 or any(e.rate > 0.0 for e in self.events if isinstance(e, Respawn))
+
+    @property
+    def items_expected(self) -> int:
+        """Number of items at the start and of those that land."""
+        return self.garbage.count + sum(event.items for event in self.events if isinstance(event, Land))
+
+    @property
+    def item_rows(self) -> int:
+        """Number of items for which a world has rows."""
+        least = RANDOM_ITEMS if self.continuous else 0
+        return self.garbage.capacity or max(self.items_expected, least)

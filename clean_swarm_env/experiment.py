@@ -4,7 +4,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config import Count, MissionConfig, StartConfiguration, impossible
+from clean_swarm_env.config import MissionConfig, StartConfiguration
+from clean_swarm_env.config_types import Count, impossible
 from selector.documents import Closed, Number
 from selector.registry import StrategySpec
 from selector.selection import BY_SCORE

@@ -27,8 +27,10 @@ class MissionResult:
         collision_samples_per_s: for each collision distance, pairs closer than it, counted at every physics step [1/s].
         collision_events_per_s: for each collision distance, pairs that came closer than it [1/s].
         garbage_done: items dumped.
-        robots: number of robots.
+        robots: number of robots that took part.
         ticks: control periods run.
+        items_per_min: items dumped per minute [1/min].
+        cost_s: see `mission_cost` [s].
 
     """
 
@@ -39,6 +41,8 @@ class MissionResult:
     garbage_done: int
     robots: int
     ticks: int
+    items_per_min: float = 0.0
+    cost_s: float = 0.0
 
 
 def run_mission(
@@ -94,7 +98,7 @@ class Course:
     def in_progress(self) -> bool:
         """Whether there is garbage and time left."""
         worlds = self.worlds
-        return bool(worlds.garbage.done[0] < worlds.mission.garbage.count and worlds.ticks[0] < self._limit)
+        return bool(not worlds.cleaned[0] and worlds.ticks[0] < self._limit)
 
     def tick(self) -> None:
         """One control period; with the first one of a decision period it is decided what serves each goal."""
@@ -106,18 +110,30 @@ class Course:
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world as it stands."""
-    mission = worlds.mission
+    mission = worlds.missions[world]
     ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
-    completed = done == mission.garbage.count
+    completed = bool(worlds.cleaned[world])
     time = max(ticks, 1) * worlds.period
     # the last item is dumped at the beginning of its control period
     duration = max(ticks - 1, 0) * worlds.period if completed else mission.time_limit
+    events = worlds.collisions.events[world]
     return MissionResult(
         completed=completed,
         duration_s=round(duration, 9),
         collision_samples_per_s=tuple((worlds.collisions.samples[world] / time).tolist()),
-        collision_events_per_s=tuple((worlds.collisions.events[world] / time).tolist()),
+        collision_events_per_s=tuple((events / time).tolist()),
         garbage_done=done,
-        robots=worlds.robots,
+        robots=int(worlds.team.joined[world]),
         ticks=ticks,
+        items_per_min=60.0 * done / time,
+        cost_s=mission_cost(mission, duration, int(events[0]), done),
     )
+
+
+def mission_cost(mission: MissionConfig, duration: float, events: int, done: int) -> float:
+    """Return what a mission cost [s]: its `duration` [s] and the price of its collision events at the first distance.
+
+    Where garbage keeps coming every mission lasts equally long: there it is the cost of each item `done`.
+    """
+    cost = duration + mission.collision_cost * events
+    return cost / max(done, 1) if mission.continuous else cost

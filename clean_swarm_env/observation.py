@@ -65,7 +65,6 @@ class Observer:
                 config.station_range,
                 float(config.full_crowd),
                 max(config.patience / worlds.period, 1.0),  # [ticks]
-                mission.time_limit / worlds.period,  # [ticks]
                 float(np.pi / np.prod(worlds.extent)),  # share of the torus within 1 m of a point
             ]
         )
@@ -80,8 +79,8 @@ class Observer:
             picked, physics.positions, physics.headings, physics.velocities, physics.present, worlds.drive.speed,
             worlds.drive.turn_rate, worlds.extent, worlds.stations, self._scales, self._ranges, garbage.positions,
             garbage.stage, garbage.cargo, garbage.recycled, garbage.done, garbage.arrived, worlds.ticks,
-            self._progress.idle, worlds.network.readings, self._length_column, worlds.network.executing,
-            self._avoiding, self._held, self._held_columns, self.phases, self._seen,
+            self._progress.limits, self._progress.idle, worlds.network.readings, self._length_column,
+            worlds.network.executing, self._avoiding, self._held, self._held_columns, self.phases, self._seen,
         )  # fmt: skip
         weigh(picked, worlds.robots, self._seen, self._columns, self._weights, observations)
 

@@ -18,7 +18,7 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 # Places in `scales`
-SIGHT, LONGEST, NEIGHBOURS, REACH, SPEED, TURN_RATE, STATION, CROWD, PATIENCE, TIME_LIMIT, SHARE = range(11)
+SIGHT, LONGEST, NEIGHBOURS, REACH, SPEED, TURN_RATE, STATION, CROWD, PATIENCE, SHARE = range(10)
 # First components of the terms before `crowd`, whose components are as many as there are ranges
 _SIZES = [len(names) for _, names in TERMS.values()]
 GARBAGE, CARGO, PHASE, SITUATION, RECYCLING, DUMP, NEARNESS, TARGET, NEIGHBOUR, ENCOUNTER, CROWDING = (
@@ -127,8 +127,9 @@ def see_task(
 def see(
     chosen: Ints, robots: Floats, headings: Floats, velocities: Floats, present: Flags, speed: Floats,
     turn_rate: Floats, extent: Floats, stations: Floats, scales: Floats, squares: Floats, items: Floats, stage: Ints,
-    cargo: Ints, recycled: Ints, done: Ints, arrived: Ints, ticks: Ints, idle: Ints, readings: Floats,
-    length_column: int, executing: Ints, avoiding: int, held: Ints, held_columns: Ints, phases: Ints, out: Floats,
+    cargo: Ints, recycled: Ints, done: Ints, arrived: Ints, ticks: Ints, limits: Ints, idle: Ints,
+    readings: Floats, length_column: int, executing: Ints, avoiding: int, held: Ints, held_columns: Ints, phases: Ints,
+    out: Floats,
 ) -> None:  # fmt: skip
     """Fill `out` (R, A) and `phases` (R,) for the worlds `chosen`; robots that are not `present` (R,) see nothing."""
     per_world = robots.shape[0] // items.shape[0]
@@ -159,7 +160,7 @@ def see(
         rest[2] = min(speed[row] / scales[SPEED], 1.0)
         rest[3] = min(max(turn_rate[row] / scales[TURN_RATE], -1.0), 1.0)
         rest[4] = done[world] / max(arrived[world], 1)
-        rest[5] = max(1.0 - ticks[world] / scales[TIME_LIMIT], 0.0)
+        rest[5] = max(1.0 - ticks[world] / limits[world], 0.0)
         rest[6] = min(idle[row] / scales[PATIENCE], 1.0)
         rest[7] = min(team * scales[SHARE], 1.0)
         for k in range(held_columns.shape[0]):

@@ -13,7 +13,7 @@ from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from clean_swarm_env.config import Count
+from clean_swarm_env.config_types import Count
 from selector.documents import Closed, Name, Number, Positive, unknown
 
 PHASES = ("patrol", "approach", "to_recycling", "to_dump")

@@ -32,14 +32,15 @@ class Progress:
         dumped: (W,) int64, items that the team dumped since the beginning of the period.
         elapsed: (W,) int64, ticks since the mission began, up to its end.
         outcome: (W,) int64, RUNS, COMPLETED (all garbage dumped) or TIMED_OUT.
+        limits: (W,) int64, ticks after which each mission is over.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
         ended: (K,) int64, worlds whose missions ended with the last tick.
 
     """
 
-    def __init__(self, worlds: Worlds, tick_limit: int) -> None:
+    def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
-        self._limit = tick_limit
+        self.limits: Ints = np.ones(worlds.worlds, dtype=np.int64)
         self.events: Ints = np.zeros((len(EVENTS), worlds.rows), dtype=np.int64)
         self.ticks: Ints = np.zeros(worlds.worlds, dtype=np.int64)
         self.dumped: Ints = np.zeros(worlds.worlds, dtype=np.int64)
@@ -54,7 +55,8 @@ class Progress:
 
     def reset(self, world: int) -> None:
         """Begin anew with a world that has just been reset."""
-        rows = self._worlds.rows_of(world)
+        mission, rows = self._worlds.missions[world], self._worlds.rows_of(world)
+        self.limits[world] = max(round(mission.time_limit * mission.world.control_rate), 1)
         self.outcome[world] = RUNS
         self.idle[rows] = 0
         self._cargo[rows] = self._worlds.garbage.cargo[rows]
@@ -75,8 +77,8 @@ class Progress:
         worlds, garbage = self._worlds, self._worlds.garbage
         count = count_tick(
             entered, worlds.collisions.in_contact, worlds.network.executing, worlds.coordinator.index, garbage.cargo,
-            garbage.recycled, garbage.done, worlds.mission.garbage.count, worlds.ticks, self._limit, self._cargo,
-            self._recycled, self._done, self.events, self.ticks, self.dumped, self.elapsed, self.outcome,
+            garbage.recycled, garbage.done, worlds.team.working, worlds.cleaned, worlds.ticks, self.limits,
+            self._cargo, self._recycled, self._done, self.events, self.ticks, self.dumped, self.elapsed, self.outcome,
             self.idle, self._ended,
         )  # fmt: skip
         self.ended = self._ended[:count]
@@ -86,13 +88,14 @@ class Progress:
 @kernel
 def count_tick(
     entered: Ints, in_contact: Flags, executing: Ints, avoidance: int, cargo: Ints, recycled: Ints, done: Ints,
-    items: int, ticks: Ints, limit: int, had: Ints, had_recycled: Ints, had_done: Ints, events: Ints, counted: Ints,
-    dumped_now: Ints, elapsed: Ints, outcome: Ints, idle: Ints, ends: Ints,
+    working: Flags, cleaned: Flags, ticks: Ints, limits: Ints, had: Ints, had_recycled: Ints, had_done: Ints,
+    events: Ints, counted: Ints, dumped_now: Ints, elapsed: Ints, outcome: Ints, idle: Ints, ends: Ints,
 ) -> int:  # fmt: skip
     """Add one tick to `events` (E, R) of the worlds that run; list those that end and return their number.
 
-    executing (R, B): `avoidance` is the column of avoiding. had, had_recycled (R,) and had_done (W,): cargo
-    and items done at the tick before.
+    executing (R, B): `avoidance` is the column of avoiding. A robot that is not `working` (R,) has lost its cargo, not
+    dumped it. had, had_recycled (R,) and had_done (W,): cargo and items done at the tick
+    before.
     """
     ended = 0
     robots = cargo.shape[0] // outcome.shape[0]
@@ -102,7 +105,7 @@ def count_tick(
         counted[world] += 1
         for row in range(world * robots, (world + 1) * robots):
             picked = had[row] == NOTHING and cargo[row] != NOTHING
-            dumped = had[row] != NOTHING and cargo[row] == NOTHING and had_recycled[row] == 1
+            dumped = working[row] and had[row] != NOTHING and cargo[row] == NOTHING and had_recycled[row] == 1
             reworked = cargo[row] != NOTHING and not picked and recycled[row] > had_recycled[row]
             idle[row] = 0 if picked or dumped or reworked else idle[row] + 1
             events[PICKED, row] += picked
@@ -116,8 +119,8 @@ def count_tick(
         dumped_now[world] += done[world] - had_done[world]
         had_done[world] = done[world]
         elapsed[world] = ticks[world]
-        completed = done[world] == items
-        if completed or ticks[world] >= limit:
+        completed = cleaned[world]
+        if completed or ticks[world] >= limits[world]:
             outcome[world] = COMPLETED if completed else TIMED_OUT
             ends[ended] = world
             ended += 1

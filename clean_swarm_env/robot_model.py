@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config import NetworkConfig
+from clean_swarm_env.config_network import NetworkConfig
 from clean_swarm_env.garbage import LYING, NOTHING, distance
 from clean_swarm_env.nearby import cells_along, fill_cells, nearest_point
 from selector.coordinator_model import CoordinatorModel, coordinator_models
@@ -133,10 +133,13 @@ def read_sensors(
 
 
 @kernel
-def cargo_in_reach(readings: Floats, in_reach: Ints) -> None:
-    """Write into `in_reach` (R, 3) where a robot can pick, recycle and dump, by its sensors in `readings` (R, S)."""
+def cargo_in_reach(readings: Floats, working: NDArray[np.bool_], in_reach: Ints) -> None:
+    """Write into `in_reach` (R, 3) where a robot that is `working` (R,) can pick, recycle and dump.
+
+    It can by its sensors in `readings` (R, S).
+    """
     for row in range(readings.shape[0]):
         carrying, recycled = readings[row, CARRYING] == 1.0, readings[row, RECYCLED] == 1.0
-        in_reach[row, 0] = not carrying and readings[row, GARBAGE_AT] == 1.0
-        in_reach[row, 1] = carrying and not recycled and readings[row, AT_RECYCLING] == 1.0
-        in_reach[row, 2] = carrying and recycled and readings[row, AT_DUMP] == 1.0
+        in_reach[row, 0] = working[row] and not carrying and readings[row, GARBAGE_AT] == 1.0
+        in_reach[row, 1] = working[row] and carrying and not recycled and readings[row, AT_RECYCLING] == 1.0
+        in_reach[row, 2] = working[row] and carrying and recycled and readings[row, AT_DUMP] == 1.0

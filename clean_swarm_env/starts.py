@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
-from clean_swarm_env.config import MissionConfig, Point, StartConfiguration, impossible
+from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.config_errors import ConfigurationError, one_line
+from clean_swarm_env.config_types import Point, impossible
 from selector.documents import Closed, Positive
 
 START_GAP = 0.01

@@ -12,13 +12,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.agenda import Agendas
 from clean_swarm_env.collisions import CollisionCounter
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.drive import DifferentialDrive
+from clean_swarm_env.frames import check_frame
 from clean_swarm_env.garbage import Garbage, handle_cargo
+from clean_swarm_env.littering import ITEMS, store_items
 from clean_swarm_env.movement import begin_acting
 from clean_swarm_env.physics import Physics
 from clean_swarm_env.robot_model import cargo_in_reach, read_sensors, robot_model
+from clean_swarm_env.team import Team
 from selector.coordinator import Coordinator
 from selector.coordinator_model import CoordinatorModel
 from selector.host import Host, host_knowledge
@@ -38,7 +42,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-ITEMS, PHEROMONES = "garbage", "pheromone"  # channels
+PHEROMONES = "pheromone"  # channel
 CLOCK_GRID = 2.0**-30
 """Times of the buffers are multiples of this [s]: exact up to 2^23 s, and too long by 5e-9 at most."""
 
@@ -66,7 +70,7 @@ class Worlds:
         explained: bool = False,
     ) -> None:
         self.mission = mission
-        self.worlds, self.robots = worlds, mission.robots.count
+        self.worlds, self.robots = worlds, mission.rows
         self.rows = worlds * self.robots
         self.period = 1.0 / mission.world.control_rate
         self._substeps = mission.world.physics_steps_per_tick
@@ -75,11 +79,14 @@ class Worlds:
         self._clock_period = float(np.ceil(self.period / CLOCK_GRID) * CLOCK_GRID)
         self.ticks: Ints = np.zeros(worlds, dtype=np.int64)
         self._now_ticks = 0
+        self.missions = [mission] * worlds
         self.extent = np.array([mission.world.width, mission.world.height])
         self._build_world()
         self._build_stack()
         models = (coordinators,) if isinstance(coordinators, CoordinatorModel) else tuple(coordinators)
         self._build_robots(models, directories, explained)
+        self.team = Team(self)
+        self.agendas = Agendas(self)
         self._commanded = np.zeros(self.rows, dtype=np.bool_)
         self._entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self._vectors: Floats = np.zeros((self.rows, 2))
@@ -103,7 +110,7 @@ class Worlds:
             self.rows, robots.max_speed, robots.max_turn_rate, robots.turn_gain, robots.turn_in_place_beyond,
             robots.command_timeout,
         )  # fmt: skip
-        self.garbage = Garbage(self.worlds, mission.garbage.count, self.robots)
+        self.garbage = Garbage(self.worlds, mission.item_rows, self.robots)
         self.stations = np.tile([mission.stations.recycling, mission.stations.dump], (self.worlds, 1, 1))
         garbage = mission.garbage
         seen = garbage.diffusion + garbage.goal_radius + garbage.view_distance
@@ -164,29 +171,42 @@ class Worlds:
         """Rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
 
-    def reset(self, world: int, start: StartConfiguration, seed: int | Sequence[int]) -> None:
-        """Put a world at its start; `seed` decides everything random that follows in it."""
-        rows = self.rows_of(world)
-        robots, items = np.array(start.robots), np.array(start.items).reshape(-1, 2)
-        if robots.shape != (self.robots, 3) or len(items) != self.mission.garbage.count:
-            expected = f"{self.robots} robots and {self.mission.garbage.count} items"
-            raise ValueError(f"start {start.id!r}: expected {expected}, got {len(robots)} and {len(items)}")
+    def reset(
+        self, world: int, start: StartConfiguration, seed: int | Sequence[int], mission: MissionConfig | None = None
+    ) -> None:
+        """Put a world at its start; `seed` decides everything random that follows in it.
+
+        `mission`, if given, is what this world does until its next reset; it must have the frame of the batch's.
+        """
+        mission = mission or self.mission
+        check_frame(mission, self.mission)
+        rows, items = self.rows_of(world), np.array(start.items).reshape(-1, 2)
+        if (len(start.robots), len(items)) != (mission.robots.count, mission.garbage.count):
+            expected = f"{mission.robots.count} robots and {mission.garbage.count} items"
+            raise ValueError(f"start {start.id!r}: expected {expected}, got {len(start.robots)} and {len(items)}")
+        self.missions[world] = mission
         self.ticks[world] = 0
-        self.physics.place(world, robots[:, :2], robots[:, 2])
+        self.stations[world] = mission.stations.recycling, mission.stations.dump
         self.garbage.place(world, items % self.extent)
         self.collisions.reset(world)
-        self.drive.reset(rows)
-        self.poses.forget(rows)
         for buffer in self._buffers.values():
             buffer.clear(world)
         streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(2 * self.robots)]
         self.directions.reset(rows, streams[: self.robots])
         self._chances[rows[0] : rows[-1] + 1] = streams[self.robots :]
-        garbage = self.mission.garbage
-        self.items.store_static(
-            np.full(len(items), world), ITEMS, items, self.now, diffusion=garbage.diffusion,
-            goal_radius=garbage.goal_radius,
-        )  # fmt: skip
+        store_items(self, world, items)
+        self.team.begin(world, np.array(start.robots))
+        self.agendas.begin(world, mission, np.random.SeedSequence(seed))
+
+    @property
+    def cleaned(self) -> Flags:
+        """Whether each world (W,) is clean for good: all garbage that ever comes is dumped."""
+        clean: Flags = self.agendas.over & (self.garbage.done == self.garbage.arrived)
+        return clean
+
+    def begin_anew(self, rows: Ints) -> None:
+        """Let the minds of `rows` (K,) forget everything."""
+        self.drive.reset(rows)
         self.network.reset(rows)
         self._knowledge.reset(rows)
         for coordinator in self.coordinators:
@@ -209,17 +229,19 @@ class Worlds:
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
+        if self._now_ticks >= self.agendas.due:
+            self.agendas.let_happen(self._now_ticks)
         self.poses.update(self.physics.positions, self.physics.headings, self.now)
         if self._steered is None:
             self._sense()
-            self.network.step()
+            self.network.step(self.team.at_work)
             self._act()
             self._move(self._vectors, self._commanded)
         else:
             self._read_sensors()
-            cargo_in_reach(self.network.readings, self._in_reach)
+            cargo_in_reach(self.network.readings, self.team.working, self._in_reach)
             self._handle_cargo(self._in_reach, np.arange(3))
-            self._move(self._steered, self.physics.present)
+            self._move(self._steered, self.team.working)
         self._now_ticks += 1
         self.ticks += 1
         return self._entered

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from clean_swarm_env.config import NetworkConfig
+from clean_swarm_env.config_network import NetworkConfig
 from clean_swarm_env.worlds import Worlds
 from tests.env.courses import avoidance, mission
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config import NetworkConfig
+from clean_swarm_env.config_network import NetworkConfig
 from clean_swarm_env.garbage import CARRIED, LYING, NOTHING
 from clean_swarm_env.robot_model import SENSORS, read_sensors, robot_model
 from tests.env.courses import avoidance

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config import NetworkConfig
+from clean_swarm_env.config_network import NetworkConfig
 from clean_swarm_env.robot_model import robot_model
 from selector.coordinator import Coordinator
 from selector.coordinator_model import CoordinatorModel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import ablation
-from clean_swarm_env.config import NetworkConfig
+from clean_swarm_env.config_network import NetworkConfig
 from clean_swarm_env.mission import Course
 from clean_swarm_env.starts import random_start
 from selforg.network import state as st
