@@ -1,7 +1,7 @@
 """Read missions and experiments from YAML files, by name or by path.
 
-A directory of configurations holds `experiments/`, `missions/` and `starts/`; the given directories are searched in
-order, the shipped one last. Whatever is wrong raises ConfigurationError: one line with file, key, expected and given.
+A directory of configurations holds `experiments/`, `families/`, `missions/` and `starts/`; the given directories are
+searched in order, the shipped one last. Whatever is wrong raises ConfigurationError: one line with file, key, expected and given.
 """
 
 import os
@@ -14,23 +14,30 @@ from pydantic import BaseModel, ValidationError
 from clean_swarm_env.config import MissionConfig
 from clean_swarm_env.config_errors import ConfigurationError, one_line
 from clean_swarm_env.experiment import ExperimentConfig
+from clean_swarm_env.families import FamilyConfig
 from selector.documents import read_mapping, roots, shown, unknown
 
 Content = dict[str, Any]
 M = TypeVar("M", bound=BaseModel)
-SINGULAR = {"experiments": "experiment", "missions": "mission", "starts": "set of start configurations"}
+SINGULAR = {
+    "experiments": "experiment",
+    "families": "family",
+    "missions": "mission",
+    "starts": "set of start configurations",
+}
 SUFFIXES = (".yaml", ".yml")
 
 
 def load_experiment(name_or_path: str, directories: Sequence[Path] = ()) -> ExperimentConfig:
     """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
     path = _find("experiments", name_or_path, directories)
-    content = read_mapping(path)
-    content["mission"] = _mission_of(content.get("mission", {}), path, directories)
-    if isinstance(content.get("starts"), str):
-        starts = read_mapping(_find("starts", content["starts"], directories, f"{shown(path)}: starts: "))
-        content["starts"] = starts.get("starts")
-    return _validated(ExperimentConfig, content, path)
+    return _validated(ExperimentConfig, _resolved(path, directories), path)
+
+
+def load_family(name_or_path: str, directories: Sequence[Path] = ()) -> FamilyConfig:
+    """Return the family of a name or of a path to a YAML file, its mission and start configurations resolved."""
+    path = _find("families", name_or_path, directories)
+    return _validated(FamilyConfig, _resolved(path, directories), path)
 
 
 def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> MissionConfig:
@@ -40,7 +47,7 @@ def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str
 
 
 def names(kind: str, directories: Sequence[Path] = ()) -> list[str]:
-    """Return the sorted names of all files of a kind: "experiments", "missions" or "starts"."""
+    """Return the sorted names of all files of a kind: "experiments", "families", "missions" or "starts"."""
     return sorted({path.stem for root in roots(directories) for path in (root / kind).glob("*.yaml")})
 
 
@@ -51,6 +58,16 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:
         below = merged.get(key)
         merged[key] = laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
     return merged
+
+
+def _resolved(path: Path, directories: Sequence[Path]) -> Content:
+    """Return the content of an experiment or a family, what it names as its mission and its starts in their places."""
+    content = read_mapping(path)
+    content["mission"] = _mission_of(content.get("mission", {}), path, directories)
+    if isinstance(content.get("starts"), str):
+        starts = read_mapping(_find("starts", content["starts"], directories, f"{shown(path)}: starts: "))
+        content["starts"] = starts.get("starts")
+    return content
 
 
 def _mission_of(given: object, path: Path, directories: Sequence[Path]) -> object:

@@ -5,6 +5,8 @@ garbage, delivery and the time limit may differ. Rows that a mission does not us
 different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
 """
 
+from collections.abc import Sequence
+
 from clean_swarm_env.config import MissionConfig
 from clean_swarm_env.config_types import Point
 
@@ -22,6 +24,19 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
             "collision_cost": 0.0,
         }
     )  # fmt: skip
+
+
+def grouped(missions: Sequence[MissionConfig]) -> list[list[int]]:
+    """Return the numbers of the missions by frames: those of one group fit into one batch of worlds."""
+    frames: list[MissionConfig] = []
+    groups: list[list[int]] = []
+    for number, mission in enumerate(missions):
+        frame = frame_of(mission)
+        if frame not in frames:
+            frames.append(frame)
+            groups.append([])
+        groups[frames.index(frame)].append(number)
+    return groups
 
 
 def check_frame(mission: MissionConfig, batch: MissionConfig) -> None:

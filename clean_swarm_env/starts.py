@@ -29,7 +29,12 @@ def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfigur
 
     Its id is `index + 1`. Raises ConfigurationError if a robot finds no room in a bounded number of tries.
     """
-    for_robots, for_items = np.random.SeedSequence(seed, spawn_key=(index,)).spawn(2)
+    return drawn_start(mission, np.random.SeedSequence(seed, spawn_key=(index,)), str(index + 1))
+
+
+def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: str) -> StartConfiguration:
+    """Return a start by the name of `name`, drawn from two children of `sequence`; see `random_start`."""
+    for_robots, for_items = sequence.spawn(2)
     size = np.array([mission.world.width, mission.world.height])
     apart = 2.0 * mission.robots.radius + START_GAP if mission.world.contacts == "solid" else 0.0
     rng = np.random.default_rng(for_robots)
@@ -37,7 +42,7 @@ def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfigur
     headings = rng.uniform(-np.pi, np.pi, size=(mission.robots.count, 1))
     items = np.random.default_rng(for_items).uniform(size=(mission.garbage.count, 2)) * size
     return StartConfiguration(
-        id=str(index + 1),
+        id=name,
         robots=tuple((x, y, heading) for (x, y), (heading,) in zip(positions.tolist(), headings.tolist(), strict=True)),
         items=tuple((x, y) for x, y in items.tolist()),
     )

@@ -159,14 +159,17 @@ def _repeating(run: Path) -> Iterator[None]:
 
 @app.command("list")
 def list_experiments(configs: Configs = None) -> None:
-    """List the experiments with their conditions."""
-    from clean_swarm_env.config_files import load_experiment, names
+    """List the experiments with their conditions, and the families of scenarios."""
+    from clean_swarm_env.config_files import load_experiment, load_family, names
 
     for name in names("experiments", configs or ()):
         experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
         typer.echo(f"{name}: {experiment.description}")
         typer.echo(f"  {starts} start configurations; conditions: {', '.join(c.name for c in experiment.conditions)}")
+    typer.echo("families of scenarios:")
+    for name in names("families", configs or ()):
+        typer.echo(f"  {name}: {load_family(name, configs or ()).description}")
 
 
 def mission_runner() -> "MissionRunner":
