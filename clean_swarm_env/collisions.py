@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import shorter_way
-from selforg.compiled import kernel
+from selforg.compiled import inlined, kernel
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -20,6 +20,8 @@ Flags: TypeAlias = NDArray[np.bool_]
 
 ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than filling cells
 NOBODY: Final = -1  # end of a cell's list
+UNLISTED: Final = -1  # number of listed pairs where there is no list
+PAIRS_A_ROBOT: Final = 8  # room in the list; where it does not do, every count walks the cells
 
 
 class CollisionCounter:
@@ -65,14 +67,17 @@ class CollisionCounter:
         self._everybody = np.ones(rows, np.bool_)
         self._before = np.zeros((rows, 2))  # [m] positions at the last count, of no meaning before the first
         self._counted = np.zeros(rows, np.bool_)  # was this robot there at the last count?
-        # Cells at least `reach` wide, so that close pairs lie in the same or in adjacent cells, and about one a robot.
+        # Cells at least two reaches wide: pairs up to there are listed, and the list holds until somebody has moved by
+        # half a reach.
         side = ceil(sqrt(robots))
-        self._columns, self._lines = min(int(width // reach), side), min(int(height // reach), side)
+        self._columns, self._lines = min(int(width // (2.0 * reach)), side), min(int(height // (2.0 * reach)), side)
         if robots <= ALL_PAIRS_LIMIT or self._columns < 3 or self._lines < 3:
             self._columns = self._lines = robots = 0
+        self._listed = np.full(worlds, UNLISTED)  # (W,) pairs listed
         self.tables = (
             self._before, self._counted, self._squares, self.samples, self.events, self.in_contact, self.entered,
             np.empty(robots, np.int64), np.empty(robots, np.int64), np.empty((self._lines, self._columns), np.int64),
+            self._listed, np.empty((worlds, PAIRS_A_ROBOT * robots, 2), np.int64), np.empty((worlds * robots, 2)),
             self._width, self._height, self._furthest,
         )  # fmt: skip
 
@@ -84,6 +89,7 @@ class CollisionCounter:
         self.in_contact[rows] = False
         self.entered[rows] = 0
         self._counted[rows] = False
+        self._listed[world] = UNLISTED
 
     def count(self, positions: NDArray[np.float64], present: NDArray[np.bool_] | None = None) -> None:
         """Count all worlds once: the robots `present` (R,) or all; positions (R, 2) [m] in [0, width) x [0, height)."""
@@ -131,45 +137,109 @@ def enter_cell(
     return found
 
 
+@inlined
+def list_holds(
+    world: int, positions: Floats, present: Flags, counted: Flags, listed: Ints, origins: Floats, width: float,
+    height: float, furthest: float,
+) -> bool:  # fmt: skip
+    """Tell whether every pair that can be close by now is in the list of a world, and nobody came or went."""
+    if listed[world] == UNLISTED:
+        return False
+    robots = positions.shape[0] // listed.shape[0]
+    for row in range(world * robots, (world + 1) * robots):
+        dx = shorter_way(positions[row, 0] - origins[row, 0], width)
+        dy = shorter_way(positions[row, 1] - origins[row, 1], height)
+        if present[row] != counted[row] or dx * dx + dy * dy > 0.2499 * furthest:
+            return False
+    return True
+
+
+@kernel
+def list_pairs(
+    world: int, positions: Floats, present: Flags, near: Ints, following: Ints, cells: Ints, listed: Ints, pairs: Ints,
+    origins: Floats, width: float, height: float, furthest: float,
+) -> None:  # fmt: skip
+    """List the pairs of a world that are closer than twice the furthest distance; see CollisionCounter."""
+    robots = positions.shape[0] // listed.shape[0]
+    first, count = world * robots, 0
+    cells[:] = NOBODY
+    for row in range(first, first + robots):
+        origins[row, 0], origins[row, 1] = positions[row, 0], positions[row, 1]
+        if not present[row]:
+            continue
+        found = enter_cell(row - first, positions[first : first + robots], cells, following, near, width, height)
+        for index in range(found):
+            other = first + near[index]
+            if square_distance(positions, row, other, width, height) >= 4.0 * furthest:
+                continue
+            if count < pairs.shape[1]:
+                pairs[world, count, 0], pairs[world, count, 1] = row, other
+            count += 1
+    listed[world] = count if count <= pairs.shape[1] else UNLISTED
+
+
+@inlined
+def count_pair(
+    world: int, row: int, other: int, positions: Floats, before: Floats, counted: Flags, squares: Floats, samples: Ints,
+    events: Ints, in_contact: Flags, entered: Ints, width: float, height: float, furthest: float,
+) -> None:  # fmt: skip
+    """Count one pair of robots that are present. Only sums: no order matters."""
+    now = square_distance(positions, row, other, width, height)
+    if now >= furthest:
+        return
+    was = square_distance(before, row, other, width, height) if counted[row] and counted[other] else np.inf
+    for k in range(squares.shape[0]):
+        samples[world, k] += now < squares[k]
+        events[world, k] += now < squares[k] <= was
+    if now < squares[0]:
+        in_contact[row] = in_contact[other] = True
+        entered[row] += was >= squares[0]
+        entered[other] += was >= squares[0]
+
+
 @kernel
 def count_world(
     world: int, positions: Floats, present: Flags, before: Floats, counted: Flags, squares: Floats, samples: Ints,
-    events: Ints, in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, width: float,
-    height: float, furthest: float,
+    events: Ints, in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, listed: Ints,
+    pairs: Ints, origins: Floats, width: float, height: float, furthest: float,
 ) -> None:  # fmt: skip
-    """Count one world and remember its positions; see CollisionCounter. Only sums: no order matters.
+    """Count one world and remember its positions; see CollisionCounter.
 
-    near, following (N,) and cells (lines, columns) are scratch; of no length where all pairs are looked at.
+    near, following (N,) and cells (lines, columns) are scratch; of no length where all pairs are looked at. listed
+    (W,), pairs (W, P, 2) and origins (R, 2): the pairs that can be close, and where robots were when they were listed.
     """
     robots = positions.shape[0] // samples.shape[0]
     in_cells = near.shape[0] > 0
     first, end = world * robots, (world + 1) * robots
-    if in_cells:
+    if in_cells and not list_holds(world, positions, present, counted, listed, origins, width, height, furthest):
+        list_pairs(
+            world, positions, present, near, following, cells, listed, pairs, origins, width, height, furthest
+        )  # fmt: skip
+    walking = in_cells and listed[world] == UNLISTED
+    if walking:
         cells[:] = NOBODY
     for row in range(first, end):
         in_contact[row] = False
         entered[row] = 0
-        if not present[row]:
-            continue
-        if in_cells:
-            found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
-        else:
+    for index in range(listed[world]):
+        count_pair(
+            world, pairs[world, index, 0], pairs[world, index, 1], positions, before, counted, squares, samples, events,
+            in_contact, entered, width, height, furthest,
+        )  # fmt: skip
+    if walking or not in_cells:
+        for row in range(first, end):
+            if not present[row]:
+                continue
             found = row - first
-        for index in range(found):
-            other = first + (near[index] if in_cells else index)
-            if not present[other]:
-                continue
-            now = square_distance(positions, row, other, width, height)
-            if now >= furthest:
-                continue
-            was = square_distance(before, row, other, width, height) if counted[row] and counted[other] else np.inf
-            for k in range(squares.shape[0]):
-                samples[world, k] += now < squares[k]
-                events[world, k] += now < squares[k] <= was
-            if now < squares[0]:
-                in_contact[row] = in_contact[other] = True
-                entered[row] += was >= squares[0]
-                entered[other] += was >= squares[0]
+            if in_cells:
+                found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
+            for index in range(found):
+                other = first + (near[index] if in_cells else index)
+                if present[other]:
+                    count_pair(
+                        world, row, other, positions, before, counted, squares, samples, events, in_contact, entered,
+                        width, height, furthest,
+                    )  # fmt: skip
     # One by one: assigning whole slices costs more than the pairs of a small world.
     for row in range(first, end):
         before[row, 0] = positions[row, 0]
@@ -180,12 +250,12 @@ def count_world(
 @kernel
 def count_pairs(
     positions: Floats, present: Flags, before: Floats, counted: Flags, squares: Floats, samples: Ints, events: Ints,
-    in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, width: float, height: float,
-    furthest: float,
+    in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, listed: Ints, pairs: Ints,
+    origins: Floats, width: float, height: float, furthest: float,
 ) -> None:  # fmt: skip
     """Count every world once; see `count_world`."""
     for world in range(samples.shape[0]):
         count_world(
             world, positions, present, before, counted, squares, samples, events, in_contact, entered, near, following,
-            cells, width, height, furthest,
+            cells, listed, pairs, origins, width, height, furthest,
         )  # fmt: skip

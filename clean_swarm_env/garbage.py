@@ -101,13 +101,14 @@ def nearest_lying(x: float, y: float, positions: Floats, stage: Ints, extent: Fl
 
 @kernel
 def handle_cargo(
-    started: Ints, columns: Ints, robots: Floats, extent: Floats, pick_distance: float,
+    started: Ints, columns: Ints, robots: Floats, extent: Floats, pick_distance: float, nearest: Ints,
     positions: Floats, stage: Ints, leftover: Ints, cargo: Ints, recycled: Ints, done: Ints, picked: Ints,
 ) -> int:  # fmt: skip
     """Let the rows act that have just started to pick, recycle or dump, in the order of rows.
 
     started (R, B): `columns` (3,) of it are picking, recycling and dumping. robots (R, 2) and extent (2,) [m].
-    pick_distance [m]: within which the nearest item is taken. positions, stage, leftover, cargo, recycled, done: of
+    pick_distance [m]: within which the nearest item is taken; nearest (R,): the item that was the nearest one lying
+    when the robots looked, NOTHING where none was near. positions, stage, leftover, cargo, recycled, done: of
     `Garbage`, changed in place. picked (R, 2): filled with (row, item) of what was picked; their number is returned.
     """
     count = 0
@@ -115,7 +116,11 @@ def handle_cargo(
     for row in range(robots.shape[0]):
         world = row // per_world
         if started[row, columns[0]] and cargo[row] == NOTHING:
-            item, near = nearest_lying(robots[row, 0], robots[row, 1], positions[world], stage[world], extent)
+            x, y, item, near = robots[row, 0], robots[row, 1], nearest[row], np.inf
+            if item != NOTHING and stage[world, item] == LYING:
+                near = distance(x, y, positions[world, item, 0], positions[world, item, 1], extent)
+            elif item != NOTHING:  # another robot has just taken it
+                item, near = nearest_lying(x, y, positions[world], stage[world], extent)
             if item != NOTHING and near <= pick_distance:
                 cargo[row] = item
                 recycled[row] = leftover[world, item]

@@ -19,17 +19,22 @@ Motion = tuple[Floats, Floats, Floats, Floats, Floats, np.ndarray, Flags, Ints]
 # stiffness [kg/s]
 Sizes = tuple[int, float, float, float, float, float, int, float]
 # see CollisionCounter.tables
-Counts = tuple[Floats, Flags, Floats, Ints, Ints, Flags, Ints, Ints, Ints, Ints, float, float, float]
+Counts = tuple[
+    Floats, Flags, Floats, Ints, Ints, Flags, Ints, Ints, Ints, Ints, Ints, Ints, Floats, float, float, float
+]  # fmt: skip
 
 
 @inlined
 def count(world: int, motion: Motion, counts: Counts, entered: Ints) -> None:
     """Count one world and add what was entered to `entered` (R,)."""
     positions, _, _, _, _, _, present, patience = motion
-    before, counted, squares, samples, events, in_contact, now, near, following, cells, width, height, furthest = counts
+    (
+        before, counted, squares, samples, events, in_contact, now, near, following, cells, listed, pairs, origins,
+        width, height, furthest,
+    ) = counts  # fmt: skip
     count_world(
         world, positions, present, before, counted, squares, samples, events, in_contact, now, near, following, cells,
-        width, height, furthest,
+        listed, pairs, origins, width, height, furthest,
     )  # fmt: skip
     robots = positions.shape[0] // patience.shape[0]
     for row in range(world * robots, (world + 1) * robots):

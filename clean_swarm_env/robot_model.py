@@ -98,15 +98,16 @@ def network_settings(config: NetworkConfig) -> NetworkSettings:
 @kernel
 def read_sensors(
     robots: Floats, extent: Floats, stations: Floats, limits: Floats,
-    positions: Floats, stage: Ints, cargo: Ints, recycled: Ints, readings: Floats,
+    positions: Floats, stage: Ints, cargo: Ints, recycled: Ints, readings: Floats, nearest: Ints,
 ) -> None:  # fmt: skip
     """Write the robot's own sensors into `readings` (R, S).
 
-    robots (R, 2) and extent (2,) [m]; stations (W, 2, 2): recycling and dump [m]; limits (3,): distances of seeing an
-    item, of being at an item, of being at a station [m]; positions, stage, cargo, recycled: of `Garbage`.
+    robots (R, 2) and extent (2,) [m]; stations (W, 2, 2): recycling and dump [m]; limits (4,): distances of seeing an
+    item, of being at an item, of being at a station, of taking an item [m]; positions, stage, cargo, recycled: of
+    `Garbage`. nearest (R,) gets the nearest lying item, NOTHING where none can be seen or taken.
     """
     worlds, items = stage.shape
-    per_world, sight = robots.shape[0] // worlds, max(limits[0], limits[1])
+    per_world, sight = robots.shape[0] // worlds, max(limits[0], limits[1], limits[3])
     lying = np.empty(items, np.bool_)
     cells, links = np.empty(cells_along(items, sight, extent), np.int64), np.empty(items, np.int64)
     for world in range(worlds):
@@ -115,9 +116,9 @@ def read_sensors(
         fill_cells(positions[world], 0, lying, extent, cells, links)
         for row in range(world * per_world, (world + 1) * per_world):
             x, y = robots[row, 0], robots[row, 1]
-            near = np.inf
+            nearest[row], near = NOTHING, np.inf
             if items > 0:
-                _, _, near = nearest_point(x, y, -1, sight, positions[world], 0, lying, extent, cells, links)
+                _, nearest[row], near = nearest_point(x, y, -1, sight, positions[world], 0, lying, extent, cells, links)
             carrying = cargo[row] != NOTHING
             to_recycling = distance(x, y, stations[world, 0, 0], stations[world, 0, 1], extent)
             to_dump = distance(x, y, stations[world, 1, 0], stations[world, 1, 1], extent)

@@ -17,7 +17,7 @@ from clean_swarm_env.collisions import CollisionCounter
 from clean_swarm_env.config import MissionConfig, StartConfiguration
 from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.frames import check_frame
-from clean_swarm_env.garbage import Garbage, handle_cargo
+from clean_swarm_env.garbage import NOTHING, Garbage, handle_cargo
 from clean_swarm_env.littering import ITEMS, store_items
 from clean_swarm_env.movement import begin_acting
 from clean_swarm_env.physics import Physics
@@ -114,7 +114,8 @@ class Worlds:
         self.stations = np.tile([mission.stations.recycling, mission.stations.dump], (self.worlds, 1, 1))
         garbage = mission.garbage
         seen = garbage.diffusion + garbage.goal_radius + garbage.view_distance
-        self._limits = np.array([seen, garbage.at_distance, mission.stations.reach])
+        self._limits = np.array([seen, garbage.at_distance, mission.stations.reach, garbage.pick_distance])
+        self._nearest: Ints = np.full(self.rows, NOTHING)  # (R,) item that each robot would take
 
     def _build_stack(self) -> None:
         mission, patrol = self.mission, self.mission.patrol
@@ -255,14 +256,14 @@ class Worlds:
         garbage = self.garbage
         read_sensors(
             self.physics.positions, self.extent, self.stations, self._limits, garbage.positions, garbage.stage,
-            garbage.cargo, garbage.recycled, self.network.readings,
+            garbage.cargo, garbage.recycled, self.network.readings, self._nearest,
         )  # fmt: skip
 
     def _handle_cargo(self, started: Ints, columns: Ints) -> None:
         """Let robots pick, recycle and dump that start to; `columns` (3,) of `started` (R, B)."""
         garbage = self.garbage
         picked = handle_cargo(
-            started, columns, self.physics.positions, self.extent, self.mission.garbage.pick_distance,
+            started, columns, self.physics.positions, self.extent, self.mission.garbage.pick_distance, self._nearest,
             garbage.positions, garbage.stage, garbage.leftover, garbage.cargo, garbage.recycled, garbage.done,
             self._picked,
         )  # fmt: skip

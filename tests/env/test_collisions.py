@@ -58,7 +58,7 @@ def test_small_worlds_against_the_naive_count(seed, robots, size):
     assert counter.entered.tolist() == entered
 
 
-@pytest.mark.parametrize(("robots", "size"), [(60, (8.0, 8.0)), (60, (3.1, 20.0)), (120, (12.0, 9.0))])
+@pytest.mark.parametrize(("robots", "size"), [(60, (8.0, 8.0)), (60, (6.2, 20.0)), (120, (12.0, 9.0))])
 def test_cells_against_the_naive_count(robots, size):
     walk = random_walk(np.random.default_rng(robots), 4, robots, *size)
     walk[0, 0] = 0.0  # the corner itself, and the last place before it
@@ -73,6 +73,35 @@ def test_cells_against_the_naive_count(robots, size):
     assert counter.events[0].tolist() == events.tolist()
     assert counter.in_contact.tolist() == contact
     assert counter.entered.tolist() == entered
+
+
+@pytest.mark.parametrize(("robots", "size"), [(80, 14.0), (150, 6.5)], ids=["listed", "more pairs than the list holds"])
+def test_pairs_listed_before_against_the_naive_count(robots, size):
+    rng = np.random.default_rng(robots)
+    steps = rng.normal(0.0, 0.06, (40, robots, 2))
+    walk = (rng.uniform(0.0, size, (robots, 2)) + np.cumsum(steps, axis=0)) % size
+    counter = CollisionCounter(1, robots, size, size, distances=(0.3, 1.0))
+    lists = set()
+    for positions in walk:
+        counter.count(positions)
+        lists.add(int(counter._listed[0]))
+    assert (lists == {-1}) if size < 7.0 else (1 < len(lists) < len(walk))  # a list holds for some counts
+    samples, events, contact, entered = naive_counts(walk, size, size, (0.3, 1.0))
+    assert counter.samples[0].tolist() == samples.tolist()
+    assert counter.events[0].tolist() == events.tolist()
+    assert (counter.in_contact.tolist(), counter.entered.tolist()) == (contact, entered)
+
+
+def test_who_comes_or_goes_is_counted_at_once_in_a_large_world():
+    positions = np.stack(np.divmod(np.arange(60), 8), axis=1) * 1.6 + 0.5
+    positions[7] = positions[3] + 0.1
+    counter, present = CollisionCounter(1, 60, 12.8, 12.8, distances=(0.5,)), np.ones(60, np.bool_)
+    seen = []
+    for there in (False, True, True, False, True):
+        present[7] = there
+        counter.count(positions, present)
+        seen.append((int(counter.samples[0, 0]), int(counter.events[0, 0])))
+    assert seen == [(0, 0), (1, 1), (2, 1), (2, 1), (3, 2)]
 
 
 @pytest.mark.parametrize("robots", [4, 55])

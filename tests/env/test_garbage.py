@@ -14,8 +14,15 @@ COLUMNS = np.array([PICK, RECYCLE, DUMP])
 
 def _handle(garbage, robots, started):
     picked = np.zeros((len(robots), 2), np.int64)
+    worlds = np.arange(len(robots)) // garbage.robots
+    nearest = np.array(
+        [
+            nearest_lying(*robot, garbage.positions[world], garbage.stage[world], EXTENT)[0]
+            for world, robot in zip(worlds, np.asarray(robots, float), strict=True)
+        ]
+    )
     count = handle_cargo(
-        np.asarray(started), COLUMNS, np.asarray(robots, float), EXTENT, 0.6, garbage.positions, garbage.stage,
+        np.asarray(started), COLUMNS, np.asarray(robots, float), EXTENT, 0.6, nearest, garbage.positions, garbage.stage,
         garbage.leftover, garbage.cargo, garbage.recycled, garbage.done, picked,
     )  # fmt: skip
     return picked[:count].tolist()

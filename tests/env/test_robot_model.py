@@ -10,7 +10,7 @@ from tests.env.courses import avoidance
 
 EXTENT = np.array([11.0, 11.0])
 STATIONS = np.array([[2.75, 5.5], [8.25, 5.5]])
-LIMITS = np.array([2.0, 0.55, 0.5])
+LIMITS = np.array([2.0, 0.55, 0.5, 0.6])
 
 BEHAVIOURS = {
     "Patrol": ({"garbage_found"}, {"patrolled": 1, "garbage_seen": 1}, 0.8),
@@ -30,6 +30,7 @@ def _read(robot, items, stage, cargo=NOTHING, recycled=0):
     read_sensors(
         np.array([robot], float), EXTENT, STATIONS[None], LIMITS, np.array([items], float).reshape(1, -1, 2),
         np.array([stage], np.int64).reshape(1, -1), np.array([cargo]), np.array([recycled]), readings,
+        np.zeros(1, np.int64),
     )  # fmt: skip
     return dict(zip((sensor.name for sensor in SENSORS), readings[0].tolist(), strict=True))
 
