@@ -1,7 +1,8 @@
 """Read missions and experiments from YAML files, by name or by path.
 
 A directory of configurations holds `experiments/`, `families/`, `missions/` and `starts/`; the given directories are
-searched in order, the shipped one last. Whatever is wrong raises ConfigurationError: one line with file, key, expected and given.
+searched in order, the shipped one last. Whatever is wrong raises ConfigurationError: one line with file, key, expected
+and given.
 """
 
 import os
