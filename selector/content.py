@@ -61,6 +61,7 @@ class Content:
         self._knowledge = c.Knowledge(host.rows, spec.knowledge)
         self._first_values: list[tuple[DecisionMechanism, str]] = []  # and the knowledge that they begin with
         self.mechanisms = {name: self._mechanism(name, declared) for name, declared in spec.mechanisms.items()}
+        self._decisions_made = [m for m in self.mechanisms.values() if isinstance(m, DecisionMechanism)]
         self._movements: dict[str, c.MovementSource] = {}
         self._decisions: dict[str, c.DecisionSource] = {}
         self._targets = {name: self._target(declared) for name, declared in spec.targets.items()}
@@ -78,22 +79,26 @@ class Content:
         self.robots = c.OrganisedRobots(
             model, host.rows, sensors, actions, dim=host.poses.space.dim, explained=explained
         )
-        self.begin(np.arange(host.rows))
+        self._kept = [source for source in self._movements.values() if source.hold > 0.0]
+        self.forget(np.arange(host.rows))
 
     @property
     def network(self) -> BehaviourNetwork:
         """The network inside."""
         return self.robots.network
 
-    def begin(self, rows: Ints) -> None:
-        """Begin anew in `rows` (K,): network, decisions and knowledge as at first; what was spread stays."""
-        self.network.reset(rows)
+    @property
+    def remembers(self) -> bool:
+        """Whether anything but its network is to begin anew when a row takes it up."""
+        return bool(self.spec.knowledge or self._decisions_made or self._kept)
+
+    def forget(self, rows: Ints) -> None:
+        """Let `rows` (K,) know and have decided what they did at first, and ask all mechanisms anew."""
         self._knowledge.reset(rows)
-        for source in self._movements.values():
+        for source in self._kept:
             source.forget(rows)
-        for mechanism in self.mechanisms.values():
-            if isinstance(mechanism, DecisionMechanism):
-                mechanism.reset(rows)
+        for mechanism in self._decisions_made:
+            mechanism.reset(rows)
         for mechanism, name in self._first_values:
             assert self._host.knowledge is not None
             mechanism.values[rows] = self._host.knowledge.values(name)[rows]

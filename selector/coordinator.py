@@ -45,6 +45,13 @@ class Coordinator:
             for content in self.contents
         ]
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
+        shape = (len(self.contents), parent.rows)
+        self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts` of them
+        self._counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
+        self._new: Ints = np.zeros(shape, dtype=np.int64)  # rows that take up each option, the first `_new_counts`
+        self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
+        self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to begin anew
+        self._renewed: Ints = np.zeros(parent.rows, dtype=np.int64)
         self._in_use: list[tuple[int, Ints]] = []
         self._acted: list[Content] = []
         self.reset(np.arange(parent.rows))
@@ -52,33 +59,32 @@ class Coordinator:
     def reset(self, rows: Ints) -> None:
         """Begin anew in `rows` (K,), holding the options they hold."""
         for content in self.contents:
-            content.begin(rows)
+            content.network.reset(rows)
+            content.forget(rows)
+        self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
         self._group()
 
     def hold(self, rows: Ints, options: Ints) -> None:
         """Let `rows` (K,) hold `options` (K,); the rest of each robot goes on undisturbed.
 
-        An option that is taken up begins anew: nothing runs, nothing is known, decided or activated yet.
+        An option that is taken up begins anew: nothing runs, nothing is known, decided or activated yet. What was
+        spread and deposited stays in the world and evaporates by its own rule.
         """
-        changed = self.held[rows] != options
-        if not changed.any():
-            return
-        rows, options = rows[changed], options[changed]
-        if options.min() < 0 or options.max() >= len(self.contents):
+        changed = take_up(rows, options, self.held, self._stale, self._new, self._new_counts)
+        if changed < 0:
             raise ValueError(f"goal {self.model.goal}: expected options 0..{len(self.contents) - 1}, got {options}")
-        self.held[rows] = options
-        self.parent.hold(rows, self.index, options)
-        self.parent.readings[np.ix_(rows, self._all_columns)] = 0.0
-        for k, content in enumerate(self.contents):
-            taken_up = rows[options == k]
-            if len(taken_up):
-                content.begin(taken_up)
+        if not changed:
+            return
+        self.parent.hold(rows, self.index, options, self._all_columns)
+        for k, count in enumerate(self._new_counts.tolist()):
+            if count and self.contents[k].remembers:
+                self.contents[k].forget(self._new[k, :count])
         self._group()
 
     def _group(self) -> None:
-        groups = [(k, np.flatnonzero(self.held == k)) for k in range(len(self.contents))]
-        self._in_use = [(k, rows) for k, rows in groups if len(rows)]
+        group(self.held, self._members, self._counts)
+        self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
 
     def sense(self, now: float) -> None:
         """Ask what is in use at `now` [s] and write its sensors into the parent's readings."""
@@ -86,7 +92,7 @@ class Coordinator:
             robots, columns = self.contents[k].robots, self._columns[k]
             if len(columns):
                 robots.sense(now, rows)
-                copy_columns(rows, robots.network.readings, self.parent.readings, columns)
+                show(rows, robots.network.readings, self.parent.readings, columns)
 
     def act(self, now: float, commands: Commands) -> None:
         """Run the content where the parent runs the coordinator; its movement goes into `commands`."""
@@ -96,6 +102,11 @@ class Coordinator:
                 continue
             content = self.contents[k]
             network = content.network
+            stale = take_stale(acting, self._stale, self._renewed)
+            if stale:
+                renewed = self._renewed[:stale]
+                network.reset(renewed)
+                look(renewed, self.parent.readings, network.readings, self._columns[k])
             if len(started):
                 network.halt(started)
             network.step(acting, guarantee=True)
@@ -110,8 +121,59 @@ class Coordinator:
 
 
 @kernel
-def copy_columns(rows: Ints, inner: Floats, outer: Floats, columns: Ints) -> None:
+def show(rows: Ints, inner: Floats, outer: Floats, columns: Ints) -> None:
     """Copy the readings of `rows` (K,) from `inner` (R, C) into `columns` (C,) of `outer` (R, S)."""
     for row in rows:
         for k in range(columns.shape[0]):
             outer[row, columns[k]] = inner[row, k]
+
+
+@kernel
+def look(rows: Ints, outer: Floats, inner: Floats, columns: Ints) -> None:
+    """Copy the readings of `rows` (K,) from `columns` (C,) of `outer` (R, S) into `inner` (R, C)."""
+    for row in rows:
+        for k in range(columns.shape[0]):
+            inner[row, k] = outer[row, columns[k]]
+
+
+@kernel
+def take_up(rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, counts: Ints) -> int:
+    """Let `rows` (K,) hold `options` (K,) and note in `new` (O, R) and `counts` (O,) who takes up what.
+
+    held, stale: (R,). Returns how many rows change, or -1, with nothing changed, for an option that does not exist.
+    """
+    counts[:] = 0
+    for k in range(rows.shape[0]):
+        if not 0 <= options[k] < counts.shape[0]:
+            return -1
+    changed = 0
+    for k in range(rows.shape[0]):
+        row, option = rows[k], options[k]
+        if held[row] != option:
+            held[row], stale[row] = option, 1
+            new[option, counts[option]] = row
+            counts[option] += 1
+            changed += 1
+    return changed
+
+
+@kernel
+def take_stale(rows: Ints, stale: Ints, found: Ints) -> int:
+    """Write those of `rows` (K,) that are `stale` (R,) into `found` (R,), stale no longer; return how many."""
+    count = 0
+    for row in rows:
+        if stale[row]:
+            stale[row] = 0
+            found[count] = row
+            count += 1
+    return count
+
+
+@kernel
+def group(held: Ints, members: Ints, counts: Ints) -> None:
+    """Fill `members` (O, R) and `counts` (O,) with the rows that hold each option; held (R,)."""
+    counts[:] = 0
+    for row in range(held.shape[0]):
+        option = held[row]
+        members[option, counts[option]] = row
+        counts[option] += 1

@@ -45,7 +45,7 @@ class BehaviourNetwork:
         self._memory = planner.memory if planner else PlanMemory([], [], [], 0)
         self._keys: NDArray[np.int64] = np.zeros((rows, self._memory.key_words), dtype=np.int64)
         self._priorities = np.array([b.priority for b in model.behaviours], dtype=np.int64)
-        self._all = np.arange(rows)
+        self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
         self._runs: NDArray[np.int64] = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
 
@@ -78,10 +78,12 @@ class BehaviourNetwork:
 
     def reset(self, rows: NDArray[np.int64] | None = None) -> None:
         """Back to the first step, for all rows or `rows` (K,)."""
-        chosen = self._all if rows is None else rows
-        self.state.reset(chosen, self._priorities, self.model.settings.activation_threshold)
-        self.plans.reset(chosen)
-        self.readings[chosen] = 0.0
+        s, p = self.state, self.plans
+        st.reset_rows(
+            self._all if rows is None else rows, self._priorities, self.model.settings.activation_threshold,
+            s.value_table, s.mark_table, s.row_table, s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept,
+            p.mark_table, p.readings, self.readings,
+        )  # fmt: skip
 
     def read(self, values: Mapping[str, object], rows: NDArray[np.int64] | None = None) -> None:
         """Set the readings of some sensors by name, for all rows or `rows` (K,).
@@ -96,12 +98,20 @@ class BehaviourNetwork:
             column = self.model.sensor(name, "reading")
             self.readings[chosen, column] = reading_of(self.model.sensors[column], value)
 
-    def hold(self, rows: NDArray[np.int64], behaviour: int, alternative: int | NDArray[np.int64]) -> None:
-        """Let `behaviour` show another of its alternatives in `rows` (K,); what changes asks for a new plan."""
-        held = self.state.marks[st.ALTERNATIVE]
-        changed = rows[held[rows, behaviour] != alternative]
-        held[rows, behaviour] = alternative
-        self.plans.marks[pw.ALARM, changed] = 1
+    def hold(
+        self,
+        rows: NDArray[np.int64],
+        behaviour: int,
+        alternative: int | NDArray[np.int64],
+        forgotten: NDArray[np.int64] | None = None,
+    ) -> None:
+        """Let `behaviour` show another of its alternatives in `rows` (K,); what changes asks for a new plan.
+
+        `forgotten`: sensors whose readings, where it changes, are 0 until they are read anew.
+        """
+        wanted = np.full(len(rows), alternative) if isinstance(alternative, int) else alternative
+        forgotten = self._none if forgotten is None else forgotten
+        hold_rows(rows, behaviour, wanted, forgotten, self.state.mark_table, self.plans.mark_table, self.readings)
 
     def set_plan(self, row: int, behaviours: Sequence[int] | None, index: int = 0) -> None:
         """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due."""
@@ -253,3 +263,17 @@ def forget_finished(row: int, values: Floats, marks: Ints) -> None:
         if marks[row, st.FINISHED, b]:
             marks[row, st.FINISHED, b] = 0
             values[row, st.ACTIVATION, b] = 0.0
+
+
+@kernel
+def hold_rows(
+    rows: Ints, behaviour: int, alternatives: Ints, forgotten: Ints, marks: Ints, plan_marks: Ints, readings: Floats
+) -> None:
+    """Let `behaviour` show `alternatives` (K,) in `rows` (K,); see `BehaviourNetwork.hold`."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        if marks[row, st.ALTERNATIVE, behaviour] != alternatives[k]:
+            marks[row, st.ALTERNATIVE, behaviour] = alternatives[k]
+            plan_marks[row, pw.ALARM] = 1
+            for sensor in forgotten:
+                readings[row, sensor] = 0.0

@@ -42,11 +42,6 @@ class PlanState:
         self.marks: NDArray[np.int64] = self.mark_table.T
         self.readings: NDArray[np.float64] = np.zeros((rows, 2, sensors))  # of the last step; change since last idle
 
-    def reset(self, rows: NDArray[np.int64]) -> None:
-        """Forget the plans of `rows` (K,)."""
-        self.marks[:, rows] = 0
-        self.readings[rows] = 0.0
-
 
 @inlined
 def is_relevant(row: int, sensor: int, ints: Ints, marks: Ints, goal_enabled: Ints) -> bool:

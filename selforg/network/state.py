@@ -10,6 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from selforg.compiled import kernel
+from selforg.network.tables import Floats, Ints
+
 # values (VALUE_LAYERS, R, B), value_table (R, VALUE_LAYERS, B)
 (
     ACTIVATION,
@@ -78,18 +81,30 @@ class NetworkState:
         self.wishes: NDArray[np.float64] = np.zeros((rows, wishes))
         self.wish_kept: NDArray[np.int64] = np.zeros((rows, wishes), dtype=np.int64)
 
-    def reset(self, rows: NDArray[np.int64], priorities: NDArray[np.int64], threshold: float) -> None:
-        """Back to the first step for `rows` (K,): nothing runs, nothing is activated, all goals are on."""
-        self.values[:, rows] = 0.0
-        self.marks[:, rows] = 0
-        self.marks[PRESENT, rows] = 1
-        self.marks[ENABLED, rows] = 1
-        self.marks[EXECUTION_TIME, rows] = -1
-        self.marks[PRIORITY, rows] = priorities
-        self.row_values[THRESHOLD, rows] = threshold
-        self.row_values[TOTAL, rows] = 0.0
-        self.row_values[DECIDING, rows] = threshold
-        self.goal_enabled[rows] = 1
-        self.goal_satisfaction[rows] = 0.0
-        self.wishes[rows] = 0.0
-        self.wish_kept[rows] = 0
+
+@kernel
+def reset_rows(
+    rows: Ints, priorities: Ints, threshold: float, values: Floats, marks: Ints, row_values: Floats,
+    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan_marks: Ints, plan_readings: Floats,
+    readings: Floats,
+) -> None:  # fmt: skip
+    """Back to the first step for `rows` (K,): nothing runs, nothing is activated, known or planned, all goals are on.
+
+    The arrays are those of `NetworkState` and `PlanState`, rows first, and the network's readings (R, S).
+    """
+    for row in rows:
+        values[row] = 0.0
+        marks[row] = 0
+        marks[row, PRESENT] = 1
+        marks[row, ENABLED] = 1
+        marks[row, EXECUTION_TIME] = -1
+        marks[row, PRIORITY] = priorities
+        row_values[row] = 0.0
+        row_values[row, THRESHOLD] = row_values[row, DECIDING] = threshold
+        goal_satisfaction[row] = 0.0
+        goal_enabled[row] = 1
+        wishes[row] = 0.0
+        kept[row] = 0
+        plan_marks[row] = 0
+        plan_readings[row] = 0.0
+        readings[row] = 0.0
