@@ -60,6 +60,18 @@ class Finished:
     """Number of the episode since that seed was given, from 0."""
     result: MissionResult
     """What the mission came to."""
+    collision_events: int
+    """How often a pair came closer than the first collision distance."""
+
+    @property
+    def statistics(self) -> dict[str, float | int | bool]:
+        """What borders report of a mission."""
+        return {
+            "duration_s": self.result.duration_s,
+            "garbage_done": self.result.garbage_done,
+            "mission_collision_events": self.collision_events,
+            "completed": self.result.completed,
+        }
 
 
 class Batch:
@@ -125,16 +137,19 @@ class Batch:
         self._seeds: list[int | None] = [None] * worlds
         self._episodes = [0] * worlds
 
-    def reset(self, seeds: Sequence[int | None] | None = None, start: StartConfiguration | None = None) -> Observations:
+    def reset(
+        self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
+    ) -> Observations:
         """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
 
         `seeds` (W,) begin the series of episodes anew; without one (None) a world goes on with its series, or begins
-        one nobody knows. `start` takes the place of the random start.
+        one nobody knows. `starts` (W,) take the place of random starts.
         """
-        given = [None] * self.worlds.worlds if seeds is None else list(seeds)
-        if len(given) != self.worlds.worlds:
-            raise ValueError(f"seeds: expected one for each of {self.worlds.worlds} worlds, got {len(given)}")
-        for world, seed in enumerate(given):
+        nothing = [None] * self.worlds.worlds
+        for name, given in (("seeds", seeds), ("starts", starts)):
+            if given is not None and len(given) != len(nothing):
+                raise ValueError(f"{name}: expected one for each of {len(nothing)} worlds, got {len(given)}")
+        for world, (seed, start) in enumerate(zip(seeds or nothing, starts or nothing, strict=True)):
             if seed is not None or self._seeds[world] is None:
                 self._seeds[world] = int(np.random.SeedSequence(seed).entropy) if seed is None else int(seed)  # type: ignore[arg-type]
                 self._episodes[world] = 0
@@ -201,9 +216,9 @@ class Batch:
 
     def _keep_ends(self) -> None:
         """Keep what the missions came to that ended with the last tick, and what their robots see."""
-        ended = self.progress.ended
+        ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
-        self._finished += (
-            Finished(world, int(self._seeds[world] or 0), self._episodes[world] - 1, result_of(self.worlds, world))
-            for world in ended.tolist()
-        )
+        for world in ended.tolist():
+            seed, episode = int(self._seeds[world] or 0), self._episodes[world] - 1
+            events = int(worlds.collisions.events[world, 0])
+            self._finished.append(Finished(world, seed, episode, result_of(worlds, world), events))

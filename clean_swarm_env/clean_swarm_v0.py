@@ -26,11 +26,11 @@ from pettingzoo.utils.conversions import parallel_to_aec
 
 from clean_swarm_env.actions import ActionConfig
 from clean_swarm_env.batch import Batch
-from clean_swarm_env.config import MissionConfig, StartConfiguration
+from clean_swarm_env.config import MissionConfig
 from clean_swarm_env.observation import Observations
 from clean_swarm_env.observation_terms import ObservationConfig
 from clean_swarm_env.reward import RewardConfig
-from clean_swarm_env.spaces import action_space, mask_of, observation_space
+from clean_swarm_env.spaces import action_space, mask_of, observation_space, start_of
 
 Action = int | NDArray[np.int64] | NDArray[np.float32]
 Infos = dict[str, dict[str, Any]]
@@ -92,10 +92,7 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observations], Infos]:
         """Begin an episode; `options["start"]` may give a `StartConfiguration` (other keys are left alone)."""
-        start = (options or {}).get("start")
-        if start is not None and not isinstance(start, StartConfiguration):
-            raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")
-        seen = self._batch.reset([seed], start)
+        seen = self._batch.reset([seed], [start_of(options)])
         self.agents = self._at_work()
         return self._by_agent(seen), self._infos()
 

@@ -1,7 +1,8 @@
-"""Gymnasium spaces of a batch, for one robot and for a team, and masks in the form that `sample` takes."""
+"""What all borders share: spaces of a batch, masks in the form that `sample` takes, a start among options."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from clean_swarm_env.batch import Batch
+from clean_swarm_env.config import StartConfiguration
 
 Flags = NDArray[np.bool_]
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
@@ -36,3 +38,11 @@ def mask_of(batch: Batch, able: Flags) -> Mask:
     whole = able.astype(np.int8)
     counts = batch.choices.counts
     return whole if len(counts) == 1 else tuple(np.split(whole, np.cumsum(counts)[:-1]))
+
+
+def start_of(options: Mapping[str, Any] | None) -> StartConfiguration | None:
+    """Return the start that the options of a reset give; other keys are left alone."""
+    start = (options or {}).get("start")
+    if start is not None and not isinstance(start, StartConfiguration):
+        raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")
+    return start

@@ -119,7 +119,7 @@ def test_without_beginning_anew_a_world_stays_at_its_end_and_counts_no_more():
 
 def test_a_start_can_be_given():
     batch = Batch(short(), 2)
-    batch.reset([1, 2], random_start(short(), 77, 4))
+    batch.reset([1, 2], [random_start(short(), 77, 4)] * 2)
     positions = batch.worlds.physics.positions
     assert np.array_equal(positions[:5], positions[5:])
 
