@@ -72,7 +72,7 @@ def ticking(robots: int) -> Callable[[], float]:
 def main() -> None:
     """Print and record the figures."""
     env = parallel_env(decision_a_tick(AGENTS))
-    contestants = {"step": stepping(env, len(env.options)), "tick": ticking(AGENTS)}
+    contestants = {"step": stepping(env, int(env.action_space(env.possible_agents[0]).n)), "tick": ticking(AGENTS)}
     if find_spec("mpe2"):
         from mpe2 import simple_spread_v3
 

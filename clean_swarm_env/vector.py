@@ -134,7 +134,7 @@ class RobotVectorEnv(BatchVectorEnv):
 
 
 class TeamVectorEnv(BatchVectorEnv):
-    """Every world is an environment in which one selector decides for the whole team, as in `single_agent.CleanSwarmTeam`.
+    """Every world is an environment in which one selector decides for the whole team, as in `CleanSwarmTeam`.
 
     Args:
         num_envs: W.
