@@ -25,7 +25,7 @@ class Foraging(Scene):
     measures = (
         Measure(
             "items brought per minute", "1/min", "higher", 10.0,
-            "above a quarter of the 36 that 12 robots bring who know the way of 10 m",
+            "more than a quarter of the 36 that 12 robots could bring that know a way of 10 m",
         ),
     )  # fmt: skip
     baseline = "random search: the same robots, which never follow a trail"
