@@ -1,7 +1,9 @@
 """Draws every goal in its scene, small multiples of one run each: `python -m docs.draw_goals [FILE]`."""
 
 import sys
+from itertools import product
 from pathlib import Path
+from textwrap import fill
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,12 +16,15 @@ from clean_swarm_env.scenes import Scene, find, goals
 from clean_swarm_env.scenes.measures.agreement import in_earshot
 from clean_swarm_env.scenes.scene import Run
 from clean_swarm_env.scenes.served import ServedTeam, expertise
+from selforg.arrays import Floats
 
 FILE, SEED, COLUMNS = Path(__file__).with_name("pictures") / "goals.png", 0, 5
 INK, PAPER = "#2b2b2b", "#fbfaf7"
 TRACK, ATTRACTIVE, REPULSIVE, CHOSEN = "#0072B2", "#009E73", "#D55E00", "#E69F00"
 MOST_SHOWN = 6.0
 """Reach up to which the diffusion of a gradient is drawn [m]; beyond, it covers everything."""
+LAST = 60
+"""Control periods at the end that are shown of a group on land where nothing lies around."""
 AROUND = 1.5
 """Space around the tracks on open land [m]."""
 
@@ -37,9 +42,9 @@ def draw_goal(axes: Axes, goal: str) -> None:
     first = kind.measures[0]
     unit = "" if first.unit == "-" else f" {first.unit}"
     value = float(run.values[first.name][0])
-    axes.set_title(f"{goal}\n", fontsize=10, color=INK, fontweight="bold")
-    axes.text(0.5, 1.02, f"{expert.name}: {first.name} {value:.3g}{unit}", transform=axes.transAxes, ha="center",
-              va="bottom", fontsize=7, color=INK)  # fmt: skip
+    axes.set_title(f"{goal}\n{expert.name}", fontsize=9, color=INK)
+    below = fill(f"{first.name}: {value:.3g}{unit}", 36)
+    axes.text(0.5, -0.03, below, transform=axes.transAxes, ha="center", va="top", fontsize=8, color=INK)
     frame(axes, scene, run)
 
 
@@ -52,9 +57,18 @@ def draw_things(axes: Axes, scene: Scene) -> None:
                    strict=True)  # fmt: skip
         for place, diffusion, goal_radius in each:
             reach = float(diffusion + goal_radius)
-            if reach <= MOST_SHOWN:
-                axes.add_patch(Circle(place, reach, fc=colour, alpha=0.12, ec="none", zorder=0))
-            axes.add_patch(Circle(place, max(float(goal_radius), 0.1), fc=colour, alpha=0.45, ec=colour, zorder=1))
+            for image in images(scene, place):
+                if reach <= MOST_SHOWN:
+                    axes.add_patch(Circle(image, reach, fc=colour, alpha=0.12, ec="none", zorder=0))
+                core = Circle(image, max(float(goal_radius), 0.1), fc=colour, alpha=0.45, ec=colour, zorder=1)
+                axes.add_patch(core)
+
+
+def images(scene: Scene, place: Floats) -> list[Floats]:
+    """Return where a place (2,) [m] appears: on a torus beyond the seams too, which the frame cuts off."""
+    if scene.ground.kind == "open":
+        return [place]
+    return [place + scene.ground.side * np.array(step) for step in product((-1, 0, 1), repeat=2)]
 
 
 def draw_tracks(axes: Axes, scene: Scene, run: Run) -> None:
@@ -85,7 +99,8 @@ def draw_robots(axes: Axes, scene: Scene) -> None:
     values = scene.known.get("measured")
     for row, (place, heading) in enumerate(zip(places, headings, strict=True)):
         colour = TRACK if values is None else plt.get_cmap("viridis")(float(np.asarray(values)[row]) / 100.0)
-        axes.add_patch(Circle(place, radius, fc=colour, ec="white", linewidth=0.5, zorder=4))
+        for image in images(scene, place):
+            axes.add_patch(Circle(image, radius, fc=colour, ec="white", linewidth=0.5, zorder=4))
         nose = place + radius * np.array([np.cos(heading), np.sin(heading)])
         axes.plot(*np.stack([place, nose]).T, color="white", linewidth=0.8, zorder=5)
 
@@ -96,8 +111,9 @@ def frame(axes: Axes, scene: Scene, run: Run) -> None:
     if ground.kind == "torus":
         low, high = np.zeros(2), np.full(2, ground.side)
     else:
-        used = [run.tracks.reshape(-1, 2), *(g.places[0] for g in scene.around)]
-        corners = np.concatenate(used)
+        # A group that leaves for good is shown where it ends, all others with their whole way.
+        shown = run.tracks if scene.around else run.tracks[-LAST:]
+        corners = np.concatenate([shown.reshape(-1, 2), *(g.places[0] for g in scene.around)])
         middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
         half = 0.5 * np.ptp(corners, axis=0).max() + AROUND
         low, high = middle - half, middle + half
@@ -112,7 +128,8 @@ def draw_all() -> Figure:
     """Return the picture of all goals."""
     names = goals()
     lines = -(-len(names) // COLUMNS)
-    figure, grid = plt.subplots(lines, COLUMNS, figsize=(3.2 * COLUMNS, 3.55 * lines), layout="constrained")
+    figure, grid = plt.subplots(lines, COLUMNS, figsize=(3.0 * COLUMNS, 3.7 * lines))
+    figure.subplots_adjust(left=0.01, right=0.99, top=0.95, bottom=0.05, wspace=0.06, hspace=0.34)
     for axes, goal in zip(grid.flat, names, strict=False):
         draw_goal(axes, goal)
     spare = list(grid.flat)[len(names) :]
@@ -130,7 +147,7 @@ def draw_legend(axes: Axes) -> None:
         axes.text(0.2, 0.85 - 0.12 * line, text, va="center", fontsize=9, color=INK)
     more = (
         "dashed frame: a torus; none: open land\nblack bar: 1 m\norange ring: robot elected, +: barycentre\n"
-        "grey lines: who hears whom; yellow: large values"
+        "grey lines: who hears whom\ndark to yellow: small to large values"
     )
     axes.text(0.06, 0.42, more, va="top", fontsize=8, color=INK, linespacing=1.6)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))

@@ -38,12 +38,11 @@ def run(
 ) -> None:
     """Run a goal in its scene and print the measures by which it succeeds, their targets and the baseline."""
     _check(goal, every, robots, seconds, seed, runs, option, arena, output)
-    from clean_swarm_env.scenes import goals
     from train.run_goal import GoalRequest, as_mapping, run_goal
 
     outcomes = []
     with Console(stderr=True).status("running") as status:
-        for name in goals() if every else (str(goal),):
+        for name in _goals() if every else (str(goal),):
             status.update(f"running {name}")
             outcomes.append(
                 run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ())))  # type: ignore[arg-type]
@@ -61,7 +60,8 @@ def _check(
 ) -> None:  # fmt: skip
     """Raise ConfigurationError for what cannot be meant."""
     if (goal is None) is not every:
-        raise ConfigurationError(f"run: expected a goal or --all, got {'both' if every else 'neither'}")
+        known = f"; the goals are {', '.join(_goals())}" if goal is None else ""
+        raise ConfigurationError(f"run: expected a goal or --all, got {'both' if every else 'neither'}{known}")
     for name, given in (("--option", option), ("--robots", robots), ("--seconds", seconds)):
         if every and given is not None:
             raise ConfigurationError(f"{name}: expected one goal, not --all")
@@ -74,6 +74,12 @@ def _check(
         raise ConfigurationError(f"--seconds: expected a positive number, got {seconds}")
     if arena is not None and arena not in GROUNDS:
         raise ConfigurationError(f"--arena: expected {' or '.join(GROUNDS)}, got {arena!r}")
+
+
+def _goals() -> tuple[str, ...]:
+    from clean_swarm_env.scenes import goals
+
+    return goals()
 
 
 def _print(outcomes: "list[GoalOutcome]", output: Path | None) -> None:

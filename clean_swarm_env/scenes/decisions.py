@@ -52,6 +52,7 @@ class FindBarycenter(Standing):
     setting = Setting(robots=9, seconds=5.0, ground="open")
     fewest = 2
     side = 10.0
+    torus_side = 25.0
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         places = scattered(rng, self.chosen.robots, self.ground, 0.6)
@@ -82,6 +83,7 @@ class MaxValue(Standing):
     setting = Setting(robots=20, seconds=12.0, ground="open")
     fewest = 2
     side = 9.0
+    torus_side = 18.0
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         for _ in range(MAX_TRIES):

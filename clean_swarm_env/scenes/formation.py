@@ -33,6 +33,7 @@ class FormationControl(Scene):
     setting = Setting(robots=12, seconds=60.0, ground="open")
     fewest = 2
     side = 4.0
+    torus_side = 20.0
     body = Body(drive="holonomic")
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
@@ -76,6 +77,7 @@ class CircleFormation(Scene):
     setting = Setting(robots=10, seconds=90.0, ground="open")
     fewest = 2
     side = 8.0
+    torus_side = 16.0
     body = Body(pose_diffusion=1.5)
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""Where a scene plays: a torus, or open land. Both have a square field in which things are placed.
+"""Where a scene plays: a torus, or open land. Both have a square field in their middle in which things are placed.
 
 Open land has no edge for the robots: physics works on a torus so wide that nobody can get round it within the run,
 while all that is sensed and measured uses Euclidean offsets.
@@ -19,9 +19,11 @@ SPARE = 2.0
 
 @dataclass(frozen=True)
 class Ground:
-    """A torus of side `field_side` [m], or open land around a field of that side that nobody leaves by `range` [m].
+    """A torus with a field of side `field_side` [m] in its middle, or open land around such a field.
 
     Attributes:
+        range: how far beyond the field robots may get on open land [m].
+        torus_side: side of the torus [m]; that of the field unless given.
         space: the metric of everything that robots sense and that is measured.
         side: side of the torus that physics works on [m].
         corner: lower left corner of the field, x and y alike [m].
@@ -31,16 +33,17 @@ class Ground:
     kind: GroundKind
     field_side: float
     range: float = 0.0
+    torus_side: float = 0.0
     space: Space = field(init=False, repr=False, compare=False)
     side: float = field(init=False)
     corner: float = field(init=False)
 
     def __post_init__(self) -> None:
-        around = 0.0 if self.kind == "torus" else self.range + SPARE
-        side = self.field_side + 2.0 * around
+        torus = self.kind == "torus"
+        side = max(self.torus_side, self.field_side) if torus else self.field_side + 2.0 * (self.range + SPARE)
         object.__setattr__(self, "side", side)
-        object.__setattr__(self, "corner", around)
-        object.__setattr__(self, "space", Torus(side, side) if self.kind == "torus" else Euclidean(2))
+        object.__setattr__(self, "corner", 0.5 * (side - self.field_side))
+        object.__setattr__(self, "space", Torus(side, side) if torus else Euclidean(2))
 
     @property
     def centre(self) -> Floats:

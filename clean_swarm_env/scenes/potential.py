@@ -24,7 +24,7 @@ class FollowPotentialField(Scene):
         Measure("share of the height climbed", "-", "higher", 0.9, "a tenth is left to those that wait for a place"),
     )
     baseline = "random walk, a new direction every 2 s"
-    setting = Setting(robots=6, seconds=90.0, ground="open")
+    setting = Setting(robots=6, seconds=90.0, ground="torus")
     side = 16.0
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
@@ -72,6 +72,7 @@ class FollowMaxPotential(Scene):
     baseline = "everybody goes to the source that is nearest at the start"
     setting = Setting(robots=6, seconds=120.0, ground="open")
     side = 14.0
+    torus_side = 28.0
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         places = scattered(rng, self.chosen.robots, self.ground, 1.0)

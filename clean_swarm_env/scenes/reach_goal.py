@@ -28,7 +28,7 @@ class ReachGoal(Scene):
         ),
     )  # fmt: skip
     baseline = "random walk, a new direction every 2 s"
-    setting = Setting(robots=6, seconds=90.0, ground="open")
+    setting = Setting(robots=6, seconds=90.0, ground="torus")
     side = FIELD
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:

@@ -120,7 +120,8 @@ class Scene(ABC):
     measures: ClassVar[tuple[Measure, ...]]
     baseline: ClassVar[str]  # what the robots do that the mechanism must beat
     setting: ClassVar[Setting]
-    side: ClassVar[float]  # [m] of the field
+    side: ClassVar[float]  # [m] of the field in which all start
+    torus_side: ClassVar[float] = 0.0  # [m] of the torus, where the field alone would be too small for one
     fewest: ClassVar[int] = 1  # robots with which the measures have a meaning
     body: ClassVar[Body] = Body()
 
@@ -129,7 +130,7 @@ class Scene(ABC):
         if setting.robots < self.fewest:
             raise ConfigurationError(f"--robots: {self.goal} expects at least {self.fewest}, got {setting.robots}")
         self.chosen = setting
-        self.ground = Ground(setting.ground, self.side, setting.seconds * self.body.max_speed)
+        self.ground = Ground(setting.ground, self.side, setting.seconds * self.body.max_speed, self.torus_side)
         try:
             self.arena = Arena(self.ground, setting.robots, seeds, self.body)
         except ValueError as error:
@@ -222,12 +223,12 @@ def register(scene: Class) -> Class:
 
 
 def goals() -> tuple[str, ...]:
-    """Return the goals that have a scene, in the order of registration."""
-    return tuple(_scenes)
+    """Return the goals that have a scene, sorted."""
+    return tuple(sorted(_scenes))
 
 
 def find(goal: str) -> type[Scene]:
     """Return the scene of a goal; an unknown one raises ConfigurationError and lists the known ones."""
     if goal not in _scenes:
-        raise ConfigurationError(unknown("goal", goal, sorted(_scenes)))
+        raise ConfigurationError(unknown("goal", goal, goals()))
     return _scenes[goal]

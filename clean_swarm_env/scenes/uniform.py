@@ -15,7 +15,7 @@ class UniformDistribution(Scene):
     """Distances to the nearest neighbour tell: equal and large on a lattice, unequal and small by chance."""
 
     goal = "UniformDistribution"
-    story = "24 robots from a corner of 5 m x 5 m spread over a torus of 196 m2 within 120 s"
+    story = "24 robots from a square of 5 m x 5 m spread over a torus of 196 m2 within 120 s"
     measures = (
         Measure(
             "spread of nearest-neighbour distances / their mean", "-", "lower", 0.26,

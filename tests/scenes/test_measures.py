@@ -126,4 +126,7 @@ def test_open_land_is_never_left():
     assert OPEN.side == pytest.approx(24.0)
     assert_allclose(OPEN.centre, [12.0, 12.0])
     assert_allclose(OPEN.offsets(np.array([1.0, 1.0]), np.array([23.0, 1.0])), [22.0, 0.0])
+    assert (TORUS.side, TORUS.corner) == (10.0, 0.0)
+    wide = Ground("torus", 4.0, torus_side=10.0)
+    assert (wide.side, wide.corner, wide.centre.tolist()) == (10.0, 3.0, [5.0, 5.0])
     assert_allclose(TORUS.distances(np.array([1.0, 1.0]), np.array([9.0, 1.0])), 2.0)

@@ -69,7 +69,7 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        ((), "run: expected a goal or --all, got neither"),
+        ((), "run: expected a goal or --all, got neither; the goals are AgentCollisionAvoidance, "),
         (("MaxValue", "--all"), "run: expected a goal or --all, got both"),
         (("--all", "--robots", "3"), "--robots: expected one goal, not --all"),
         (("MaxValue", "--output", "x.md"), "--output: expected --all, got one goal"),
