@@ -43,6 +43,10 @@ reason, is met when the mean reaches it; a baseline is beaten when the interval 
 side of zero. A measure without an entry there is a price that must not be paid for the others. {reached} of {count}
 goals meet all their targets and beat their baselines.
 
+Every goal also runs on the other ground (`--arena torus|open`), where the targets are for orientation only. On open
+land there is nothing to patrol or to fill evenly, and foragers that miss the food never come back: ExplorationPatrol,
+UniformDistribution and Foraging miss targets there.
+
 Written by `clean-swarm run --all --output docs/goals.md`; `clean-swarm run GOAL --option NAME` runs another option of
 `configs/knowledge/library.yaml`.
 

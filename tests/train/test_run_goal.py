@@ -1,5 +1,6 @@
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from typer.testing import CliRunner
 
 from clean_swarm_env.config_errors import ConfigurationError
 from clean_swarm_env.scenes import find, goals
+from clean_swarm_env.scenes.served import expertise
 from train import goal_cli
 from train.cli import app
 from train.goal_tables import as_markdown, as_page
@@ -134,3 +136,13 @@ def test_page_and_mapping_of_a_real_outcome():
 def test_the_command_knows_every_kind_of_ground():
     assert goal_cli.GROUNDS == ("torus", "open")
     assert {find(goal).setting.ground for goal in goals()} == set(goal_cli.GROUNDS)
+
+
+def test_the_page_in_the_docs_is_about_the_scenes_as_they_are():
+    text = (Path(__file__).parents[2] / "docs" / "goals.md").read_text(encoding="utf-8")
+    for goal in goals():
+        scene = find(goal)
+        assert f"| {goal} | {scene.story} ({scene.setting.ground}) | {scene.baseline} |" in text
+        assert f"\n| {goal}, {expertise(goal).name} |" in text
+        for measure in scene.measures:
+            assert re.search(rf"\| {re.escape(measure.name)}.*\| [≤≥] {measure.target:g} \|", text), measure.name
