@@ -1,7 +1,7 @@
 # The environment of the repository if there is one, else the one that is active.
 BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
-	benchmarks.costs
+	benchmarks.costs benchmarks.switching
 
 .PHONY: check lint test golden bench soak clean-cache
 
@@ -19,10 +19,11 @@ test:
 golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden
 
-soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 2,000 killed processes
+soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 2,000 killed processes, an hour of switching
 	$(BIN)python -m tests.selforg.fuzz
 	$(BIN)python -m tests.network.soak 10000
 	$(BIN)python -m tests.store.soak
+	$(BIN)python -m tests.selector.soak_switching
 
 bench:
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status

@@ -215,5 +215,5 @@ def _listed(given: object) -> object:
     return [given] if isinstance(given, dict) else given
 
 
-ActionSpecs: TypeAlias = Annotated[tuple[ActionSpec, ...], BeforeValidator(_listed)]
+ActionSpecs: TypeAlias = Annotated[tuple[ActionSpec, ...], BeforeValidator(_listed), Field(min_length=1)]
 """One action or a list of them."""
