@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.config_events import Event, Fail, Join, Land, Remove, Respawn, in_order
+from clean_swarm_env.config_events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.littering import land
 
 if TYPE_CHECKING:
@@ -103,8 +103,10 @@ class Agenda:
         elif isinstance(event, Respawn):
             self._ticket = max(self._ticket - (tick - self._since) * self._rate / self._ticks_per_minute, 0.0)
             self._set_rate(event.rate, float(tick))
-        else:
+        elif isinstance(event, MoveStations):
             worlds.stations[world] = event.recycling, event.dump
+        else:
+            worlds.reception.set(world, event.reach, event.loss)
 
 
 class Agendas:

@@ -12,11 +12,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from clean_swarm_env.config_events import (
+    DeliveryConfig,
     Event,
     Join,
     Land,
     MoveStations,
     Respawn,
+    SetDelivery,
     check_team,
 )
 from clean_swarm_env.config_network import NetworkConfig
@@ -149,6 +151,8 @@ class MissionConfig(Closed):
     """The patrol."""
     network: NetworkConfig = NetworkConfig()
     """The behaviour network."""
+    delivery: DeliveryConfig = DeliveryConfig()
+    """The delivery of messages among the robots."""
     events: tuple[Event, ...] = ()
     """What changes during the mission."""
     time_limit: Positive = 3000.0
@@ -216,3 +220,9 @@ class MissionConfig(Closed):
         """Number of items for which a world has rows."""
         least = RANDOM_ITEMS if self.continuous else 0
         return self.garbage.capacity or max(self.items_expected, least)
+
+    @property
+    def own_contents(self) -> bool:
+        """Whether each robot stores by itself what it receives, because delivery is or becomes less than ideal."""
+        changes = any(isinstance(event, SetDelivery) for event in self.events)
+        return self.delivery.own_contents or not self.delivery.ideal or changes

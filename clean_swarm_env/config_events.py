@@ -1,4 +1,4 @@
-"""Typed configuration of what changes during a mission: the team, the garbage and the stations.
+"""Typed configuration of what changes during a mission: the team, the garbage, the stations and the delivery.
 
 An event happens at the beginning of the first control period that begins at its time or later; events of one time
 happen in the order in which they are listed.
@@ -9,7 +9,28 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config_types import Count, Index, Point, Pose, impossible
-from selector.documents import Closed, NonNegative
+from selector.documents import Closed, Flag, NonNegative, Positive, Share
+
+EVERYWHERE = 1e9
+"""Range of a message that all robots receive [m]."""
+
+
+class DeliveryConfig(Closed):
+    """How well the messages of robots, their poses and pheromones, reach the others."""
+
+    reach: Positive = EVERYWHERE
+    """Farthest receiver of a message [m]."""
+    loss: Share = 0.0
+    """Probability that a receiver misses a message, drawn for each receiver [-]."""
+    pose_memory: NonNegative = 1.0
+    """Time for which a robot keeps the last pose it received from another one [s]."""
+    own_contents: Flag = False
+    """Whether each robot stores by itself what it receives even if nothing is ever lost; it costs time."""
+
+    @property
+    def ideal(self) -> bool:
+        """Whether every robot receives everything."""
+        return self.reach >= EVERYWHERE and self.loss == 0.0
 
 
 class At(Closed):
@@ -83,7 +104,18 @@ class MoveStations(At):
     """Place of the dump station from now on [m]."""
 
 
-Event = Annotated[Join | Remove | Fail | Land | Respawn | MoveStations, Field(discriminator="do")]
+class SetDelivery(At):
+    """The quality of the delivery of messages changes."""
+
+    do: Literal["deliver"]
+    """What happens."""
+    reach: Positive = EVERYWHERE
+    """Farthest receiver of a message from now on [m]."""
+    loss: Share = 0.0
+    """Probability that a receiver misses a message from now on [-]."""
+
+
+Event = Annotated[Join | Remove | Fail | Land | Respawn | MoveStations | SetDelivery, Field(discriminator="do")]
 
 
 def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:

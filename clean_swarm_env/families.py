@@ -120,7 +120,9 @@ class FamilyConfig(Closed):
             "stations": {"recycling": recycling, "dump": dump},
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
-        whole = {**base.model_dump(), **merged, "name": self.name, "events": events}
+        own_contents = base.own_contents or "deliver" in self.changes.kinds
+        delivery = {**base.delivery.model_dump(), "own_contents": own_contents}
+        whole = {**base.model_dump(), **merged, "name": self.name, "events": events, "delivery": delivery}
         return MissionConfig.model_validate(whole)
 
     @property

@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import model_validator
 
 from clean_swarm_env.config_types import Index, Point, impossible
-from selector.documents import Closed, NonNegative
+from selector.documents import Closed, NonNegative, Positive, Share
 
-Kind = Literal["join", "remove", "fail", "land", "respawn", "move_stations"]
+Kind = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
 Span = tuple[NonNegative, NonNegative]
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
@@ -27,10 +27,14 @@ class ChangesConfig(Closed):
     """Least and largest number of items that land at a time."""
     respawn: Span = (0.0, 6.0)
     """Least and largest rate at which garbage keeps coming after a change [1/min]."""
+    reach: tuple[Positive, Positive] = (2.0, 6.0)
+    """Least and largest range of messages after a change of the delivery [m]."""
+    loss: tuple[Share, Share] = (0.0, 0.9)
+    """Least and largest probability of a loss after a change of the delivery [-]."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        for name in ("number", "items", "respawn"):
+        for name in ("number", "items", "respawn", "reach", "loss"):
             least, most = getattr(self, name)
             if least > most:
                 raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
@@ -79,8 +83,10 @@ def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np
         return {"items": int(rng.integers(changes.items[0], changes.items[1] + 1))}
     if kind == "respawn":
         return {"rate": float(rng.uniform(*changes.respawn))}
-    recycling, dump = random_stations(size, rng)
-    return {"recycling": recycling, "dump": dump}
+    if kind == "move_stations":
+        recycling, dump = random_stations(size, rng)
+        return {"recycling": recycling, "dump": dump}
+    return {"reach": float(rng.uniform(*changes.reach)), "loss": float(rng.uniform(*changes.loss))}
 
 
 def random_stations(size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, Point]:

@@ -8,6 +8,7 @@ different sizes share a frame when they state the same `robots.capacity` and `ga
 from collections.abc import Sequence
 
 from clean_swarm_env.config import MissionConfig
+from clean_swarm_env.config_events import EVERYWHERE
 from clean_swarm_env.config_types import Point
 
 NOWHERE: Point = (0.0, 0.0)
@@ -18,10 +19,12 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
     robots = mission.robots.model_copy(update={"count": 1, "capacity": mission.rows})
     garbage = mission.garbage.model_copy(update={"count": 0, "respawn": 0.0, "capacity": mission.item_rows})
     stations = mission.stations.model_copy(update={"recycling": NOWHERE, "dump": NOWHERE})
+    ideal = {"reach": EVERYWHERE, "loss": 0.0, "own_contents": mission.own_contents}
+    delivery = mission.delivery.model_copy(update=ideal)
     return mission.model_copy(
         update={
             "name": "", "robots": robots, "garbage": garbage, "stations": stations, "events": (), "time_limit": 1.0,
-            "collision_cost": 0.0,
+            "collision_cost": 0.0, "delivery": delivery,
         }
     )  # fmt: skip
 

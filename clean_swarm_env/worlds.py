@@ -21,6 +21,7 @@ from clean_swarm_env.garbage import NOTHING, Garbage, handle_cargo
 from clean_swarm_env.littering import ITEMS, store_items
 from clean_swarm_env.movement import begin_acting
 from clean_swarm_env.physics import Physics
+from clean_swarm_env.reception import Reception, pose_history
 from clean_swarm_env.robot_model import cargo_in_reach, read_sensors, robot_model
 from clean_swarm_env.team import Team
 from selector.coordinator import Coordinator
@@ -120,10 +121,13 @@ class Worlds:
     def _build_stack(self) -> None:
         mission, patrol = self.mission, self.mission.patrol
         space = Torus(mission.world.width, mission.world.height)
+        self.reception = Reception(mission, self.worlds, self.rows)
         self.poses = OwnPoses(
             space, self.rows, np.repeat(np.arange(self.worlds), self.robots),
             diffusion=mission.robots.pose_diffusion, goal_radius=mission.robots.pose_goal_radius,
+            history=pose_history(mission), hearing=mission.own_contents,
         )  # fmt: skip
+        self.reception.hear(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         self.items = SoBuffer(
             BufferSettings(mission.garbage.view_distance, {"DEFAULT": "new"}, aggregation_distance=0.0),
@@ -133,7 +137,7 @@ class Worlds:
         self.pheromones = SoBuffer(
             BufferSettings(
                 patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
-            ), space, self.poses,
+            ), space, self.poses, self.reception.delivery(),
         )  # fmt: skip
         self.gradients = SoBuffer(BufferSettings(), space, self.poses)
         self._buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
@@ -197,6 +201,7 @@ class Worlds:
         self._chances[rows[0] : rows[-1] + 1] = streams[self.robots :]
         store_items(self, world, items)
         self.team.begin(world, np.array(start.robots))
+        self.reception.begin(world, mission, np.random.SeedSequence(seed))
         self.agendas.begin(world, mission, np.random.SeedSequence(seed))
 
     @property
@@ -233,6 +238,7 @@ class Worlds:
         if self._now_ticks >= self.agendas.due:
             self.agendas.let_happen(self._now_ticks)
         self.poses.update(self.physics.positions, self.physics.headings, self.now)
+        self.reception.listen()
         if self._steered is None:
             self._sense()
             self.network.step(self.team.at_work)

@@ -77,6 +77,7 @@ POSE_COLUMNS = 10
 # Table of rows, int64 (N, ROW_COLUMNS)
 TEAM, POSES, SILENT = 0, 1, 2  # team, number of poses known, 1 if the row spreads none
 ROW_COLUMNS = 3
+HEARD = 3  # from here on, if rows hear each other: age of the last pose received from each of the team, -1 for none
 
 # Table of pairs (what one row sees), float64 (P, PAIR_COLUMNS): offset to the gradient, its distance, its fields
 DX, DY, DZ, DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN, SLOT = 0, 1, 2, 3, 4, 5, 6, 7

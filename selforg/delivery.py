@@ -10,7 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.columns import TAG_MOVING, TAG_SOURCE, TAG_SPACE, X
+from selforg.columns import POSES, TAG_MOVING, TAG_SOURCE, TAG_SPACE, TEAM, X, Y, Z
+from selforg.compiled import kernel
+from selforg.gathering import half, shortest
+from selforg.pose_cells import Poses
 from selforg.poses import OwnPoses
 
 
@@ -22,30 +25,35 @@ class Delivery:
         reach: farthest receiver [m], from the centre of what is spread.
         loss: probability that a receiver misses a message, drawn for each receiver.
         delay: from spreading to storing [s].
-        generators: one per team, for the losses; needed if `loss` is neither 0 nor 1.
+        generators: one per team, or one per row for what it spreads; needed if `loss` is neither 0 nor 1.
+
+    Reach and loss may be arrays (T,), one for each team, which their owner may change: then delivery is never taken for
+    ideal, and every row has a content of its own.
 
     """
 
-    reach: float = np.inf
-    loss: float = 0.0
+    reach: float | Floats = np.inf
+    loss: float | Floats = 0.0
     delay: float = 0.0
     generators: Sequence[np.random.Generator] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         """Check every field."""
-        if not self.reach >= 0:
+        if not np.all(np.asarray(self.reach) >= 0):
             raise ValueError(f"Delivery: reach must be at least 0 [m], got {self.reach!r}")
-        if not 0 <= self.loss <= 1:
+        losses = np.asarray(self.loss)
+        if not np.all((losses >= 0) & (losses <= 1)):
             raise ValueError(f"Delivery: loss must be a probability, got {self.loss!r}")
         if not 0 <= self.delay < np.inf:
             raise ValueError(f"Delivery: delay must be at least 0 and finite [s], got {self.delay!r}")
-        if 0 < self.loss < 1 and not self.generators:
+        if np.any((losses > 0) & (losses < 1)) and not self.generators:
             raise ValueError("Delivery: losses need one generator per team")
 
     @property
     def ideal(self) -> bool:
         """Whether everybody in a team receives everything at once."""
-        return bool(np.isinf(self.reach)) and self.loss == 0 and self.delay == 0
+        given = np.ndim(self.reach) + np.ndim(self.loss)
+        return given == 0 and bool(np.isinf(self.reach)) and self.loss == 0 and self.delay == 0
 
 
 @dataclass
@@ -85,23 +93,50 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
     messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS), whose TAG_SOURCE is the row that spreads. A row always
     receives what it deposits itself, and never its own moving gradients.
     """
-    out_messages, out_tags = [], []
-    for message, tag in zip(messages, tags, strict=True):
-        source = int(tag[TAG_SOURCE])
-        team = int(poses.teams[source])
-        rows = poses.members(team)
-        offsets = poses.space.offsets(message[X : X + poses.space.dim], poses.positions[rows])
-        near = poses.known[rows] & (np.sqrt((offsets * offsets).sum(axis=1)) <= delivery.reach)
-        if 0 < delivery.loss < 1:  # a draw for every row, in range or not: who moves changes no luck
-            near &= delivery.generators[team].random(len(rows)) >= delivery.loss
-        elif delivery.loss == 1:
-            near[:] = False
-        near[rows == source] = not tag[TAG_MOVING]
-        receivers = rows[near]
-        copies = np.repeat(tag[None], len(receivers), axis=0)
-        copies[:, TAG_SPACE] = receivers
-        out_messages.append(np.repeat(message[None], len(receivers), axis=0))
-        out_tags.append(copies)
-    if not out_messages:
-        return messages, tags
-    return np.concatenate(out_messages), np.concatenate(out_tags)
+    teams = poses.teams[tags[:, TAG_SOURCE]]
+    reaches, losses = (
+        np.broadcast_to(delivery.reach, poses.team_count),
+        np.broadcast_to(delivery.loss, poses.team_count),
+    )
+    sizes = np.diff(poses.tables[2])
+    draws = np.ones((len(messages), int(sizes[teams].max(initial=0))))
+    for index in np.flatnonzero((losses[teams] > 0) & (losses[teams] < 1)).tolist():
+        # a draw for every row, in range or not: who moves changes no luck
+        source, count = int(tags[index, TAG_SOURCE]), int(sizes[teams[index]])
+        by_row = len(delivery.generators) == poses.rows
+        draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
+    which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
+    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.tables, which, receivers)
+    copies = tags[which[:found]]
+    copies[:, TAG_SPACE] = receivers[:found]
+    return messages[which[:found]], copies
+
+
+@kernel
+def find_receivers(
+    messages: Floats, tags: Ints, reaches: Floats, losses: Floats, draws: Floats, poses: Poses, which: Ints,
+    receivers: Ints,
+) -> int:  # fmt: skip
+    """List which message goes to which row, message by message, and return how many there are.
+
+    reaches (M,) [m], losses (M,), draws (M, most members) of each message; see `address`.
+    """
+    own, rows, first, members, _, extent, _, _, _ = poses
+    ex, ey, ez = extent[0], extent[1], extent[2]
+    found = 0
+    for message in range(len(messages)):
+        source = tags[message, TAG_SOURCE]
+        team = rows[source, TEAM]
+        for index in range(first[team + 1] - first[team]):
+            row = members[first[team] + index]
+            dx = shortest(own[row, 0, X] - messages[message, X], ex, half(ex))
+            dy = shortest(own[row, 0, Y] - messages[message, Y], ey, half(ey))
+            dz = shortest(own[row, 0, Z] - messages[message, Z], ez, half(ez))
+            near = rows[row, POSES] > 0 and np.sqrt(dx * dx + dy * dy + dz * dz) <= reaches[message]
+            received = near and losses[message] < 1.0 and draws[message, index] >= losses[message]
+            if row == source:
+                received = tags[message, TAG_MOVING] == 0
+            if received:
+                which[found], receivers[found] = message, row
+                found += 1
+    return found

@@ -26,6 +26,7 @@ from selforg.columns import (
     EXTENT,
     GOAL,
     HEAD,
+    HEARD,
     LAYER,
     LEVELS,
     MIN_DIFFUSION,
@@ -188,7 +189,8 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
     ex, ey, ez = extent[0], extent[1], extent[2]
     half_x, half_y, half_z = half(ex), half(ey), half(ez)
     found, cells = 0, -1
-    if end - begin > CROWD and see & SEE_HISTORY == 0:  # cells know the newest poses only
+    hearing = rows.shape[1] > HEARD
+    if end - begin > CROWD and see & SEE_HISTORY == 0 and not hearing:  # cells know the newest poses only
         radius = max(margins[0], margins[1], margins[2]) + reach[team]
         cells = near_cells(x, y, z, radius, grid, min(team, 0), float(end - begin), window)
     for index in range(end - begin if cells < 0 else cells):
@@ -198,7 +200,10 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
             here, other = other, (-1 if cells < 0 else int(links[other, 0]))
             if here == row or (cells >= 0 and (links[here, 1] != cell or rows[here, TEAM] != team)):
                 continue
-            for age in range(rows[here, POSES] if see & SEE_HISTORY else min(rows[here, POSES], 1)):
+            newest = int(rows[row, HEARD + index]) if hearing else 0
+            if newest < 0:
+                continue
+            for age in range(newest, rows[here, POSES] if see & SEE_HISTORY else min(rows[here, POSES], newest + 1)):
                 sign, diffusion, goal = own[here, age, POSE_SIGN], own[here, age, DIFFUSION], own[here, age, GOAL]
                 margin = margins[int(sign) + 1]
                 dx = shortest(own[here, age, X] - x, ex, half_x)

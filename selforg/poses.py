@@ -32,7 +32,8 @@ class OwnPoses:
     """The pose gradients that rows carry, kept apart from all other gradients and shared by all buffers of a robot.
 
     Rows of one team see each other (ideal delivery); rows of different teams never do. A pose is repulsive by default:
-    the paper's robots spread `goal_radius` 0.5 m, `diffusion` 1.0 m.
+    the paper's robots spread `goal_radius` 0.5 m, `diffusion` 1.0 m. With `hearing` a row sees what it has received as
+    `selforg.hearing` says, up to `history` poses old.
 
     Example:
         >>> poses = OwnPoses(Euclidean(2), rows=2, teams=np.array([0, 0]))
@@ -52,6 +53,7 @@ class OwnPoses:
         channel: str = "robot",
         history: int = 2,
         names: Sequence[str] | None = None,
+        hearing: bool = False,
     ) -> None:
         if rows < 1:
             raise ValueError(f"OwnPoses: rows must be at least 1, got {rows!r}")
@@ -72,8 +74,11 @@ class OwnPoses:
         self.history = history
         self.names = tuple(names) if names is not None else ()  # by which single messages know the rows
         self.own: Floats = np.zeros((rows, max(history, 1), POSE_COLUMNS))  # newest first
-        self.row_table: Ints = np.zeros((rows, ROW_COLUMNS), dtype=np.int64)
-        self._set_teams(np.zeros(rows, dtype=np.int64) if teams is None else np.asarray(teams, dtype=np.int64))
+        codes = np.zeros(rows, dtype=np.int64) if teams is None else np.asarray(teams, dtype=np.int64)
+        members = int(np.bincount(codes).max()) if hearing else 0
+        self.row_table: Ints = np.zeros((rows, ROW_COLUMNS + members), dtype=np.int64)
+        self.row_table[:, ROW_COLUMNS:] = -1
+        self._set_teams(codes)
         self.tables: Poses = self._tables()
 
     def update(self, positions: Floats, headings: Floats | None, now: float) -> None:
