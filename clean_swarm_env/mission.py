@@ -41,8 +41,8 @@ class MissionResult:
     garbage_done: int
     robots: int
     ticks: int
-    items_per_min: float = 0.0
-    cost_s: float = 0.0
+    items_per_min: float
+    cost_s: float
 
 
 def run_mission(

@@ -50,6 +50,14 @@ class MissionOutcome(Protocol):
     def ticks(self) -> int:
         """Number of control periods."""
 
+    @property
+    def items_per_min(self) -> float:
+        """Items dumped per minute [1/min]."""
+
+    @property
+    def cost_s(self) -> float:
+        """Seconds plus the price of collision events; for each item where garbage keeps coming [s]."""
+
 
 MissionRunner = Callable[
     [MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]], StrategySpec, tuple[Path, ...]],
@@ -90,6 +98,8 @@ class RunRecord:
     garbage_done: int
     robots: int
     ticks: int
+    items_per_min: float
+    cost_s: float
     wall_s: float
 
     @property
@@ -135,6 +145,8 @@ def execute(task: RunTask, run_mission: MissionRunner) -> RunRecord:
         garbage_done=int(result.garbage_done),
         robots=int(result.robots),
         ticks=int(result.ticks),
+        items_per_min=float(result.items_per_min),
+        cost_s=float(result.cost_s),
         wall_s=round(time.perf_counter() - began, 3),
     )
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from clean_swarm_env.mission import result_of, run_mission
+from clean_swarm_env.mission import mission_cost, result_of, run_mission
 from clean_swarm_env.starts import random_start, run_seed
 from tests.env.courses import OPTIONS, long_course, mission, worlds_at_start
 
@@ -51,6 +51,47 @@ def test_a_mission_without_garbage_is_over_at_once():
     result = run_mission(config, random_start(config, 1, 0), 1, {})
     assert (result.completed, result.duration_s, result.ticks) == (True, 0.0, 0)
     assert result.collision_samples_per_s == (0.0, 0.0)
+
+
+def test_the_cost_of_a_mission_is_its_time_and_the_price_of_its_collisions():
+    config = mission(collision_cost=7.0, time_limit=20.0)
+    assert mission_cost(config, 20.0, 3, 4) == 41.0
+    keeps_coming = mission(collision_cost=7.0, garbage={"respawn": 1.0})
+    assert mission_cost(keeps_coming, 20.0, 3, 4) == pytest.approx(41.0 / 4)
+    assert mission_cost(keeps_coming, 20.0, 3, 0) == 41.0
+    result = run_mission(config, random_start(config, 1, 0), 1, {})
+    assert result.cost_s == pytest.approx(20.0 + 7.0 * 20.0 * result.collision_events_per_s[0])
+    assert result.items_per_min == pytest.approx(3.0 * result.garbage_done)
+
+
+def test_garbage_keeps_coming_at_its_rate_whatever_robots_do():
+    config = mission(garbage={"count": 2, "respawn": 30.0, "capacity": 500}, time_limit=600.0)
+    arrived = []
+    for option in (0, 2):
+        worlds = worlds_at_start(config, [1], option)
+        for _ in range(1500):
+            worlds.tick()
+        assert not worlds.cleaned[0]
+        arrived.append(int(worlds.garbage.arrived[0]))
+    assert arrived[0] == arrived[1]
+    assert arrived[0] - 2 == pytest.approx(150, abs=3 * 150**0.5)
+
+
+def test_items_without_room_are_lost():
+    config = mission(garbage={"count": 2, "respawn": 60.0, "capacity": 5}, time_limit=600.0)
+    worlds = worlds_at_start(config, [1])
+    for _ in range(60):
+        worlds.tick()
+    assert (worlds.garbage.stage[0] < 2).sum() == 5
+    assert worlds.items.count(0, "garbage") == (worlds.garbage.stage[0] == 0).sum()
+
+
+def test_a_mission_waits_for_garbage_that_is_still_to_land():
+    config = mission("reference", garbage={"count": 0}, events=[{"at": 10.0, "do": "land", "items": 2}])
+    result = run_mission(config, random_start(config, 1, 0), 1, {})
+    assert result.completed
+    assert result.garbage_done == 2
+    assert result.duration_s > 10.0
 
 
 @long_course

@@ -48,9 +48,7 @@ def test_the_host_of_the_page_brings_its_robots_to_the_goal():
     names = {}
     exec(code, names)
     offsets = np.abs(names["positions"] - 6.0)
-    assert (
-        np.hypot(*np.minimum(offsets, 12.0 - offsets).T) <= 2.5
-    ).all()  # goal radii, and the others around
+    assert (np.hypot(*np.minimum(offsets, 12.0 - offsets).T) <= 2.5).all()  # goal radii, and the others around
 
 
 def test_every_goal_and_option_of_the_library_stands_in_the_table():

@@ -18,6 +18,8 @@ class FakeResult:
     garbage_done: int
     robots: int
     ticks: int
+    items_per_min: float
+    cost_s: float
 
 
 def run_mission(mission, start, seed, scores, *_):
@@ -40,6 +42,8 @@ def run_mission(mission, start, seed, scores, *_):
         len(start.items) if completed else 0,
         len(start.robots),
         int(duration * mission.world.control_rate),
+        60.0 * len(start.items) / duration,
+        2.0 * duration,
     )
 
 

@@ -18,6 +18,8 @@ def record(scenario: str = "1", condition: str = "a", duration: float = 10.0, **
         "collision_samples_per_s": (duration / 10, duration / 5),
         "collision_events_per_s": (duration / 100, duration / 50),
         "garbage_done": 10,
+        "items_per_min": 3.0,
+        "cost_s": 250.0,
         "robots": 5,
         "ticks": 50,
         "wall_s": 0.25,
