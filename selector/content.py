@@ -49,6 +49,7 @@ class Content:
     Attributes:
         mechanisms: by name.
         robots: its own network with sensors and actions.
+        remembers: whether anything but its network is to begin anew when a row takes it up.
 
     Raises:
         DocumentError: something that cannot be built; names the key.
@@ -80,17 +81,13 @@ class Content:
             model, host.rows, sensors, actions, dim=host.poses.space.dim, explained=explained
         )
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
+        self.remembers = bool(spec.knowledge or self._decisions_made or self._kept)
         self.forget(np.arange(host.rows))
 
     @property
     def network(self) -> BehaviourNetwork:
         """The network inside."""
         return self.robots.network
-
-    @property
-    def remembers(self) -> bool:
-        """Whether anything but its network is to begin anew when a row takes it up."""
-        return bool(self.spec.knowledge or self._decisions_made or self._kept)
 
     def forget(self, rows: Ints) -> None:
         """Let `rows` (K,) know and have decided what they did at first, and ask all mechanisms anew."""

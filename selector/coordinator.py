@@ -63,7 +63,8 @@ class Coordinator:
             content.forget(rows)
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
-        self._group()
+        group(self.held, self._members, self._counts)
+        self._list_in_use()
 
     def hold(self, rows: Ints, options: Ints) -> None:
         """Let `rows` (K,) hold `options` (K,); the rest of each robot goes on undisturbed.
@@ -71,7 +72,9 @@ class Coordinator:
         An option that is taken up begins anew: nothing runs, nothing is known, decided or activated yet. What was
         spread and deposited stays in the world and evaporates by its own rule.
         """
-        changed = take_up(rows, options, self.held, self._stale, self._new, self._new_counts)
+        changed = take_up(
+            rows, options, self.held, self._stale, self._new, self._new_counts, self._members, self._counts
+        )
         if changed < 0:
             raise ValueError(f"goal {self.model.goal}: expected options 0..{len(self.contents) - 1}, got {options}")
         if not changed:
@@ -80,10 +83,9 @@ class Coordinator:
         for k, count in enumerate(self._new_counts.tolist()):
             if count and self.contents[k].remembers:
                 self.contents[k].forget(self._new[k, :count])
-        self._group()
+        self._list_in_use()
 
-    def _group(self) -> None:
-        group(self.held, self._members, self._counts)
+    def _list_in_use(self) -> None:
         self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
 
     def sense(self, now: float) -> None:
@@ -104,9 +106,7 @@ class Coordinator:
             network = content.network
             stale = take_stale(acting, self._stale, self._renewed)
             if stale:
-                renewed = self._renewed[:stale]
-                network.reset(renewed)
-                look(renewed, self.parent.readings, network.readings, self._columns[k])
+                network.begin(self._renewed[:stale])
             if len(started):
                 network.halt(started)
             network.step(acting, guarantee=True)
@@ -129,20 +129,25 @@ def show(rows: Ints, inner: Floats, outer: Floats, columns: Ints) -> None:
 
 
 @kernel
-def look(rows: Ints, outer: Floats, inner: Floats, columns: Ints) -> None:
-    """Copy the readings of `rows` (K,) from `columns` (C,) of `outer` (R, S) into `inner` (R, C)."""
-    for row in rows:
-        for k in range(columns.shape[0]):
-            inner[row, k] = outer[row, columns[k]]
+def group(held: Ints, members: Ints, counts: Ints) -> None:
+    """Fill `members` (O, R) and `counts` (O,) with the rows that hold each option; held (R,)."""
+    counts[:] = 0
+    for row in range(held.shape[0]):
+        option = held[row]
+        members[option, counts[option]] = row
+        counts[option] += 1
 
 
 @kernel
-def take_up(rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, counts: Ints) -> int:
-    """Let `rows` (K,) hold `options` (K,) and note in `new` (O, R) and `counts` (O,) who takes up what.
+def take_up(
+    rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, new_counts: Ints, members: Ints, counts: Ints
+) -> int:
+    """Let `rows` (K,) hold `options` (K,) and note in `new` (O, R) and `new_counts` (O,) who takes up what.
 
-    held, stale: (R,). Returns how many rows change, or -1, with nothing changed, for an option that does not exist.
+    held, stale: (R,); members (O, R) and counts (O,) are brought up to date by `group`. Returns how many rows change,
+    or -1, with nothing changed, for an option that does not exist.
     """
-    counts[:] = 0
+    new_counts[:] = 0
     for k in range(rows.shape[0]):
         if not 0 <= options[k] < counts.shape[0]:
             return -1
@@ -151,9 +156,11 @@ def take_up(rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, count
         row, option = rows[k], options[k]
         if held[row] != option:
             held[row], stale[row] = option, 1
-            new[option, counts[option]] = row
-            counts[option] += 1
+            new[option, new_counts[option]] = row
+            new_counts[option] += 1
             changed += 1
+    if changed:
+        group(held, members, counts)
     return changed
 
 
@@ -167,13 +174,3 @@ def take_stale(rows: Ints, stale: Ints, found: Ints) -> int:
             found[count] = row
             count += 1
     return count
-
-
-@kernel
-def group(held: Ints, members: Ints, counts: Ints) -> None:
-    """Fill `members` (O, R) and `counts` (O,) with the rows that hold each option; held (R,)."""
-    counts[:] = 0
-    for row in range(held.shape[0]):
-        option = held[row]
-        members[option, counts[option]] = row
-        counts[option] += 1

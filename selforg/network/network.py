@@ -78,11 +78,16 @@ class BehaviourNetwork:
 
     def reset(self, rows: NDArray[np.int64] | None = None) -> None:
         """Back to the first step, for all rows or `rows` (K,)."""
+        chosen = self._all if rows is None else rows
+        self.begin(chosen)
+        self.readings[chosen] = 0.0
+
+    def begin(self, rows: NDArray[np.int64]) -> None:
+        """Back to the first step for `rows` (K,), with the readings that they have."""
         s, p = self.state, self.plans
         st.reset_rows(
-            self._all if rows is None else rows, self._priorities, self.model.settings.activation_threshold,
-            s.value_table, s.mark_table, s.row_table, s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept,
-            p.mark_table, p.readings, self.readings,
+            rows, self._priorities, self.model.settings.activation_threshold, s.value_table, s.mark_table, s.row_table,
+            s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.mark_table, p.readings,
         )  # fmt: skip
 
     def read(self, values: Mapping[str, object], rows: NDArray[np.int64] | None = None) -> None:

@@ -86,11 +86,10 @@ class NetworkState:
 def reset_rows(
     rows: Ints, priorities: Ints, threshold: float, values: Floats, marks: Ints, row_values: Floats,
     goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan_marks: Ints, plan_readings: Floats,
-    readings: Floats,
 ) -> None:  # fmt: skip
     """Back to the first step for `rows` (K,): nothing runs, nothing is activated, known or planned, all goals are on.
 
-    The arrays are those of `NetworkState` and `PlanState`, rows first, and the network's readings (R, S).
+    The arrays are those of `NetworkState` and `PlanState`, rows first.
     """
     for row in rows:
         values[row] = 0.0
@@ -107,4 +106,3 @@ def reset_rows(
         kept[row] = 0
         plan_marks[row] = 0
         plan_readings[row] = 0.0
-        readings[row] = 0.0
