@@ -36,14 +36,14 @@ from selforg.columns import (
     Y,
     Z,
 )
-from selforg.compiled import kernel
+from selforg.compiled import part
 from selforg.evaporation import evaporate, evaporated_away
 from selforg.gathering import Store
 from selforg.space import nearest_image, wrapped
 from selforg.windows import MOST_CELLS, near_cells
 
 
-@kernel
+@part
 def aggregate(slot: int, first: int, rule: int, now: float, store: Store) -> bool:
     """Apply `rule` for the gradient in `slot` (not linked yet); False if it is not to be stored.
 
@@ -70,7 +70,7 @@ def aggregate(slot: int, first: int, rule: int, now: float, store: Store) -> boo
     return kept
 
 
-@kernel
+@part
 def replace_older(slot: int, first: int, rule: int, now: float, store: Store) -> bool:
     """Remove the gradients of the same source (or of the whole channel); False if one of them is newer."""
     _, links, far, marks, layers, buckets, _, counters, _ = store
@@ -89,7 +89,7 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Store) ->
     return True
 
 
-@kernel
+@part
 def still_there(slot: int, now: float, store: Store) -> bool:
     """Bring a stored gradient to `now` [s]; False if it evaporated away, it is removed then."""
     near = store[0]
@@ -101,7 +101,7 @@ def still_there(slot: int, now: float, store: Store) -> bool:
     return True
 
 
-@kernel
+@part
 def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
     """Return the stored static gradient nearest to the one in `slot` within the aggregation distance, or -1.
 
@@ -144,7 +144,7 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
     return nearest
 
 
-@kernel
+@part
 def merge(slot: int, other: int, store: Store) -> bool:
     """Average the gradient in `slot` with the stored `other`; False if nothing is left of them.
 
@@ -169,7 +169,7 @@ def merge(slot: int, other: int, store: Store) -> bool:
     return not evaporated_away(near, slot, settings[MIN_DIFFUSION])
 
 
-@kernel
+@part
 def difference(one: float, other: float) -> float:
     """Return |one - other| [m], zero for two infinite diffusions."""
     return 0.0 if one == other else abs(one - other)

@@ -39,7 +39,7 @@ from selforg.columns import (
     Y,
     Z,
 )
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel, part
 
 CELL_BITS = 30  # a cell number fits 32 bits with its sign; the axes share them
 SLACK = 1e-9  # [m], covers the rounding of cell borders
@@ -67,7 +67,7 @@ def make_grid(extent: Floats, dim: int, smallest: float) -> Floats:
     return grid
 
 
-@kernel
+@part
 def level_of(reach: float, grid: Floats) -> int:
     """Return the lowest level whose bound holds `reach` [m]."""
     for level in range(BOUNDED):
@@ -76,19 +76,19 @@ def level_of(reach: float, grid: Floats) -> int:
     return UNBOUNDED
 
 
-@kernel
+@part
 def layer_of(channel: int, space: int, level: int, counters: Ints) -> int:
     """Return the row of the layer table; channels are its slowest axis, so that new channels append rows."""
     return (channel * int(counters[SPACES]) + space) * LEVELS + level
 
 
-@kernel
+@part
 def space_of(row: int, rows: Ints, counters: Ints) -> int:
     """Return the information space that `row` reads: its own, or its team's under ideal delivery."""
     return row if counters[PER_ROW] else int(rows[row, TEAM])
 
 
-@kernel
+@part
 def cell_of(x: float, y: float, z: float, grid: Floats, level: int) -> int:
     """Return the number of the cell at (x, y, z) [m] in one level of the grid (levels, GRID_COLUMNS)."""
     i = ring_cell(x, grid[level, CELLS], grid[level, CELLS + 1])
@@ -97,13 +97,13 @@ def cell_of(x: float, y: float, z: float, grid: Floats, level: int) -> int:
     return (k * int(grid[level, CELLS + 2]) + j) * int(grid[level, CELLS]) + i
 
 
-@kernel
+@part
 def ring_cell(coordinate: float, number: float, width: float) -> int:
     """Return the cell along one axis, in [0, number)."""
     return int(np.floor(coordinate / width)) % int(number)
 
 
-@kernel
+@part
 def bucket_of(layer: int, cell: int, buckets: Links) -> int:
     """Return the bucket of a cell; the number of buckets is a power of two.
 
@@ -115,7 +115,7 @@ def bucket_of(layer: int, cell: int, buckets: Links) -> int:
     return ((mixed << 4) | (cell & 15)) & (len(buckets) - 1)
 
 
-@kernel
+@part
 def link(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -> None:
     """Put `slot`, whose LAYER and CELL are set, at the front of its bucket and at the end of its layer's list."""
     layer = int(links[slot, LAYER])
@@ -133,7 +133,7 @@ def link(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -
     layers[layer, COUNT] += 1
 
 
-@kernel
+@part
 def unlink(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -> None:
     """Take `slot` out of its bucket and its layer's list."""
     layer = int(links[slot, LAYER])
@@ -159,7 +159,7 @@ def unlink(slot: int, links: Links, marks: Links, layers: Links, buckets: Links)
     layers[layer, COUNT] -= 1
 
 
-@kernel
+@part
 def take_slot(links: Links, counters: Ints) -> int:
     """Return a free slot; the caller has made sure that there is one."""
     slot = int(counters[FREE])
@@ -172,7 +172,7 @@ def take_slot(links: Links, counters: Ints) -> int:
     return slot
 
 
-@kernel
+@part
 def remove(slot: int, links: Links, marks: Links, layers: Links, buckets: Links, counters: Ints) -> None:
     """Delete the gradient in `slot`; older moving gradients of its source move up one rank."""
     layer = int(links[slot, LAYER])
@@ -190,7 +190,7 @@ def remove(slot: int, links: Links, marks: Links, layers: Links, buckets: Links,
     counters[USED] -= 1
 
 
-@kernel
+@part
 def insert(
     slot: int, layer: int, near: Floats, links: Links, marks: Links, layers: Links, buckets: Links, grid: Floats
 ) -> None:
@@ -204,13 +204,13 @@ def insert(
     link(slot, links, marks, layers, buckets)
 
 
-@kernel
+@part
 def level_for(slot: int, near: Floats, grid: Floats) -> int:
     """Return the level of the static gradient in `slot` by its reach."""
     return level_of(near[slot, DIFFUSION] + near[slot, GOAL], grid)
 
 
-@kernel
+@lean_kernel
 def rebuild(links: Links, marks: Links, layers: Links, buckets: Links, counters: Ints) -> None:
     """Fill empty `buckets` anew from the lists of the layers: in their order, so that each cell keeps its own."""
     buckets[:] = -1

@@ -7,7 +7,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.columns import DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN
-from selforg.compiled import kernel
+from selforg.compiled import kernel, part
 from selforg.potentials import attraction_balch, repulsion_balch
 
 NEAREST, FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST = 0, 1, 2, 3, 4
@@ -30,7 +30,7 @@ def choose(rule: int, pairs: Floats, found: int, own_goal: float) -> int:
     return chosen
 
 
-@kernel
+@part
 def score(rule: int, distance: float, clearance: float, diffusion: float, goal: float, sign: float) -> float:
     """Return how well a gradient serves the rule; -inf excludes it. Lengths in [m]."""
     if rule == STRONGEST:

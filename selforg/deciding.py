@@ -2,14 +2,14 @@
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.columns import DISTANCE, KEY, POSES, SLOT, VALUE
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel, part
 from selforg.gathering import Store, gather
 from selforg.pose_cells import Poses
 
 QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2
 
 
-@kernel
+@lean_kernel
 def decide_rows(
     begin: int, rule: int, now: float, see: int, view: float, threshold: float, key: int, rows: Ints, channels: Ints,
     poses: Poses, store: Store, pairs: Floats, before: Floats, values: Floats, states: Ints, decided: Flags,
@@ -41,7 +41,7 @@ def decide_rows(
     return len(rows)
 
 
-@kernel
+@part
 def highest(own: float, pairs: Floats, found: int, key: int, store: Store) -> float:
     """Return the maximum of the own value and those that the first `found` pairs carry under `key`."""
     far, marks = store[2], store[3]
@@ -52,7 +52,7 @@ def highest(own: float, pairs: Floats, found: int, key: int, store: Store) -> fl
     return own
 
 
-@kernel
+@part
 def all_above(own: float, pairs: Floats, found: int, key: int, store: Store) -> bool:
     """Tell whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
     far, marks = store[2], store[3]

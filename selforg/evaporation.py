@@ -10,10 +10,10 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.columns import CLOCK, DIFFUSION, DUE, FACTOR, GOAL, PERIOD, START
-from selforg.compiled import kernel
+from selforg.compiled import part
 
 
-@kernel
+@part
 def start_evaporation(near: Floats, far: Floats, slot: int, now: float, whole_seconds: bool) -> None:
     """Set START and DUE of an incoming gradient, then evaporate it up to `now` [s]."""
     far[slot, START] = near[slot, DIFFUSION]
@@ -31,7 +31,7 @@ def start_evaporation(near: Floats, far: Floats, slot: int, now: float, whole_se
             evaporate(near, far, slot, now)
 
 
-@kernel
+@part
 def evaporate(near: Floats, far: Floats, slot: int, now: float) -> None:
     """Bring a gradient with `now` >= DUE to `now` [s], exactly."""
     clock, period = far[slot, CLOCK], far[slot, PERIOD]
@@ -45,7 +45,7 @@ def evaporate(near: Floats, far: Floats, slot: int, now: float) -> None:
     near[slot, DUE] = clock + (periods + 1.0) * period
 
 
-@kernel
+@part
 def evaporate_whole_seconds(near: Floats, far: Floats, slot: int, now: float) -> None:
     """Bring a gradient to `now` [s] as the original does: only the whole seconds of its age count."""
     if far[slot, FACTOR] >= 1.0 or far[slot, PERIOD] <= 0.0:
@@ -58,7 +58,7 @@ def evaporate_whole_seconds(near: Floats, far: Floats, slot: int, now: float) ->
     far[slot, CLOCK] += periods * far[slot, PERIOD]
 
 
-@kernel
+@part
 def evaporated_away(near: Floats, slot: int, min_diffusion: float) -> bool:
     """Tell whether nothing is left of a gradient: no goal area and less diffusion than `min_diffusion` [m]."""
     return bool(near[slot, GOAL] == 0.0 and near[slot, DIFFUSION] < min_diffusion)

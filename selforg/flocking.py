@@ -22,7 +22,7 @@ from selforg.columns import (
     STAMP,
     X,
 )
-from selforg.compiled import kernel
+from selforg.compiled import kernel, part
 from selforg.gathering import Store, gather
 from selforg.pose_cells import Poses
 from selforg.randomness import take_direction
@@ -186,7 +186,7 @@ def move_olfati_saber(
         total[axis] = velocity[axis] + gradient[axis]
 
 
-@kernel
+@part
 def note_headings(pairs: Floats, found: int, own: Floats, far: Floats, boids: Floats) -> int:
     """Make boids (M, BOID_COLUMNS) with headings of the first `found` pairs; return how many."""
     rows = len(own)
@@ -202,7 +202,7 @@ def note_headings(pairs: Floats, found: int, own: Floats, far: Floats, boids: Fl
     return found
 
 
-@kernel
+@part
 def note_velocities(
     pairs: Floats, found: int, own: Floats, links: Links, far: Floats, marks: Links, extent: Floats, boids: Floats
 ) -> int:
@@ -231,7 +231,7 @@ def note_velocities(
     return count
 
 
-@kernel
+@part
 def spreader(pairs: Floats, index: int, own: Floats, links: Links, marks: Links) -> tuple[int, int]:
     """Return what tells the histories of a pair's table apart: layer (-1: shared poses) and source."""
     slot = int(pairs[index, SLOT])
@@ -240,7 +240,7 @@ def spreader(pairs: Floats, index: int, own: Floats, links: Links, marks: Links)
     return -1, (-1 - slot) % len(own)
 
 
-@kernel
+@part
 def stamp_of(pairs: Floats, index: int, own: Floats, far: Floats) -> float:
     """Return when the gradient of a pair was spread [s]."""
     slot = int(pairs[index, SLOT])

@@ -51,7 +51,7 @@ from selforg.columns import (
     Y,
     Z,
 )
-from selforg.compiled import kernel
+from selforg.compiled import part
 from selforg.evaporation import evaporate, evaporated_away
 from selforg.pose_cells import CROWD, Poses
 from selforg.prefetching import prefetch
@@ -69,7 +69,7 @@ IN_CACHE = 4096  # gradients: so few are not worth asking for ahead
 Margins = tuple[float, float, float]
 
 
-@kernel
+@part
 def gather(
     row: int, margins: Margins, see: int, limit: int, now: float, channels: Ints, poses: Poses, store: Store,
     pairs: Floats,
@@ -102,7 +102,7 @@ def gather(
     return found
 
 
-@kernel
+@part
 def gather_layer(
     row: int, layer: int, cells: int, margins: Margins, see: int, limit: int, now: float, x: float, y: float,
     z: float, store: Store, pairs: Floats, found: int,
@@ -169,7 +169,7 @@ def gather_layer(
     return found
 
 
-@kernel
+@part
 def look_ahead(layer: int, cells: int, near: Floats, links: Links, buckets: Links, window: Ints) -> None:
     """Ask for the first gradient of each of the first `cells` of a window; most of a cell lies next to its first."""
     for index in range(cells):
@@ -179,7 +179,7 @@ def look_ahead(layer: int, cells: int, near: Floats, links: Links, buckets: Link
             prefetch(near, slot)
 
 
-@kernel
+@part
 def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses, window: Ints, pairs: Floats) -> int:
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
     own, rows, first, members, reach, extent, grid, buckets, links = poses
@@ -223,13 +223,13 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
     return found
 
 
-@kernel
+@part
 def half(extent: float) -> float:
     """Return half of a closed axis [m], infinity for an open one (extent 0)."""
     return 0.5 * extent if extent > 0.0 else np.inf
 
 
-@kernel
+@part
 def shortest(delta: float, extent: float, half_extent: float) -> float:
     """Return the shortest image of `delta` [m]; `nearest_image` with the question whether the axis is open answered."""
     if delta > half_extent:
@@ -239,7 +239,7 @@ def shortest(delta: float, extent: float, half_extent: float) -> float:
     return delta
 
 
-@kernel
+@part
 def beyond(squared: float, reach: float) -> bool:
     """Tell whether a squared distance [m2] is certainly longer than `reach` [m].
 

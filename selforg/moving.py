@@ -10,12 +10,13 @@ from selforg.columns import (
     DY,
     DZ,
     GOAL,
+    PAIR_COLUMNS,
     PHX,
     PHY,
     PHZ,
     POSES,
 )
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel, part
 from selforg.gathering import Margins, Store, gather
 from selforg.pose_cells import Poses
 from selforg.randomness import take_direction
@@ -33,6 +34,7 @@ from selforg.rules import (
     FOLLOW_ONE,
     MAX_SPEED,
     MIN_SPEED,
+    PARAMETERS,
     RANDOM_IF_ZERO,
     REPULSION,
     VIEW,
@@ -47,19 +49,20 @@ from selforg.rules import (
 NARROWED = (COLLISION, FOLLOW_ALL, AVOID_ALL, CHEMOTAXIS_BALCH, CHEMOTAXIS_GE)
 
 
-@kernel
+@lean_kernel
 def move_rows(
     begin: int, rule: int, now: float, see: int, rows: Ints, channels: Ints, parameters: Floats, poses: Poses,
     store: Store, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
 ) -> tuple[int, bool]:  # fmt: skip
     """Write the movement of rows[begin:] (R,) into `vectors` (R, D) and `active` (R,).
 
-    drawn (N, block, 3), cursor (N,): a DirectionStream. Returns how many rows are done - fewer than R if `pairs` is
+    parameters: those of the rule, and room for a sum (3,) behind them; drawn (N, block, 3), cursor (N,): a
+    DirectionStream. Returns how many rows are done - fewer than R if `pairs` is
     too short for the next one - and whether some row's directions run low.
     """
     low = False
     any_one = min(1, len(pairs))  # not a constant: Numba would compile all it is handed to once more
-    total = np.zeros(3)
+    total = parameters[PARAMETERS:]
     own, known = poses[0], poses[1]
     for index in range(begin, len(rows)):
         row = int(rows[index])
@@ -89,7 +92,7 @@ def move_rows(
     return len(rows), low
 
 
-@kernel
+@part
 def support(rule: int, parameters: Floats, own_goal: float) -> Margins:
     """Return the margins [m] within which the rule can be different from zero, for signs -1, 0, +1.
 
@@ -106,14 +109,14 @@ def support(rule: int, parameters: Floats, own_goal: float) -> Margins:
     return repulsion, -np.inf, (-np.inf if rule == COLLISION else view)
 
 
-@kernel
+@part
 def whole_view(rule: int, parameters: Floats) -> Margins:
     """Return the margins [m] of everything that makes the rule active, even if it adds nothing; signs -1, 0, +1."""
     view = parameters[VIEW]
     return (view, view, view) if rule == AVOID_ALL else (view, -np.inf, -np.inf)
 
 
-@kernel
+@part
 def apply(
     rule: int, row: int, pairs: Floats, found: int, parameters: Floats, own_goal: float, own_reach: float,
     drawn: Floats, cursor: Ints, total: Floats,
@@ -127,7 +130,7 @@ def apply(
     return True
 
 
-@kernel
+@part
 def finish(
     rule: int, row: int, parameters: Floats, own_reach: float, drawn: Floats, cursor: Ints, total: Floats
 ) -> None:
@@ -142,7 +145,7 @@ def finish(
     limit(total, parameters[MIN_SPEED], parameters[MAX_SPEED])
 
 
-@kernel
+@part
 def keep_ahead(own: Floats, row: int, pairs: Floats, found: int, angle_xy: float, angle_yz: float) -> int:
     """Keep the pairs whose offset lies within the view angles [rad] of the own heading; return how many."""
     kept = 0
@@ -150,12 +153,13 @@ def keep_ahead(own: Floats, row: int, pairs: Floats, found: int, angle_xy: float
         xy = angle_between(own[row, 0, PHX], own[row, 0, PHY], pairs[index, DX], pairs[index, DY])
         yz = angle_between(own[row, 0, PHY], own[row, 0, PHZ], pairs[index, DY], pairs[index, DZ])
         if xy <= angle_xy and yz <= angle_yz:
-            pairs[kept] = pairs[index]
+            for column in range(PAIR_COLUMNS):
+                pairs[kept, column] = pairs[index, column]
             kept += 1
     return kept
 
 
-@kernel
+@part
 def angle_between(ax: float, ay: float, bx: float, by: float) -> float:
     """Return the angle [rad] in [0, pi] between two plane vectors; a zero vector points along the first axis."""
     difference = float(abs(np.arctan2(ay, ax) - np.arctan2(by, bx)))

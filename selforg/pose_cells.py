@@ -3,7 +3,7 @@
 from selforg.arrays import Floats, Ints, Links
 from selforg.cells import bucket_of, cell_of
 from selforg.columns import DIFFUSION, GOAL, POSES, TEAM, X, Y, Z
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 
 CROWD = 32
 
@@ -12,7 +12,7 @@ CROWD = 32
 Poses = tuple[Floats, Ints, Ints, Ints, Floats, Floats, Floats, Links, Links]
 
 
-@kernel
+@lean_kernel
 def index_poses(poses: Poses) -> None:
     """Note the largest reach of every team and put the rows of crowds into cells."""
     own, rows, first, members, reach, _, grid, buckets, links = poses

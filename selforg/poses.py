@@ -22,7 +22,7 @@ from selforg.columns import (
     TEAM,
     X,
 )
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 from selforg.gradient import Gradient
 from selforg.pose_cells import Poses, index_poses
 from selforg.space import Space, wrapped
@@ -197,7 +197,7 @@ class OwnPoses:
         return self.own, self.row_table, self._first, self._members, reach, whole, grid, buckets, links
 
 
-@kernel
+@lean_kernel
 def update_poses(
     positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, poses: Poses
 ) -> int:
@@ -218,7 +218,8 @@ def update_poses(
         if rows[row, SILENT] or (rows[row, POSES] > 0 and now <= own[row, 0, POSE_STAMP]):
             continue
         for age in range(own.shape[1] - 1, 0, -1):
-            own[row, age] = own[row, age - 1]
+            for column in range(POSE_COLUMNS):
+                own[row, age, column] = own[row, age - 1, column]
         newest = own[row, 0]
         newest[:] = 0.0
         for axis in range(dim):

@@ -15,7 +15,7 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
 from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose
 from selforg.columns import GOAL, PAIR_COLUMNS, POSES, SEE_HISTORY, SEE_MOVING, SEE_STATIC, SKIP_OWN
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 from selforg.gathering import Margins, Store, gather
 from selforg.gradient import Gradient
 from selforg.moving import keep_ahead
@@ -192,7 +192,7 @@ class Queries:
         return [gradient_of(self._buffer, pair) for pair in pairs]
 
 
-@kernel
+@lean_kernel
 def see_rows(
     begin: int, rows: Ints, margins: Margins, see: int, now: float, channels: Ints, angle_xy: float, angle_yz: float,
     without_pose: bool, poses: Poses, store: Store, pairs: Floats, start: Ints,

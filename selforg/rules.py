@@ -9,7 +9,7 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.choosing import NEAREST, choose
 from selforg.columns import DISTANCE, DX, DY, DZ, PAIR_DIFFUSION, PAIR_GOAL, SIGN
-from selforg.compiled import kernel
+from selforg.compiled import part
 from selforg.potentials import (
     attraction_balch,
     attraction_ge,
@@ -33,7 +33,7 @@ PARAMETERS = 7
 # vectors (N, block, 3) and cursor (N,) below are those of a DirectionStream
 
 
-@kernel
+@part
 def strength(
     rule: int, distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float,
     view: float,
@@ -49,7 +49,7 @@ def strength(
     return -repulsion_balch(clearance, diffusion)
 
 
-@kernel
+@part
 def add(
     total: Floats, pairs: Floats, index: int, length: float, full: float, row: int, vectors: Floats, cursor: Ints
 ) -> None:
@@ -74,14 +74,14 @@ def add(
         total[2] += abs(length) * z
 
 
-@kernel
+@part
 def full_length(pairs: Floats, index: int) -> float:
     """Return the length [m] of full repulsion: the reach of the gradient, 1 where that is infinite (Q2)."""
     reach = pairs[index, PAIR_DIFFUSION] + pairs[index, PAIR_GOAL]
     return reach if np.isfinite(reach) else 1.0
 
 
-@kernel
+@part
 def sum_rule(
     rule: int, pairs: Floats, found: int, own_goal: float, own_reach: float, view: float, row: int,
     vectors: Floats, cursor: Ints, total: Floats,
@@ -108,7 +108,7 @@ def sum_rule(
     total[2] += z
 
 
-@kernel
+@part
 def follow_one(
     choice: int, pairs: Floats, found: int, own_goal: float, row: int, vectors: Floats, cursor: Ints, total: Floats
 ) -> bool:
@@ -126,7 +126,7 @@ def follow_one(
     return True
 
 
-@kernel
+@part
 def chemotaxis(
     ge: bool, pairs: Floats, found: int, own_goal: float, row: int, vectors: Floats, cursor: Ints, total: Floats
 ) -> bool:
@@ -157,7 +157,7 @@ def chemotaxis(
     return contributions > 0
 
 
-@kernel
+@part
 def limit(total: Floats, lowest: float, highest: float) -> None:
     """Bring the length of `total` (3,) into [`lowest`, `highest`] in place; a zero vector stays zero."""
     # scaled by the largest component first: a square must not overflow

@@ -50,7 +50,7 @@ from selforg.columns import (
     Y,
     Z,
 )
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel, part
 from selforg.evaporation import evaporate, evaporate_whole_seconds, evaporated_away, start_evaporation
 from selforg.gathering import Store
 from selforg.pose_cells import Poses
@@ -58,7 +58,7 @@ from selforg.pose_cells import Poses
 SWEPT_PER_STORE = 2  # looked at for each one stored: what evaporates unseen is freed at the rate at which it comes
 
 
-@kernel
+@lean_kernel
 def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Store) -> None:
     """Store messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) in their order; there is room for all.
 
@@ -68,7 +68,7 @@ def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Sto
         store_one(messages[index], tags[index], rules, now, store)
 
 
-@kernel
+@lean_kernel
 def deposit_rows(rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float, poses: Poses, store: Store) -> None:
     """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,)."""
     own, row_table = poses[0], poses[1]
@@ -82,7 +82,7 @@ def deposit_rows(rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float
         store_one(message, tag, rules, now, store)
 
 
-@kernel
+@part
 def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Store) -> None:
     """Store one message by the rules of its channel, or drop it."""
     near, links, far, marks, layers, buckets, grid, counters, settings = store
@@ -116,7 +116,7 @@ def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Store)
         remove(slot, links, marks, layers, buckets, counters)
 
 
-@kernel
+@part
 def store_moving(slot: int, layer: int, store: Store) -> bool:
     """Link a moving gradient as the newest of its source; False if it is not newer than the last one."""
     _, links, far, marks, layers, buckets, _, counters, settings = store
@@ -145,7 +145,7 @@ def store_moving(slot: int, layer: int, store: Store) -> bool:
     return True
 
 
-@kernel
+@part
 def sweep(layer: int, amount: int, now: float, store: Store) -> None:
     """Look at the next `amount` gradients of a layer and free those that evaporated unseen."""
     near, links, far, marks, layers, buckets, _, counters, settings = store
@@ -162,7 +162,7 @@ def sweep(layer: int, amount: int, now: float, store: Store) -> None:
                 remove(slot, links, marks, layers, buckets, counters)
 
 
-@kernel
+@lean_kernel
 def evaporate_space(space: int, now: float, store: Store) -> None:
     """Bring everything in one space to `now` [s] and delete what evaporated away."""
     near, links, far, marks, layers, buckets, _, counters, settings = store
@@ -182,7 +182,7 @@ def evaporate_space(space: int, now: float, store: Store) -> None:
                 slot = following
 
 
-@kernel
+@lean_kernel
 def clear_space(space: int, store: Store) -> None:
     """Delete everything in one space and bring its lists to where they were at the beginning."""
     _, links, _, marks, layers, buckets, _, counters, _ = store

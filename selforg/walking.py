@@ -4,14 +4,12 @@ from collections.abc import Callable
 from functools import cache
 from typing import TypeAlias
 
-import numpy as np
-
 from selforg.arrays import Flags, Floats, Ints
 from selforg.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 from selforg.gathering import Store, gather
 from selforg.pose_cells import Poses
-from selforg.rules import add, full_length, limit
+from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW, add, full_length, limit
 
 # (distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
 # towards the gradient if positive, away from it if negative; minus infinity is full repulsion, of the gradient's reach
@@ -26,16 +24,16 @@ def make_walk(formula: Formula) -> Walk:
     The kernel is called as `FormulaMechanism` does it; it takes and returns what `selforg.moving.move_rows` does.
     """
 
-    @kernel
+    @lean_kernel
     def walk(
-        begin: int, now: float, see: int, view: float, lowest: float, highest: float, rows: Ints, channels: Ints,
-        poses: Poses, store: Store, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
+        begin: int, now: float, see: int, rows: Ints, channels: Ints, parameters: Floats, poses: Poses, store: Store,
+        drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
     ) -> tuple[int, bool]:  # fmt: skip
         own, known = poses[0], poses[1]
-        low = False
+        view, total, low = parameters[VIEW], parameters[PARAMETERS:], False
         for index in range(begin, len(rows)):
             row = int(rows[index])
-            total = np.zeros(3)
+            total[:] = 0.0
             found = 0
             if known[row, POSES] > 0:
                 found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
@@ -48,7 +46,7 @@ def make_walk(formula: Formula) -> Walk:
                     pairs[i, SIGN],
                 )  # fmt: skip
                 add(total, pairs, i, length, full_length(pairs, i), row, drawn, cursor)
-            limit(total, lowest, highest)
+            limit(total, parameters[MIN_SPEED], parameters[MAX_SPEED])
             active[index] = found > 0
             for axis in range(vectors.shape[1]):
                 vectors[index, axis] = total[axis]

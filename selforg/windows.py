@@ -5,12 +5,12 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.cells import SLACK
 from selforg.columns import CELLS
-from selforg.compiled import kernel
+from selforg.compiled import part
 
 MOST_CELLS = 4096  # a window of more cells is not walked; the whole list is
 
 
-@kernel
+@part
 def near_cells(
     x: float, y: float, z: float, radius: float, grid: Floats, level: int, members: float, cells: Ints
 ) -> int:
@@ -43,7 +43,7 @@ def near_cells(
     return found
 
 
-@kernel
+@part
 def axis_window(coordinate: float, radius: float, number: int, width: float) -> tuple[int, int, bool]:
     """Return the cells within `radius` [m] on one axis as a half-open range, and whether it is all of them."""
     if 2.0 * radius >= (number - 2.0) * width:
@@ -53,7 +53,7 @@ def axis_window(coordinate: float, radius: float, number: int, width: float) -> 
     return first, last + 1, False
 
 
-@kernel
+@part
 def axis_gap(coordinate: float, cell: int, width: float) -> float:
     """Return the squared distance [m2] from `coordinate` to the (unwrapped) cell along one axis."""
     gap = max(cell * width - coordinate, coordinate - (cell + 1) * width, 0.0)

@@ -100,10 +100,42 @@ class MovementMechanism(Mechanism):
         """Write the movement of `rows` (R,) into `vectors` (R, D) and `active` (R,); called by `move` only."""
 
 
-class RuleMechanism(MovementMechanism):
-    """A movement mechanism that runs one of the compiled rules of `selforg.rules`."""
+class CompiledMechanism(MovementMechanism):
+    """What movement mechanisms share that run a kernel over rows: random directions, and room for what rows see.
 
-    rule: int
+    Subclasses implement `_run`, called until all rows are done.
+    """
+
+    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
+        super().__init__(buffer, **options)
+        self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
+
+    def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        buffer, directions = self.buffer, self.directions
+        if buffer.settings.whole_seconds:
+            buffer.evaporate(now)
+        directions.refill()
+        channels, done = self._channels_now(), 0
+        while done < len(rows):
+            done, low = self._run(done, now, rows, channels, vectors, active)
+            if low:
+                directions.low = True
+            if done < len(rows):
+                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
+
+    @abstractmethod
+    def _run(
+        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+    ) -> tuple[int, bool]:
+        """Write the movement of rows[begin:] as `_move` does.
+
+        Returns how many rows are done, fewer than all if `_pairs` is too short, and whether some row's directions run
+        low.
+        """
+
+
+class LimitedMechanism(CompiledMechanism):
+    """What movement mechanisms share whose vectors are limited to [`min_speed`, `max_speed`]."""
 
     def __init__(
         self,
@@ -116,24 +148,23 @@ class RuleMechanism(MovementMechanism):
         super().__init__(buffer, **options)
         self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         self.min_speed = at_least(self, "min_speed", min_speed, 0.0)
-        self._parameters: Floats = np.zeros(PARAMETERS)
+        self._parameters: Floats = np.zeros(PARAMETERS + 3)  # and room for a sum
         self._parameters[[VIEW, MIN_SPEED, MAX_SPEED]] = self.view_distance, min_speed, max_speed
-        self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
 
-    def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
-        buffer, directions = self.buffer, self.directions
-        if buffer.settings.whole_seconds:
-            buffer.evaporate(now)
-        directions.refill()
-        channels, done = self._channels_now(), 0
-        while done < len(rows):
-            done, low = move_rows(
-                done, self.rule, now, self._see, rows, channels, self._parameters, self.poses.tables, buffer.tables,
-                directions.vectors, directions.cursor, self._pairs, vectors, active,
-            )  # fmt: skip
-            directions.low |= low
-            if done < len(rows):
-                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
+
+class RuleMechanism(LimitedMechanism):
+    """A movement mechanism that runs one of the compiled rules of `selforg.rules`."""
+
+    rule: int
+
+    def _run(
+        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+    ) -> tuple[int, bool]:
+        directions = self.directions
+        return move_rows(
+            begin, self.rule, now, self._see, rows, channels, self._parameters, self.poses.tables, self.buffer.tables,
+            directions.vectors, directions.cursor, self._pairs, vectors, active,
+        )  # fmt: skip
 
 
 def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
-from selforg.columns import PAIR_COLUMNS, SEE_HISTORY, SEE_MOVING, SKIP_OWN
+from selforg.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
 from selforg.flocking import (
     BOID_COLUMNS,
     EPSILON,
@@ -20,13 +20,13 @@ from selforg.flocking import (
     H,
     flock_rows,
 )
-from selforg.mechanisms.base import MovementMechanism, at_least
+from selforg.mechanisms.base import CompiledMechanism, at_least
 from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import register
 from selforg.poses import OwnPoses
 
 
-class FlockMechanism(MovementMechanism):
+class FlockMechanism(CompiledMechanism):
     """What both flockings share: they look at the neighbours' moving gradients, by default those of the poses."""
 
     reynolds: bool
@@ -39,24 +39,18 @@ class FlockMechanism(MovementMechanism):
         self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         self._parameters: Floats = np.zeros(FLOCK_PARAMETERS)
         self._parameters[[VIEW, MAX_SPEED]] = self.view_distance, self.max_speed
-        self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
-        self._boids: Floats = np.empty((256, BOID_COLUMNS))
+        self._boids: Floats = np.empty((0, BOID_COLUMNS))
 
-    def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
-        buffer, directions = self.buffer, self.directions
-        if buffer.settings.whole_seconds:
-            buffer.evaporate(now)
-        directions.refill()
-        channels, done = self._channels_now(), 0
-        while done < len(rows):
-            done, low = flock_rows(
-                done, self.reynolds, now, self._see, rows, channels, self._parameters, self.poses.tables,
-                buffer.tables, directions.vectors, directions.cursor, self._pairs, self._boids, vectors, active,
-            )  # fmt: skip
-            directions.low |= low
-            if done < len(rows):
-                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
-                self._boids = np.empty((len(self._pairs), BOID_COLUMNS))
+    def _run(
+        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+    ) -> tuple[int, bool]:
+        directions = self.directions
+        if len(self._boids) < len(self._pairs):
+            self._boids = np.empty((len(self._pairs), BOID_COLUMNS))
+        return flock_rows(
+            begin, self.reynolds, now, self._see, rows, channels, self._parameters, self.poses.tables,
+            self.buffer.tables, directions.vectors, directions.cursor, self._pairs, self._boids, vectors, active,
+        )  # fmt: skip
 
 
 @register
