@@ -157,7 +157,7 @@ class MissionConfig(Closed):
     """What changes during the mission."""
     time_limit: Positive = 3000.0
     """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
-    collision_cost: NonNegative = 5.0
+    collision_cost: NonNegative = 2.0
     """Price of a collision event at the first distance in the cost of a mission [s]."""
     collision_distances: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.55, 1.0)
     """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""

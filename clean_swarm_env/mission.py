@@ -133,7 +133,9 @@ def result_of(worlds: Worlds, world: int) -> MissionResult:
 def mission_cost(mission: MissionConfig, duration: float, events: int, done: int) -> float:
     """Return what a mission cost [s]: its `duration` [s] and the price of its collision events at the first distance.
 
-    Where garbage keeps coming every mission lasts equally long: there it is the cost of each item `done`.
+    A mission that was not completed costs as if it had gone on until all items were `done`, so that standing still is
+    never cheap. Where garbage keeps coming every mission lasts equally long: there it is the cost of each item done.
     """
     cost = duration + mission.collision_cost * events
-    return cost / max(done, 1) if mission.continuous else cost
+    items = 1 if mission.continuous else max(mission.items_expected, 1)
+    return cost * items / max(done, 1) if mission.continuous or done < items else cost
