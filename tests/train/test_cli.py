@@ -162,7 +162,7 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["crowded.yaml"], "crowded.yaml: mission.robots.count: expected at most 277 solid robots"),
         (["scores.yaml"], "unknown option 'Repulsion' (known: RepulsionFernandez"),
         (["goals.yaml"], "unknown goal 'Avoid' (known: AvoidCollision"),
-        (["knowledge.yaml"], "unknown expert knowledge 'nothing' (known: cleaning"),
+        (["knowledge.yaml"], "unknown expert knowledge 'nothing' (known: avoidance, cleaning"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2_and_writes_nothing(run, tmp_path, words, expected):
