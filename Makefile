@@ -1,7 +1,7 @@
 # The environment of the repository if there is one, else the one that is active.
 BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
-	benchmarks.costs benchmarks.switching
+	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
 .PHONY: check lint test golden bench soak clean-cache
 
@@ -25,7 +25,7 @@ soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 
 	$(BIN)python -m tests.store.soak
 	$(BIN)python -m tests.selector.soak_switching
 
-bench:
+bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status
 
 clean-cache:  ## compiled code of a kernel whose callees, in another file, have changed

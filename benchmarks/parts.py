@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.worlds import Worlds
+from selforg.mechanisms import MovementMechanism
 
 PARTS = ("physics", "buffer", "mechanisms", "network", "selector", "sensors and cargo")
 ROUNDS = 41
@@ -48,18 +49,20 @@ def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
     """Yield (owner, method, part) of every call that leads from one part of a tick into another."""
     yield worlds, "tick", "sensors and cargo"
     yield worlds, "_move", "physics"
-    for buffer in (worlds.items, worlds.pheromones, worlds.avoidance_buffer):
+    for buffer in (worlds.items, worlds.pheromones, worlds.gradients):
         for method in ("store_static", "extinguish", "deposit"):
             yield buffer, method, "buffer"
     yield worlds.poses, "update", "buffer"
-    contents = worlds.coordinator.contents
+    contents = [content for coordinator in worlds.coordinators for content in coordinator.contents]
     inner = [mechanism for content in contents for mechanism in content.mechanisms.values()]
     for mechanism in (worlds.to_garbage, worlds.patrol, *inner):
-        yield mechanism, "move", "mechanisms"
+        if isinstance(mechanism, MovementMechanism):
+            yield mechanism, "move", "mechanisms"
     for network in (worlds.network, *(content.network for content in contents)):
         yield network, "step", "network"
-    for method in ("sense", "act"):
-        yield worlds.coordinator, method, "selector"
+    for coordinator in worlds.coordinators:
+        for method in ("sense", "act", "leave"):
+            yield coordinator, method, "selector"
 
 
 def parts_of_a_tick(worlds: Worlds, ticks: int) -> dict[str, float]:

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import shorter_way
-from selforg.compiled import inlined, kernel
+from selforg.compiled import inlined, lean_kernel
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Flags: TypeAlias = NDArray[np.bool_]
 
-ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than filling cells
+ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than keeping a list
 NOBODY: Final = -1  # end of a cell's list
 UNLISTED: Final = -1  # number of listed pairs where there is no list
 PAIRS_A_ROBOT: Final = 8  # room in the list; where it does not do, every count walks the cells
@@ -96,7 +96,7 @@ class CollisionCounter:
         count_pairs(positions, self._everybody if present is None else present, *self.tables)
 
 
-@kernel
+@inlined
 def square_distance(positions: NDArray[np.float64], first: int, second: int, width: float, height: float) -> float:
     """Square of the shorter way between two rows of positions (R, 2) on the torus [m^2]."""
     dx = shorter_way(positions[first, 0] - positions[second, 0], width)
@@ -104,7 +104,7 @@ def square_distance(positions: NDArray[np.float64], first: int, second: int, wid
     return dx * dx + dy * dy
 
 
-@kernel
+@lean_kernel
 def enter_cell(
     row: int,
     positions: NDArray[np.float64],
@@ -154,7 +154,7 @@ def list_holds(
     return True
 
 
-@kernel
+@lean_kernel
 def list_pairs(
     world: int, positions: Floats, present: Flags, near: Ints, following: Ints, cells: Ints, listed: Ints, pairs: Ints,
     origins: Floats, width: float, height: float, furthest: float,
@@ -197,7 +197,7 @@ def count_pair(
         entered[other] += was >= squares[0]
 
 
-@kernel
+@lean_kernel
 def count_world(
     world: int, positions: Floats, present: Flags, before: Floats, counted: Flags, squares: Floats, samples: Ints,
     events: Ints, in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, listed: Ints,
@@ -226,16 +226,20 @@ def count_world(
             world, pairs[world, index, 0], pairs[world, index, 1], positions, before, counted, squares, samples, events,
             in_contact, entered, width, height, furthest,
         )  # fmt: skip
-    if walking or not in_cells:
+    if walking:
         for row in range(first, end):
             if not present[row]:
                 continue
-            found = row - first
-            if in_cells:
-                found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
+            found = enter_cell(row - first, positions[first:end], cells, following, near, width, height)
             for index in range(found):
-                other = first + (near[index] if in_cells else index)
-                if present[other]:
+                count_pair(
+                    world, row, first + near[index], positions, before, counted, squares, samples, events, in_contact,
+                    entered, width, height, furthest,
+                )  # fmt: skip
+    elif not in_cells:
+        for row in range(first, end):
+            for other in range(first, row):
+                if present[row] and present[other]:
                     count_pair(
                         world, row, other, positions, before, counted, squares, samples, events, in_contact, entered,
                         width, height, furthest,
@@ -247,7 +251,7 @@ def count_world(
         counted[row] = present[row]
 
 
-@kernel
+@lean_kernel
 def count_pairs(
     positions: Floats, present: Flags, before: Floats, counted: Flags, squares: Floats, samples: Ints, events: Ints,
     in_contact: Flags, entered: Ints, near: Ints, following: Ints, cells: Ints, listed: Ints, pairs: Ints,

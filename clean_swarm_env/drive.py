@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import wrapped_angle
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 
 CLOCK_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
 
@@ -98,7 +98,7 @@ class DifferentialDrive:
         self._commanded[rows] = 0.0
 
 
-@kernel
+@lean_kernel
 def steer(
     vectors: NDArray[np.float64],
     has_command: NDArray[np.bool_],

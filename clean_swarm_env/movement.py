@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 from selforg.network import state as st
 from selforg.space import nearest_image
 
@@ -14,7 +14,7 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@kernel
+@lean_kernel
 def rows_running(marks: Ints, behaviours: Ints, rows: Ints, counts: Ints) -> None:
     """List where each of `behaviours` (K,) of a network with `marks` runs in `rows` (K, R), `counts` (K,) of them."""
     for k in range(behaviours.shape[0]):
@@ -26,7 +26,7 @@ def rows_running(marks: Ints, behaviours: Ints, rows: Ints, counts: Ints) -> Non
         counts[k] = count
 
 
-@kernel
+@lean_kernel
 def to_stations(
     marks: Ints, behaviours: Ints, robots: Floats, extent: Floats, stations: Floats, vectors: Floats, commanded: Flags
 ) -> None:
@@ -48,7 +48,7 @@ def to_stations(
                 commanded[row] = True
 
 
-@kernel
+@lean_kernel
 def begin_acting(
     marks: Ints, transport: Ints, movers: Ints, robots: Floats, extent: Floats, stations: Floats, vectors: Floats,
     commanded: Flags, in_place: Flags, rows: Ints, counts: Ints,

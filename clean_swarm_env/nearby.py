@@ -54,7 +54,7 @@ def fill_cells(positions: Floats, first: int, there: Flags, extent: Floats, cell
         cells[line, column] = point
 
 
-@kernel
+@inlined
 def nearest_point(
     x: float, y: float, but: int, reach: float, positions: Floats, first: int, there: Flags, extent: Floats,
     cells: Ints, links: Ints,

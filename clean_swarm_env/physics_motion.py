@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from selforg.compiled import inlined, kernel
+from selforg.compiled import inlined, lean_kernel
 
 ALONE: Final = 0  # contact search of `fly`: nobody ever touches
 PAIRS: Final = 1  # look at every pair of a world
@@ -20,7 +20,7 @@ COPY_RIGHT_ABOVE: Final = 4  # at (+width, +height),
 COPY_RIGHT_BELOW: Final = 8  # at (+width, -height)
 
 
-@kernel
+@inlined
 def wrapped(coordinate: float, size: float) -> float:
     """Coordinate on a circle [m] -> the same place in [0, size)."""
     if 0.0 <= coordinate < size:
@@ -30,7 +30,7 @@ def wrapped(coordinate: float, size: float) -> float:
     return 0.0 if inside >= size else inside
 
 
-@kernel
+@inlined
 def shorter_way(offset: float, size: float) -> float:
     """Difference of two coordinates in [0, size) [m] -> the same difference the shorter way round."""
     if offset > 0.5 * size:
@@ -40,7 +40,7 @@ def shorter_way(offset: float, size: float) -> float:
     return offset
 
 
-@kernel
+@inlined
 def wrapped_angle(angle: float) -> float:
     """Angle [rad] -> the same direction in (-pi, pi]."""
     if -np.pi < angle <= np.pi:
@@ -49,7 +49,7 @@ def wrapped_angle(angle: float) -> float:
     return np.pi if inside <= -np.pi else inside
 
 
-@kernel
+@inlined
 def touching(
     positions: np.ndarray, present: np.ndarray, first: int, end: int, width: float, height: float, reach: float
 ) -> bool:
@@ -68,7 +68,7 @@ def touching(
     return False
 
 
-@kernel
+@inlined
 def move(positions: np.ndarray, bodies: np.ndarray, row: int, width: float, height: float, timestep: float) -> bool:
     """Let a body row move on for one timestep [s]; True if it crossed a seam.
 
@@ -122,7 +122,7 @@ def steer_world(
             move(positions, bodies, row, width, height, timestep)
 
 
-@kernel
+@lean_kernel
 def fly(
     positions: np.ndarray, headings: np.ndarray, bodies: np.ndarray, wanted: np.ndarray, present: np.ndarray,
     patience: np.ndarray, speed: np.ndarray, turn_rate: np.ndarray, search: int, width: float, height: float,
@@ -147,7 +147,7 @@ def fly(
     return engaged
 
 
-@kernel
+@lean_kernel
 def push(
     forces: np.ndarray,
     copies: np.ndarray,
@@ -185,7 +185,7 @@ def push(
         copies[row] = needed
 
 
-@kernel
+@lean_kernel
 def land(
     positions: np.ndarray, bodies: np.ndarray, first: int, end: int, width: float, height: float, timestep: float
 ) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from clean_swarm_env.collisions import Flags, Floats, Ints, count_world
 from clean_swarm_env.physics_motion import land, push, search_contacts, steer_world
-from selforg.compiled import inlined, kernel
+from selforg.compiled import inlined, lean_kernel
 
 # positions (R, 2), headings (R,), bodies (R, 4), wanted (R, 2), forces (R, 2), copies (R,), present (R,), patience (W,)
 Motion = tuple[Floats, Floats, Floats, Floats, Floats, np.ndarray, Flags, Ints]
@@ -41,7 +41,7 @@ def count(world: int, motion: Motion, counts: Counts, entered: Ints) -> None:
         entered[row] += now[row]
 
 
-@kernel
+@lean_kernel
 def go_on(
     world: int, left: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts, entered: Ints
 ) -> int:
@@ -64,7 +64,7 @@ def go_on(
     return 0
 
 
-@kernel
+@lean_kernel
 def begin_tick(
     substeps: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts, entered: Ints,
     left: Ints,
@@ -79,7 +79,7 @@ def begin_tick(
     return engaged
 
 
-@kernel
+@lean_kernel
 def settle_and_go_on(
     world: int, left: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts,
     entered: Ints, current: Flags,

@@ -44,5 +44,4 @@ def part(function: Callable[P, R]) -> Callable[P, R]:
 
 def inlined(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a small function like `part`, into its callers: handing over arrays would cost more than its work."""
-    options = {"error_model": "numpy", "no_cfunc_wrapper": True, "forceinline": True}
-    return register_jitable(**options)(function)
+    return register_jitable(**LEAN, forceinline=True)(function)

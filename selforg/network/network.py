@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import inlined, kernel
+from selforg.compiled import inlined, lean_kernel
 from selforg.network import plan_watch as pw
 from selforg.network import state as st
 from selforg.network import tables as t
@@ -45,6 +45,7 @@ class BehaviourNetwork:
         self._memory = planner.memory if planner else PlanMemory([], [], [], 0)
         self._keys: NDArray[np.int64] = np.zeros((rows, self._memory.key_words), dtype=np.int64)
         self._priorities = np.array([b.priority for b in model.behaviours], dtype=np.int64)
+        self._scratch = scratch_of(model.ints)
         self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
         self._runs: NDArray[np.int64] = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
@@ -196,31 +197,43 @@ class BehaviourNetwork:
         return _step(
             rows, self.model.ints, self.model.floats, self.readings, s.value_table, s.mark_table, s.row_table,
             s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.mark_table, p.readings,
-            memory.layout, memory.entries, self._keys, phase, self.planner is not None, guarantee,
+            memory.layout, memory.entries, self._keys, *self._scratch, phase, self.planner is not None, guarantee,
         )  # fmt: skip
 
 
-@kernel
+def scratch_of(ints: Ints) -> tuple[Floats, Ints, Floats, Ints]:
+    """Return what the step of a model needs for its own use: leaves (2, L), counts (COUNTS, S), floats and ints."""
+    sensors, behaviours, goals, nodes, wishes = ints_of(ints, t.SIZES).tolist()
+    effects, leaves = len(ints_of(ints, t.EFFECT_OWNER)), len(ints_of(ints, t.LEAF_SENSOR))
+    whole = np.empty(effects + wishes + 3 * behaviours, np.int64)
+    return np.empty((2, leaves)), np.empty((COUNTS, sensors), np.int64), np.empty(nodes + goals), whole
+
+
+@lean_kernel
 def _step(
     rows: Ints, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints, row_values: Floats,
     goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan: Ints, plan_marks: Ints,
-    plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, phase: int, planning: bool, guarantee: bool,
+    plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, leaves: Floats, counts: Ints,
+    numbers: Floats, whole: Ints, phase: int, planning: bool, guarantee: bool,
 ) -> int:  # fmt: skip
     """Step `rows` (K,); return how many of them need a plan that is not remembered and have not decided yet.
 
+    leaves, counts, numbers and whole are overwritten, see `scratch_of`.
     For a wrong reading return -1 - (what `find_wrong` says), with nothing changed.
     """
     if phase == SENSE_AND_DECIDE:
         wrong = find_wrong(rows, ints, readings)
         if wrong >= 0:
             return -1 - wrong
-    behaviours = values.shape[2]
-    leaves, nodes = np.empty((2, t.size_of(ints, t.LEAF_SENSOR))), np.empty(t.size_of(ints, t.NODE_KIND))
-    goal_weight, counts = np.empty(goal_satisfaction.shape[1]), np.empty((COUNTS, readings.shape[1]), np.int64)
-    live, live_wish = np.empty(t.size_of(ints, t.EFFECT_OWNER), np.int64), np.empty(wishes.shape[1], np.int64)
+    behaviours, nodes = values.shape[2], numbers[: t.size_of(ints, t.NODE_KIND)]
+    goal_weight = numbers[t.size_of(ints, t.NODE_KIND) :]
     heard, counted, order = (
-        np.empty(behaviours, np.int64), np.empty(behaviours, np.int64), np.empty(behaviours, np.int64),
-    )  # fmt: skip
+        whole[:behaviours],
+        whole[behaviours : 2 * behaviours],
+        whole[2 * behaviours : 3 * behaviours],
+    )
+    effects = t.size_of(ints, t.EFFECT_OWNER)
+    live, live_wish = whole[3 * behaviours : 3 * behaviours + effects], whole[3 * behaviours + effects :]
     missing = 0
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -247,7 +260,7 @@ def _step(
     return missing
 
 
-@kernel
+@lean_kernel
 def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[int, int]:
     """List in `lists` (2, R) where of `rows` (K,) a behaviour runs, and where it was started; return how many."""
     running, started = 0, 0
@@ -270,7 +283,7 @@ def forget_finished(row: int, values: Floats, marks: Ints) -> None:
             values[row, st.ACTIVATION, b] = 0.0
 
 
-@kernel
+@lean_kernel
 def hold_rows(
     rows: Ints, behaviour: int, alternatives: Ints, forgotten: Ints, marks: Ints, plan_marks: Ints, readings: Floats
 ) -> None:

@@ -1,0 +1,116 @@
+"""Tables and pictures of `results.json` for the docs: `python -m benchmarks.document` (the end of `make bench`)."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+from benchmarks.parts import PARTS
+from benchmarks.record import RESULTS
+from benchmarks.required import REQUIREMENTS, value_at
+
+DOCS = Path(__file__).parents[1] / "docs"
+DOCUMENT, PICTURES = DOCS / "benchmarks.md", DOCS / "pictures"
+MARKER = "<!-- from here on written by python -m benchmarks.document -->\n"
+COLOURS = ("#4c72b0", "#dd8452", "#55a868", "#c44e52", "#8172b3", "#937860")
+
+
+def required(results: Any) -> list[str]:
+    """Return the table of requirements."""
+    lines = ["| | measured | required |", "|---|---|---|"]
+    for one in REQUIREMENTS:
+        value = value_at(results, one.path)
+        told = "not measured" if value is None else f"{value:.2f}{'' if one.reached(value) else ' **missed**'}"
+        lines.append(f"| {one.what} | {told} | {'<=' if one.most else '>='} {one.limit:g} |")
+    return lines
+
+
+def sizes(results: Any) -> list[str]:
+    """Return the table of ticks by size."""
+    tick = results["tick"]
+    lines = [
+        "| worlds x robots | tick per world [us] | pymunk alone [us] | ratio | world-ticks/s |",
+        "|---|---|---|---|---|",
+    ]
+    for size, cost in sorted(tick["tick [us]"].items(), key=lambda item: _order(item[0])):
+        floor, ratio = tick["floor [us]"][size], tick["tick / floor"][size]
+        lines.append(f"| {size} | {cost:.1f} | {floor:.1f} | {ratio:.2f} | {1e6 / cost:.0f} |")
+    growth = tick["growth"]
+    lines += [
+        "",
+        f"From 50 to 1,000 robots at constant density the tick grows with exponent {growth['exponent']:.2f} "
+        f"(R2 {growth['R2']:.3f}), pymunk alone with {growth['exponent of the floor']:.2f}.",
+    ]
+    return lines
+
+
+def others(results: Any) -> list[str]:
+    """Return the tables of what is not a tick: ages, border, memory and start."""
+    lines = ["| | |", "|---|---|"]
+    for size, figures in results["late"].items():
+        if size not in ("machine", "versions"):
+            lines += [f"| patrol alone, {size}: {name} | {figure:.4g} |" for name, figure in figures.items()]
+    for name, figure in results["border"]["5 agents"].items():
+        lines.append(f"| PettingZoo, 5 agents, a decision a tick: {name} | {figure:.4g} |")
+    for part in ("memory", "start"):
+        lines += [f"| {name} | {figure:.4g} |" for name, figure in results["costs"][part].items()]
+    return lines
+
+
+def _order(size: str) -> tuple[int, int]:
+    worlds, robots = (int(number) for number in size.split(" x "))
+    return robots, worlds
+
+
+def draw_parts(results: Any) -> None:
+    """Draw where the time of a tick goes, by size."""
+    import matplotlib.pyplot as plt
+
+    parts = {size: figures for size, figures in results["parts [us]"].items() if " x " in size}
+    names = sorted(parts, key=_order)
+    figure, axes = plt.subplots(figsize=(7.0, 3.4), layout="constrained")
+    below = [0.0] * len(names)
+    for part, colour in zip(PARTS, COLOURS, strict=True):
+        heights = [parts[name][part] / _order(name)[0] for name in names]
+        axes.bar(names, heights, bottom=below, color=colour, label=part)
+        below = [low + height for low, height in zip(below, heights, strict=True)]
+    floors = [results["tick"]["floor [us]"][name] / _order(name)[0] for name in names]
+    axes.plot(names, floors, "k_", markersize=28, label="pymunk alone")
+    axes.set(ylabel="a tick, per robot [us]", xlabel="worlds x robots")
+    axes.legend(fontsize=8)
+    figure.savefig(PICTURES / "benchmark_parts.png", dpi=150)
+
+
+def draw_growth(results: Any) -> None:
+    """Draw tick and floor of one world by the number of its robots."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(5.0, 3.4), layout="constrained")
+    for what, mark in (("tick [us]", "o-"), ("floor [us]", "s--")):
+        costs = {_order(size)[0]: cost for size, cost in results["tick"][what].items() if size.startswith("1 x ")}
+        axes.loglog(sorted(costs), [costs[robots] for robots in sorted(costs)], mark, label=what.removesuffix(" [us]"))
+    axes.set(xlabel="robots in one world, constant density", ylabel="CPU time of a tick [us]")
+    axes.legend()
+    axes.grid(alpha=0.3)
+    figure.savefig(PICTURES / "benchmark_growth.png", dpi=150)
+
+
+def main() -> None:
+    """Write the document and its pictures."""
+    matplotlib.use("Agg")
+    results = json.loads(RESULTS.read_text(encoding="utf-8"))
+    draw_parts(results)
+    draw_growth(results)
+    machine, versions = results["tick"]["machine"], results["tick"]["versions"]
+    told = ", ".join(f"{name} {number}" for name, number in versions.items())
+    lines = [f"{machine['cpu']}, {machine['cores']} cores, {machine['platform']}; {told}.", "", "## Required", ""]
+    lines += [*required(results), "", "## The tick by size", "", *sizes(results), ""]
+    lines += ["![tick and floor by robots](pictures/benchmark_growth.png)", ""]
+    lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", "", "## The rest", "", *others(results)]
+    above = DOCUMENT.read_text(encoding="utf-8").partition(MARKER)[0]
+    DOCUMENT.write_text(f"{above}{MARKER}\n" + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
