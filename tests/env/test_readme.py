@@ -16,7 +16,8 @@ def test_the_example_runs_from_any_directory(tmp_path):
     path = tmp_path / "example.py"
     path.write_text(code, encoding="utf-8")
     done = subprocess.run([sys.executable, str(path)], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert re.fullmatch(r"\d+ s, return -?\d+\.\d, options \{'AvoidCollision': \('RepulsionFernandez', .*\)\}\n", done.stdout)
+    line = r"\d+ s, return -?\d+\.\d, options \{'AvoidCollision': \('RepulsionFernandez', .*\)\}\n"
+    assert re.fullmatch(line, done.stdout)
 
 
 def test_pictures_and_links_exist():
