@@ -2,9 +2,9 @@
 
     python -m benchmarks.avoidance [SCENARIOS]
 
-Solid robots on 11 m x 11 m, 10 items, time limit 600 s, the options of `knowledge/avoidance.yaml`; same scenarios for all. The
-rule knows the situation alone: with cargo or without, within 2 m of a station or not. The interval is that of the paired
-difference to the best single option (Student's, 95 %).
+Solid robots on 11 m x 11 m, 10 items, time limit 600 s, the options of `knowledge/avoidance.yaml`; same scenarios for
+all. The rule knows the situation alone: with cargo or without, within 2 m of a station or not. The interval is that of
+the paired difference to the best single option (Student's, 95 %).
 """
 
 import sys

@@ -2,9 +2,9 @@
 
     python -m benchmarks.learning
 
-64 worlds of 5 robots, a decision a second, PPO of Stable-Baselines3 with one set of parameters, one torch thread; CPU time of
-whole rollouts and updates, alternating with the batch alone under random options. Needs the extra `train`. Exit code 1
-below REQUIRED decisions an hour.
+64 worlds of 5 robots, a decision a second, PPO of Stable-Baselines3 with one set of parameters, one torch thread; CPU
+time of whole rollouts and updates, alternating with the batch alone under random options. Needs the extra `train`.
+Exit code 1 below REQUIRED decisions an hour.
 """
 
 import sys
@@ -80,8 +80,7 @@ def watched(model: PPO, envs: RobotVecEnv) -> Clock:
     for coordinator in worlds.coordinators:
         for method in ("sense", "act", "leave", "hold"):
             clock.watch(coordinator, method, "mechanisms and coordinators")
-    clock.watch(worlds.physics, "substep", "physics")
-    clock.watch(worlds.collisions, "count", "collisions")
+    clock.watch(worlds.physics, "tick", "physics and collisions")
     return clock
 
 

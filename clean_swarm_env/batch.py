@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.config import MissionConfig, StartConfiguration
-from clean_swarm_env.config_files import load_mission
+from clean_swarm_env.episodes import episodes_of
+from clean_swarm_env.families import FamilyConfig, Split
 from clean_swarm_env.mission import MissionResult, result_of
 from clean_swarm_env.observation import Observations, Observer
 from clean_swarm_env.observation_terms import ObservationConfig
 from clean_swarm_env.progress import COMPLETED, TIMED_OUT, Progress
 from clean_swarm_env.reward import RewardConfig, Rewards
 from clean_swarm_env.robot_model import coordinators_of
-from clean_swarm_env.starts import for_start, random_start, run_seed
+from clean_swarm_env.starts import for_start
 from clean_swarm_env.worlds import Worlds
 from selector.knowledge import load_knowledge
 from selector.library import library_of
@@ -80,6 +81,10 @@ class Batch:
     Args:
         mission: a mission, or the name of one in `configs/missions`.
         worlds: W.
+        family: a family of scenarios, or the name of one in `configs/families`, in place of the mission: the episodes
+            are its scenarios. All of them must have one torus.
+        split: which scenarios of the family.
+        knowledge: name of the expert knowledge, in place of that of the mission.
         observation: terms of the observation.
         reward: weights of the reward's terms.
         action: what an action is.
@@ -87,7 +92,7 @@ class Batch:
             it stays as it is, and counts no more, until `reset`.
         directories: of the user's configurations, knowledge and robots, searched before the shipped one.
 
-    Episode k of a world after `reset` with seed S is always the same: random start k of S.
+    Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S.
 
     Attributes:
         options: coordinated goal -> names of its options.
@@ -109,16 +114,20 @@ class Batch:
         mission: MissionConfig | str = "table1",
         worlds: int = 1,
         *,
+        family: FamilyConfig | str | None = None,
+        split: Split = "train",
+        knowledge: str | None = None,
         observation: ObservationConfig | None = None,
         reward: RewardConfig | None = None,
         action: ActionConfig | None = None,
         begin_anew: bool = True,
         directories: tuple[Path, ...] = (),
     ) -> None:
-        self.mission = load_mission(mission, directories) if isinstance(mission, str) else mission
+        self._episode_of = episodes_of(mission, family, split, knowledge, directories)
+        self.mission = self._episode_of(0, 0)[0]
         self.action, self.begin_anew = action or ActionConfig(), begin_anew
-        knowledge = load_knowledge(self.mission.knowledge, directories)
-        models = coordinators_of(self.mission.network, knowledge, library_of(directories), directories)
+        known = load_knowledge(self.mission.knowledge, directories)
+        models = coordinators_of(self.mission.network, known, library_of(directories), directories)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories)
         self.rows, self.robots = self.worlds.rows, self.worlds.robots
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
@@ -169,11 +178,11 @@ class Batch:
         """Begin the next episode of a world."""
         seed, episode = self._seeds[world], self._episodes[world]
         assert seed is not None
-        if start is None:
-            start = random_start(self.mission, seed, episode)
-        else:
+        mission, drawn, of_world = self._episode_of(seed, episode)
+        if start is not None:
             for_start(self.mission, start)
-        self.worlds.reset(world, start, run_seed(seed, f"episode {episode}"))
+            mission = self.mission
+        self.worlds.reset(world, start or drawn, of_world, mission)
         rows = self.worlds.rows_of(world)
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)

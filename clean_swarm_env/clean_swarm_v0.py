@@ -46,6 +46,7 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         reward: weights of the reward's terms.
         action: what an action is.
         render_mode: None or "rgb_array".
+        settings: further arguments of `Batch`, such as `family` and `knowledge`.
 
     Without `options={"start": StartConfiguration}` each reset draws a new start: episode k after `reset(seed=S)` is
     always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit. The
@@ -68,10 +69,13 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         *,
         observation: ObservationConfig | None = None,
         action: ActionConfig | None = None,
+        **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")
-        self._batch = Batch(mission, observation=observation, reward=reward, action=action, begin_anew=False)
+        self._batch = Batch(
+            mission, observation=observation, reward=reward, action=action, begin_anew=False, **settings
+        )
         self.mission, self.options = self._batch.mission, self._batch.options
         self.render_mode = render_mode
         self.possible_agents = [f"robot_{row}" for row in range(self._batch.robots)]

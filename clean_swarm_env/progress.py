@@ -33,6 +33,7 @@ class Progress:
         elapsed: (W,) int64, ticks since the mission began, up to its end.
         outcome: (W,) int64, RUNS, COMPLETED (all garbage dumped) or TIMED_OUT.
         limits: (W,) int64, ticks after which each mission is over.
+        took_part: (R,) bool, robots that were at work in the period.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
         ended: (K,) int64, worlds whose missions ended with the last tick.
 
@@ -46,6 +47,7 @@ class Progress:
         self.dumped: Ints = np.zeros(worlds.worlds, dtype=np.int64)
         self.elapsed: Ints = np.zeros(worlds.worlds, dtype=np.int64)
         self.outcome: Ints = np.zeros(worlds.worlds, dtype=np.int64)
+        self.took_part: Flags = np.zeros(worlds.rows, dtype=np.bool_)
         self.idle: Ints = np.zeros(worlds.rows, dtype=np.int64)
         self._cargo: Ints = np.full(worlds.rows, NOTHING, dtype=np.int64)
         self._recycled: Ints = np.zeros(worlds.rows, dtype=np.int64)
@@ -68,6 +70,7 @@ class Progress:
         self.events[:] = 0
         self.ticks[:] = 0
         self.dumped[:] = 0
+        self.took_part[:] = self._worlds.team.working
 
     def note(self, entered: Ints) -> bool:
         """Count what the last tick brought, `entered` (R,) being its collision events; return whether missions ended.
@@ -79,7 +82,7 @@ class Progress:
             entered, worlds.collisions.in_contact, worlds.network.executing, worlds.coordinator.index, garbage.cargo,
             garbage.recycled, garbage.done, worlds.team.working, worlds.cleaned, worlds.ticks, self.limits,
             self._cargo, self._recycled, self._done, self.events, self.ticks, self.dumped, self.elapsed, self.outcome,
-            self.idle, self._ended,
+            self.took_part, self.idle, self._ended,
         )  # fmt: skip
         self.ended = self._ended[:count]
         return count > 0
@@ -89,7 +92,8 @@ class Progress:
 def count_tick(
     entered: Ints, in_contact: Flags, executing: Ints, avoidance: int, cargo: Ints, recycled: Ints, done: Ints,
     working: Flags, cleaned: Flags, ticks: Ints, limits: Ints, had: Ints, had_recycled: Ints, had_done: Ints,
-    events: Ints, counted: Ints, dumped_now: Ints, elapsed: Ints, outcome: Ints, idle: Ints, ends: Ints,
+    events: Ints, counted: Ints, dumped_now: Ints, elapsed: Ints, outcome: Ints, took_part: Flags,
+    idle: Ints, ends: Ints,
 ) -> int:  # fmt: skip
     """Add one tick to `events` (E, R) of the worlds that run; list those that end and return their number.
 
@@ -107,6 +111,7 @@ def count_tick(
             picked = had[row] == NOTHING and cargo[row] != NOTHING
             dumped = working[row] and had[row] != NOTHING and cargo[row] == NOTHING and had_recycled[row] == 1
             reworked = cargo[row] != NOTHING and not picked and recycled[row] > had_recycled[row]
+            took_part[row] |= working[row]
             idle[row] = 0 if picked or dumped or reworked else idle[row] + 1
             events[PICKED, row] += picked
             events[RECYCLED, row] += reworked

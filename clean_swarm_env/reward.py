@@ -15,6 +15,7 @@ from selforg.compiled import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 
 class RewardConfig(Closed):
@@ -61,18 +62,18 @@ class Rewards:
         self.own[[CONTACT, AVOIDING]] = config.contact * period, config.avoiding * period
 
     def of(self, progress: Progress, rewards: Floats) -> None:
-        """Fill `rewards` (R,) with those of the period that `progress` counted; a mission that was over gets none."""
+        """Fill `rewards` (R,) with those of the period that `progress` counted; who took no part in it gets none."""
         config = self.config
         add_up(
-            self.own, progress.events, progress.ticks, progress.dumped, progress.outcome, config.dumped,
-            config.time * self._period, config.completed, config.shared, rewards,
+            self.own, progress.events, progress.ticks, progress.dumped, progress.outcome, progress.took_part,
+            config.dumped, config.time * self._period, config.completed, config.shared, rewards,
         )  # fmt: skip
 
 
 @kernel
 def add_up(
-    own: Floats, events: Ints, ticks: Ints, dumped: Ints, outcome: Ints, for_dumped: float, for_tick: float,
-    for_completing: float, shared: float, rewards: Floats,
+    own: Floats, events: Ints, ticks: Ints, dumped: Ints, outcome: Ints, took_part: Flags, for_dumped: float,
+    for_tick: float, for_completing: float, shared: float, rewards: Floats,
 ) -> None:  # fmt: skip
     """Fill `rewards` (R,); see `RewardConfig`. ticks, dumped and outcome (W,) of the period, events (E, R)."""
     robots = rewards.shape[0] // ticks.shape[0]
@@ -80,11 +81,15 @@ def add_up(
         team = for_dumped * dumped[world] + for_tick * ticks[world]
         if outcome[world] == COMPLETED and ticks[world] > 0:
             team += for_completing
-        mean = 0.0
+        total, members = 0.0, 0
         for row in range(world * robots, (world + 1) * robots):
             rewards[row] = 0.0
+            if not took_part[row]:
+                continue
             for kind in range(own.shape[0]):
                 rewards[row] += own[kind] * events[kind, row]
-            mean += rewards[row] / robots
+            total += rewards[row]
+            members += 1
         for row in range(world * robots, (world + 1) * robots):
-            rewards[row] = team + (1.0 - shared) * rewards[row] + shared * mean
+            if took_part[row]:
+                rewards[row] = team + (1.0 - shared) * rewards[row] + shared * total / members

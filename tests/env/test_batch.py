@@ -135,3 +135,26 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
         batch.step(np.zeros(9, dtype=np.int64))
     with pytest.raises(ValueError, match=r"options\[0\]: expected 0\.\.2, got 3"):
         batch.step(np.full(10, 3))
+
+
+@long_course
+@pytest.mark.parametrize("family", ["shifting", "random"])
+def test_episodes_may_be_the_scenarios_of_a_family(family):
+    """Teams and garbage change in them: alone as in a batch, and absent robots see nothing and get nothing."""
+    alone = trajectory(Batch(family=family, knowledge="avoidance"), [5], 60)[0]
+    batch = Batch(family=family, knowledge="avoidance", worlds=3)
+    assert trajectory(batch, [4, 5, 6], 60)[1] == alone
+    assert len(batch.options["AvoidCollision"]) == 6
+    step = batch.step(np.zeros(batch.rows, dtype=np.int64))
+    absent = ~batch.progress.took_part
+    assert family == "random" or absent.any()
+    assert not step.rewards[absent].any()
+    assert not step.observations[~batch.worlds.physics.present].any()
+
+
+def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused():
+    first, second = (Batch(family="crowded", split=split).reset([1]).tobytes() for split in ("train", "test"))
+    assert first != second
+    batch = Batch(family="unseen")
+    with pytest.raises(ValueError, match="world: expected"):
+        [batch.reset([seed]) for seed in range(20)]

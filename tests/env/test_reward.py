@@ -15,8 +15,9 @@ def progress(**events):
     for name, values in events.items():
         counted[EVENTS.index(name)] = values
     return SimpleNamespace(
-        events=counted, ticks=np.array([5, 2]), dumped=np.array([1, 0]), outcome=np.array([COMPLETED, RUNS])
-    )
+        events=counted, ticks=np.array([5, 2]), dumped=np.array([1, 0]), outcome=np.array([COMPLETED, RUNS]),
+        took_part=np.ones(4, dtype=np.bool_),
+    )  # fmt: skip
 
 
 def gained(config, counted):
@@ -54,6 +55,12 @@ def test_completing_pays_once():
     assert gained(config, counted) == [10.0, 10.0, 0.0, 0.0]
     counted.ticks[:] = 0  # the mission was over before the period
     assert gained(config, counted) == [0.0] * 4
+
+
+def test_who_took_no_part_gets_nothing_and_does_not_share():
+    counted = progress(collision=[0, 4, 2, 0])
+    counted.took_part[3] = False
+    assert gained(RewardConfig(collision=-0.5, shared=1.0), counted) == pytest.approx([-0.01, -0.01, -1.004, 0.0])
 
 
 def test_misspelt_weights_are_refused():
