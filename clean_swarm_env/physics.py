@@ -66,7 +66,7 @@ class ContactSpace:
         self._space.collision_slop = COLLISION_SLOP
         self._space.collision_persistence = PERSISTENCE
         self._discs = [pymunk.Body(settings.mass, inf) for _ in range(settings.robots)]
-        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy
+        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy; a body never forgets one
         self._circles = [pymunk.Circle(disc, self._radius) for disc in self._discs]
         for disc, circle in zip(self._discs, self._circles, strict=True):
             circle.filter = ORIGINALS
@@ -112,18 +112,19 @@ class ContactSpace:
         for row in changed:
             for bit in COPY_OFFSETS:
                 if needed[row] & ~self._present[row] & bit:
-                    self._shapes[row, bit] = self._add_copy(row, bit)
+                    self._add_copy(row, bit)
                 elif self._present[row] & ~needed[row] & bit:
-                    self._space.remove(self._shapes.pop((row, bit)))
+                    self._space.remove(self._shapes[row, bit])
         self._present = needed
 
-    def _add_copy(self, row: int, bit: int) -> pymunk.Circle:
-        right, up = COPY_OFFSETS[bit]
-        offset = (right * self._settings.width, up * self._settings.height)
-        circle = pymunk.Circle(self._discs[row], self._radius, offset)
-        circle.filter = pymunk.ShapeFilter(categories=0b10, mask=0b01)
-        self._space.add(circle)
-        return circle
+    def _add_copy(self, row: int, bit: int) -> None:
+        if (row, bit) not in self._shapes:
+            right, up = COPY_OFFSETS[bit]
+            offset = (right * self._settings.width, up * self._settings.height)
+            circle = pymunk.Circle(self._discs[row], self._radius, offset)
+            circle.filter = pymunk.ShapeFilter(categories=0b10, mask=0b01)
+            self._shapes[row, bit] = circle
+        self._space.add(self._shapes[row, bit])
 
     def _exchange(self, direction: object, channel: tuple[Any, Any]) -> None:
         buffer, request = channel
