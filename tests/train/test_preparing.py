@@ -17,9 +17,9 @@ def task():
 def _runner(limits):
     from tests.train import fake_mission
 
-    def run(mission, start, seed, scores):
+    def run(mission, *given):
         limits.append(mission.time_limit)
-        return fake_mission.run_mission(mission, start, seed, scores)
+        return fake_mission.run_mission(mission, *given)
 
     return run
 
