@@ -218,7 +218,7 @@ class Batch:
             for end in self._finished:
                 self._begin(end.world)
         self.observer.observe(self.observations)
-        if not self.begin_anew:
+        if not self.begin_anew and progress.outcome.any():
             over = np.repeat(terminated | truncated, self.robots)
             self.observations[over] = self._final[over]
         return Step(self.observations, self._gained, terminated, truncated, self._final)

@@ -67,10 +67,9 @@ class Progress:
 
     def begin_period(self) -> None:
         """Set the counts of the period to zero."""
-        self.events[:] = 0
-        self.ticks[:] = 0
-        self.dumped[:] = 0
-        self.took_part[:] = self._worlds.team.working
+        for counts in (self.events, self.ticks, self.dumped):
+            counts.fill(0)
+        np.copyto(self.took_part, self._worlds.team.working)
 
     def note(self, entered: Ints) -> bool:
         """Count what the last tick brought, `entered` (R,) being its collision events; return whether missions ended.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from clean_swarm_env.batch import Batch
 from clean_swarm_env.config import StartConfiguration
 
-Flags = NDArray[np.bool_]
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
 
 
@@ -33,11 +32,11 @@ def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
     return spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
 
 
-def mask_of(batch: Batch, able: Flags) -> Mask:
-    """Return `able` (O,) as `sample` of the action space of one robot takes it, and as PettingZoo writes it."""
-    whole = able.astype(np.int8)
+def masks_of(batch: Batch) -> Iterable[Mask]:
+    """Return for each row what can serve next, as `sample` of the action space of one robot takes it."""
+    whole = batch.masks().astype(np.int8)
     counts = batch.choices.counts
-    return whole if len(counts) == 1 else tuple(np.split(whole, np.cumsum(counts)[:-1]))
+    return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
 
 
 def start_of(options: Mapping[str, Any] | None) -> StartConfiguration | None:
