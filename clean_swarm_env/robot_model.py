@@ -17,7 +17,7 @@ from selector.knowledge import Knowledge
 from selector.library import Library
 from selector.network_document import coordinated_goals, load_network
 from selforg.compiled import kernel
-from selforg.network.behaviours import NetworkSettings, Sensor, Weights
+from selforg.network.behaviours import Sensor
 from selforg.network.model import NetworkModel
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ def robot_model(
     path = find_file("robots", config.robot, directories)
     parameters = {"transport_full_range": config.transport_full_range}
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
-    model = load_network(path, by_goal, parameters, network_settings(config)).model
+    model = load_network(path, by_goal, parameters, config.build()).model
     if model.sensors[: len(SENSORS)] != SENSORS:
         expected, given = (", ".join(s.name for s in sensors) for sensors in (SENSORS, model.sensors))
         raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
@@ -82,17 +82,6 @@ def robot_model(
     if missing:
         raise DocumentError(f"{shown(path)}: expected the behaviours {', '.join(BEHAVIOURS)}; {missing[0]} is missing")
     return model
-
-
-def network_settings(config: NetworkConfig) -> NetworkSettings:
-    """Return the settings of the network as `selforg` takes them."""
-    return NetworkSettings(
-        weights=Weights(**config.weights.model_dump()),
-        activation_decay=config.activation_decay,
-        activation_threshold=config.activation_threshold,
-        threshold_decay=config.threshold_decay,
-        max_parallel=config.max_parallel,
-    )
 
 
 @kernel

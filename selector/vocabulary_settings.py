@@ -1,11 +1,15 @@
 """The words in which YAML declares how a network decides: names and defaults of `NetworkSettings`."""
 
-from typing import Annotated, Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from selector.documents import Closed, Flag, Number, Share
-from selforg.network.behaviours import NetworkSettings, Weights
+
+if TYPE_CHECKING:
+    from selforg.network.behaviours import NetworkSettings
 
 
 class WeightsSpec(Closed):
@@ -47,5 +51,10 @@ class SettingsSpec(Closed):
 
     def build(self) -> NetworkSettings:
         """Return the settings this declares."""
-        weights = Weights(**self.weights.model_dump())
-        return NetworkSettings(**{**self.model_dump(exclude={"weights"}), "weights": weights})
+        from selforg.network.behaviours import (  # it brings the compiler
+            NetworkSettings,
+            Weights,
+        )
+
+        plain = {name: getattr(self, name) for name in SettingsSpec.model_fields if name != "weights"}
+        return NetworkSettings(**plain, weights=Weights(**self.weights.model_dump()))
