@@ -4,13 +4,16 @@ Numba's decorators are untyped; these wrappers keep the type of the function the
 checks the callers. Kernels are cached on disk. Numba's cache looks at the file of the kernel only: after a change to a
 function that is called from a kernel in *another* file, run `make clean-cache`.
 
-What a process compiles first costs time for each function: `part` and `lean_kernel` leave out what is not needed.
+What a process compiles first costs time for each function: `part` and `lean_kernel` leave out what is not needed, and
+the garbage collector waits, which would else look through all that the compiler makes again and again.
 """
 
+import gc
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+from numba.core import event
 from numba.extending import register_jitable
 
 P = ParamSpec("P")
@@ -18,6 +21,29 @@ R = TypeVar("R")
 
 LEAN = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
 """Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway."""
+
+
+class WithoutCollector(event.Listener):
+    """Stops the garbage collector while anything is compiled; compiling one function may compile others."""
+
+    def __init__(self) -> None:
+        self._depth, self._was_on = 0, False
+
+    def on_start(self, event: event.Event) -> None:
+        """Note that a function begins to be compiled."""
+        if self._depth == 0:
+            self._was_on = gc.isenabled()
+            gc.disable()
+        self._depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        """Note that a function is compiled, or cannot be."""
+        self._depth -= 1
+        if self._depth == 0 and self._was_on:
+            gc.enable()
+
+
+event.register("numba:compile", WithoutCollector())  # type: ignore[no-untyped-call]
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

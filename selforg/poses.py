@@ -185,6 +185,8 @@ class OwnPoses:
         """Pack what compiled code needs; see `selforg.pose_cells.Poses`."""
         reach = np.zeros(self.team_count)
         width = max(float(self._look[:2].sum()), 0.1) if np.isfinite(self._look[:2].sum()) else 1.0
+        # not much narrower than leaves one robot to a cell: looking into empty ones costs more than a neighbour too far
+        width = max(width, float(np.prod(self.space.extent) / np.diff(self._first).max()) ** (1.0 / self.space.dim))
         grid = np.zeros((1, GRID_COLUMNS))
         for axis, side in enumerate(self.space.padded_extent):
             number = max(1.0, np.floor(side / width)) if side > 0 else 1024.0

@@ -46,7 +46,7 @@ Table = TypeVar("Table", Floats, Links)
 
 SMALLEST_CAPACITY = 64  # gradients
 SMALLEST_MESS = 4096  # gradients: as many fit a fast cache in any order
-LARGEST_MESS = 1 << 18  # gradients: beyond, a second copy of the tables would take too much memory
+SECOND_COPY = 1 << 18  # gradients: of more, a second copy of a table would take too much memory
 
 
 class Tables:
@@ -116,8 +116,7 @@ class Tables:
         needed, capacity = self.used + more, len(self.links)
         while capacity < needed:
             capacity *= 2
-        untidy = self._counters[LAST_SERIAL] >= self._tidy_at and capacity <= LARGEST_MESS
-        if capacity > len(self.links) or untidy:
+        if capacity > len(self.links) or self._counters[LAST_SERIAL] >= self._tidy_at:
             self._move_to(capacity)
 
     def _move_to(self, capacity: int) -> None:
@@ -151,6 +150,10 @@ class Tables:
 
 def moved(old: Table, order: Ints, capacity: int) -> Table:
     """Return a table of `capacity` rows, the first of which are the rows `order` (R,) of `old` (M, C)."""
+    if capacity == len(old) and len(order) > SECOND_COPY:
+        for column in range(old.shape[1]):
+            old[: len(order), column] = old[order, column]
+        return old
     new = np.empty((capacity, old.shape[1]), dtype=old.dtype)
     np.take(old, order, axis=0, out=new[: len(order)], mode="clip")  # "raise" would buffer
     return new

@@ -110,6 +110,22 @@ def test_growing_keeps_everything_and_the_order_within_cells():
     assert len(small) == 1000
 
 
+def test_moving_neighbours_together_in_place_is_moving_them_to_new_tables(monkeypatch):
+    space, seen = Torus(11.0, 11.0), []
+    for in_place in (False, True):
+        monkeypatch.setattr("selforg.tables.SECOND_COPY", 0 if in_place else 1 << 18)
+        monkeypatch.setattr("selforg.tables.SMALLEST_MESS", 100)
+        buffer = SoBuffer(BufferSettings(aggregation_distance=0.3), space, OwnPoses(space, 1))
+        buffer.poses.update(np.array([[5.0, 5.0]]), None, 0.0)
+        buffer.table.reserve(2000)
+        rng = np.random.default_rng(1)
+        for tick in range(100):
+            buffer.store_static(0, "f", rng.random((10, 2)) * 11, 0.1 * tick)
+        seen.append(Queries(buffer).see(10.0).pairs)
+    np.testing.assert_array_equal(*seen)
+    assert len(seen[0]) > 10
+
+
 def test_evaporated_gradients_are_freed_without_being_looked_at():
     space = Torus(11.0, 11.0)
     buffer = SoBuffer(BufferSettings(aggregation_distance=0.0), space, OwnPoses(space, 1))
