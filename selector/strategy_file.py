@@ -89,6 +89,12 @@ def spec_of(path: Path) -> StrategySpec:
     return StrategySpec(name=description.strategy, parameters=description.parameters)
 
 
+def features_of(path: Path) -> tuple[str, ...]:
+    """Return the names of the features of a context that the strategy in a file was told of."""
+    _, description = _read(path)
+    return description.features
+
+
 def _read(path: Path) -> tuple[Arrays, _Description]:
     arrays, content = load_arrays(path)
     version = content.get("version")

@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `run`, `explain`, `record`, `list`, `knowledge` and `--version`.
+"""The command line: `clean-swarm evaluate`, `train`, `run`, `explain`, `record`, `list`, `knowledge` and `--version`.
 
 What is wrong with the input is one line on the standard error and exit code 2; Ctrl-C ends with exit code 130. The
 heavy imports wait until a command needs them, so that help is quick.
@@ -6,7 +6,7 @@ heavy imports wait until a command needs them, so that help is quick.
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -16,7 +16,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config_errors import ConfigurationError
-from train import goal_cli, knowledge_cli
+from train import goal_cli, knowledge_cli, training_cli
 
 if TYPE_CHECKING:
     from train.runs import MissionRunner
@@ -28,6 +28,7 @@ THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 app.add_typer(knowledge_cli.app, name="knowledge")
+app.add_typer(training_cli.app, name="train")
 app.command()(goal_cli.run)
 
 
@@ -80,12 +81,32 @@ def evaluate(
     resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
     starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,
     condition: Annotated[list[str] | None, typer.Option(help="Run this condition only; can be repeated.")] = None,
+    family: Annotated[
+        str | None, typer.Option(help="Compare strategies on scenarios of this family, by name or path.")
+    ] = None,
+    strategy: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="With --family: fixed (every option), rule, policy:NAME, STRATEGY:FILE or STRATEGY:parameter=value; "
+            "+ joins what several training seeds gave, LABEL=... names it; can be repeated.",
+        ),
+    ] = None,
+    knowledge: Annotated[
+        str | None, typer.Option(help="With --family: expert knowledge in place of the family's own.")
+    ] = None,
     configs: Configs = None,
 ) -> None:
-    """Run an experiment under all its conditions and print its table; the default is the paper's Table 1."""
+    """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     for name, value, least in (("--scenarios", scenarios, 1), ("--workers", workers, 1), ("--seed", seed, 0)):
         if value is not None and value < least:
             raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {value}")
+    if family is not None:
+        _check_absent("without --family", {"--starts": starts, "--condition": condition})
+        code = _evaluate_family(
+            family, strategy or ["fixed"], seed, scenarios, knowledge, configs or [], workers, output, resume
+        )
+        raise typer.Exit(code)
+    _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge})
     from train import evaluation
     from train.plan import Request
     from train.runs import usable_cpus
@@ -100,6 +121,25 @@ def evaluate(
             console=Console(width=max(Console().width, TABLE_WIDTH)),
         )
     )
+
+
+def _check_absent(where: str, given: Mapping[str, object]) -> None:
+    for name, value in given.items():
+        if value:
+            raise ConfigurationError(f"{name}: expected {where} only")
+
+
+def _evaluate_family(
+    family: str, strategies: list[str], seed: int, scenarios: int | None, knowledge: str | None, configs: list[Path],
+    workers: int | None, output: Path | None, resume: bool,
+) -> int:  # fmt: skip
+    from train.family_evaluation import FamilyRequest, check_entrants, evaluate_family
+    from train.runs import usable_cpus
+
+    request = FamilyRequest(family, tuple(strategies), seed, scenarios, knowledge, tuple(configs))
+    check_entrants(request)
+    console = Console(width=max(Console().width, TABLE_WIDTH))
+    return evaluate_family(request, workers=workers or usable_cpus(), output=output, resume=resume, console=console)
 
 
 RunDirectory = Annotated[Path, typer.Argument(help="Directory of an evaluation's results.", metavar="RUN")]

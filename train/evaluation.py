@@ -57,14 +57,14 @@ def _run_missing(tasks: Sequence[RunTask], results: Results, workers: int, run_m
     missing = [task for task in tasks if (task.scenario, task.condition) not in finished]
     if missing:
         compile_first(missing[0], run_mission)
-    with _progress(len(tasks), len(finished)) as advance, closing(execute_all(missing, workers, run_mission)) as runs:
+    with progress(len(tasks), len(finished)) as advance, closing(execute_all(missing, workers, run_mission)) as runs:
         for record in runs:
             results.add(record)
             next(advance)
 
 
 @contextmanager
-def _progress(total: int, finished: int) -> Iterator[Iterator[None]]:
+def progress(total: int, finished: int) -> Iterator[Iterator[None]]:
     """Show a bar with the time left on the standard error; each `next` of what it gives is one more run."""
     columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
     with Progress(*columns, TimeRemainingColumn(elapsed_when_finished=False), console=Console(stderr=True)) as bar:

@@ -1,14 +1,10 @@
 """One run: a mission of an experiment under one condition; many runs, one after the other or in several processes."""
 
-import multiprocessing
 import os
-import signal
-import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -17,6 +13,7 @@ from clean_swarm_env.experiment import ExperimentConfig
 from clean_swarm_env.starts import for_start, run_seed
 from selector.registry import StrategySpec
 from selector.selection import BY_SCORE
+from train.processes import each_done
 
 
 class MissionOutcome(Protocol):
@@ -152,55 +149,8 @@ def execute(task: RunTask, run_mission: MissionRunner) -> RunRecord:
 
 
 def execute_all(tasks: Sequence[RunTask], workers: int, run_mission: MissionRunner) -> Generator[RunRecord, None, None]:
-    """Yield the record of each task as it is finished, in any order, from up to `workers` processes.
-
-    Closing the iterator, or an error in a run, ends the other runs at once. One worker is this process itself.
-    """
-    if min(workers, len(tasks)) <= 1:
-        for task in tasks:
-            yield execute(task, run_mission)
-        return
-    context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context, initializer=_start_worker)
-    finished = False
-    try:
-        with _ctrl_c_ignored():  # the first tasks start the workers, which inherit this
-            futures = [pool.submit(execute, task, run_mission) for task in tasks]
-        for future in as_completed(futures):
-            yield future.result()
-        finished = True
-    finally:
-        if not finished:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for child in set(multiprocessing.active_children()) - others:
-                child.terminate()
-        pool.shutdown()
-
-
-@contextmanager
-def _ctrl_c_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C: it reaches a whole group of processes, and the parent decides for its workers."""
-    if threading.current_thread() is not threading.main_thread():  # only the main thread may change signals
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _start_worker() -> None:
-    """End this worker with its parent: one that is killed must not leave workers behind."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
-
-
-def _end_with(wait_for_parent: Callable[[], None]) -> None:
-    wait_for_parent()
-    os._exit(1)
+    """Yield the record of each task as it is finished, in any order; see `processes.each_done`."""
+    yield from each_done(partial(execute, run_mission=run_mission), tasks, workers)
 
 
 def usable_cpus() -> int:

@@ -1,0 +1,176 @@
+"""Training of a strategy by the rewards that follow its choices, episode by episode in many worlds.
+
+Between two checkpoints everything follows from the checkpoint's number, the seed and the state saved there, as in the
+training by PPO.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from selector.array_file import load_arrays, save_arrays
+from selector.decisions import Problem
+from selector.documents import DocumentError, unknown
+from selector.store import Batch as StoreBatch
+from selector.store import KnowledgeStore
+from selector.strategy import DecisionStrategy
+from selector.strategy_file import save_strategy
+from selector.streams import row_keys
+from train.checkpoints import TrainingDirectory
+from train.credit import Credit, Paid
+from train.curriculum import Curriculum
+from train.scenario_worlds import Observations
+from train.training_config import TrainingConfig
+from train.trials import StrategyPilot, problem_of
+from train.validation import Progress, measured
+
+CHECKPOINT, STRATEGY = "checkpoint.safetensors", "strategy.safetensors"
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class BanditTraining:
+    """One training, checkpoint by checkpoint; the arguments are those of `PpoTraining`."""
+
+    def __init__(
+        self, config: TrainingConfig, seed: int, directory: TrainingDirectory, told: Callable[[int], None],
+        directories: tuple[Path, ...] = (), store: KnowledgeStore | None = None,
+    ) -> None:  # fmt: skip
+        assert config.bandit is not None
+        self.config, self.settings, self.seed, self.directory = config, config.bandit, seed, directory
+        self._directories, self._told, self._store = directories, told, store
+        self.curriculum = Curriculum(config, seed, directories)
+        self.joined = self.curriculum.joined
+        self._period = self.joined.batches[0].mission.decision_period
+        whole = problem_of(self.joined.batches[0])
+        self._columns = columns_of(whole, self.settings.context, "context")
+        self._watched = columns_of(whole, self.settings.credit.until, "until")
+        self.problem = Problem(whole.goal, whole.options, whole.scores, self.settings.context)
+        self.strategy = self._built(self.problem, self.joined.worlds_of_rows)
+        self.progress, self.checkpoint, self.decisions = Progress(), 0, 0
+        self._best = self.strategy.learned()
+        self._record = StoreBatch(self.problem.goal, self.problem.options)
+        if directory.begun:
+            self._load()
+
+    @property
+    def finished(self) -> bool:
+        """Whether all checkpoints are done, or nothing has become better for long."""
+        patient = self.progress.since < self.config.validation.patience
+        return self.checkpoint >= self.config.checkpoints or not patient
+
+    def advance(self) -> None:
+        """Learn up to the next checkpoint, measure what was learned, and save everything."""
+        seeds = np.random.SeedSequence([self.seed, self.checkpoint, 2])
+        self.strategy.reseed(np.arange(self.joined.rows), row_keys(seeds, self.joined.rows))
+        costs = self._learn(self.joined.begin(self.curriculum.sources(self.checkpoint)))
+        self.checkpoint += 1
+        entry = {
+            "checkpoint": self.checkpoint, "decisions": self.decisions, "missions": len(costs),
+            "training_cost_s": float(np.mean(costs)) if costs else None,
+        }  # fmt: skip
+        if self.progress.note(entry, self._measured()):
+            self._best = self.strategy.learned()
+        self._save()
+        if self._store is not None and self._record.count:
+            self._store.add(self._record, source=f"{self.config.name}-seed{self.seed}")
+        self._record = StoreBatch(self.problem.goal, self.problem.options)
+
+    def export(self, command: str) -> Path:
+        """Write what the strategy had learned when it was best and return the file; `command` is in the manifest."""
+        last, path = self.strategy.learned(), self.directory.path / STRATEGY
+        self.strategy.load_learned(self._best)
+        one = self._built(self.problem, np.zeros(1, dtype=np.int64))
+        one.load_learned({name: array[:1] for name, array in self._best.items()})
+        save_strategy(path, one)
+        self.strategy.load_learned(last)
+        return path
+
+    def _learn(self, seen: Observations) -> list[float]:
+        """Let the strategy decide and learn until the next checkpoint; return the costs of missions that ended."""
+        settings, rows = self.settings.credit, self.joined.rows
+        periods = max(round(settings.horizon / self._period), 1)
+        discount = settings.discount**self._period
+        credit = Credit(rows, periods, len(self._columns), discount)
+        hold = round(settings.hold / self._period) or np.iinfo(np.int64).max
+        left, options = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.int64)
+        watched, costs = seen[:, self._watched].copy(), []
+        for _ in range(-(-self.config.decisions // rows)):
+            changed = (seen[:, self._watched] != watched).any(axis=1)
+            watched = seen[:, self._watched].copy()
+            deciding = np.flatnonzero(((left <= 0) | changed) & self.joined.present)
+            if len(deciding):
+                context = seen[deciding][:, self._columns].astype(np.float64)
+                options[deciding] = self.strategy.select(context, rows=deciding)
+                credit.decide(deciding, options[deciding], context, self.strategy.chance[deciding])
+                left[deciding] = hold
+            moment = self.joined.step(options)
+            left -= 1
+            left[moment.over] = 0
+            seen = moment.observations
+            self._take(credit.pay(moment.rewards, moment.over))
+            self.decisions += rows
+            costs += [done.result.cost_s for done in moment.done]
+            self._told(self.decisions)
+        return costs
+
+    def _take(self, paid: Paid) -> None:
+        """Let the strategy learn from decisions whose rewards are complete."""
+        if not len(paid.rows):
+            return
+        self.strategy.update(paid.options, paid.rewards, paid.contexts, paid.rows, paid.chances)
+        if self._store is not None:
+            self._record.record(paid.options, paid.rewards, self.strategy.context_keys(paid.contexts))
+
+    def _measured(self) -> dict[str, float]:
+        if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
+            return {}
+        learned = self.strategy.learned()
+
+        def pilot(problem: Problem, teams: Ints) -> StrategyPilot:
+            own = self._built(Problem(problem.goal, problem.options, problem.scores, self.settings.context), teams)
+            own.load_learned({name: array[:1] for name, array in learned.items()})
+            return StrategyPilot(own, columns_of(problem, self.settings.context, "context"))
+
+        return measured(self.curriculum.validation, pilot, self.config.observation, self._directories)
+
+    def _built(self, problem: Problem, teams: Ints) -> DecisionStrategy:
+        keys = row_keys(np.random.SeedSequence([self.seed, 3]), len(teams))
+        return self.settings.strategy.build(problem, keys, teams)
+
+    def _save(self) -> None:
+        arrays = {f"now.{name}": array for name, array in self.strategy.learned().items()}
+        arrays |= {f"best.{name}": array for name, array in self._best.items()}
+        description = {
+            "checkpoint": self.checkpoint, "decisions": self.decisions, "history": self.progress.history,
+            "best": self.progress.best if np.isfinite(self.progress.best) else None, "since": self.progress.since,
+        }  # fmt: skip
+        save_arrays(self.directory.checkpoint, arrays, description)
+        self.directory.write_history(self.progress.history)
+
+    def _load(self) -> None:
+        arrays, told = load_arrays(self.directory.checkpoint)
+        parts: dict[str, dict[str, NDArray[Any]]] = {"now": {}, "best": {}}
+        for name, array in arrays.items():
+            kind, _, own = name.partition(".")
+            parts[kind][own] = array
+        self.strategy.load_learned(parts["now"])
+        self._best = parts["best"]
+        self.checkpoint, self.decisions = told["checkpoint"], told["decisions"]
+        best = float("inf") if told["best"] is None else told["best"]
+        self.progress = Progress(told["history"], best, told["since"])
+        self.directory.write_history(self.progress.history)
+
+
+def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
+    """Return the places of components of an observation; an unknown one is a DocumentError."""
+    for name in names:
+        if name not in problem.features:
+            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
+    return np.array([problem.features.index(name) for name in names], dtype=np.int64)

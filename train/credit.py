@@ -1,0 +1,69 @@
+"""Which rewards belong to which decision of a bandit: all within a horizon after it, less the later they come.
+
+Shapes: R rows, H decision periods of the horizon, F components of a context.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+class Paid(NamedTuple):
+    """K decisions whose rewards are complete."""
+
+    rows: Ints
+    options: Ints
+    rewards: Floats
+    contexts: Floats
+    chances: Floats
+
+
+class Credit:
+    """Decisions that wait for their rewards.
+
+    A decision gets the rewards of the H periods that follow, discounted; the end of the mission ends it earlier.
+    """
+
+    def __init__(self, rows: int, periods: int, features: int, discount: float) -> None:
+        """`periods` is H, `discount` the weight of a reward one period later."""
+        self._discount = discount
+        self._place = 0
+        self._waits = np.zeros((periods, rows), dtype=np.bool_)
+        self._options = np.zeros((periods, rows), dtype=np.int64)
+        self._sums = np.zeros((periods, rows))
+        self._weights = np.ones((periods, rows))
+        self._chances = np.ones((periods, rows))
+        self._contexts = np.zeros((periods, rows, features))
+
+    def decide(self, rows: Ints, options: Ints, contexts: Floats, chances: Floats) -> None:
+        """Note what `rows` (K,) chose for the period that begins."""
+        place = self._place
+        self._waits[place, rows] = True
+        self._options[place, rows], self._chances[place, rows] = options, chances
+        self._contexts[place, rows] = contexts
+        self._sums[place, rows], self._weights[place, rows] = 0.0, 1.0
+
+    def pay(self, rewards: Floats, over: Flags) -> Paid:
+        """Note the `rewards` (R,) of a period and in which rows the mission is `over` (R,); return what is complete."""
+        self._sums += self._weights * rewards
+        self._weights *= self._discount
+        self._place = (self._place + 1) % len(self._waits)
+        complete = self._waits & over
+        complete[self._place] |= self._waits[self._place]  # its place is needed next
+        places, rows = np.nonzero(complete)
+        self._waits[places, rows] = False
+        return Paid(
+            rows, self._options[places, rows], self._sums[places, rows], self._contexts[places, rows],
+            self._chances[places, rows],
+        )  # fmt: skip
+
+    def drop(self) -> None:
+        """Forget all decisions that wait."""
+        self._waits[:] = False

@@ -1,0 +1,120 @@
+"""What can be compared on a family: fixed options, a rule by hand, learned strategies and trained policies, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clean_swarm_env.config_errors import ConfigurationError
+from selector.decisions import Ints, Problem
+from selector.documents import unknown
+from selector.policy_file import find_policy, load_policy
+from selector.registry import StrategySpec, spec_from_text
+from selector.strategy_file import features_of, load_strategy, spec_of
+from selector.streams import row_keys
+from train.trials import Observations, Pilot, PolicyPilot, StrategyPilot
+
+FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", ".safetensors"
+
+SITUATIONS = {
+    "free_far": "RepulsionFernandez-view1.5",
+    "free_near": "RepulsionFernandez-view1.5",
+    "carrying_far": "RepulsionGradient-from0.25",
+    "carrying_near": "RepulsionFernandez-view0.5",
+}
+"""The rule by hand: situation -> option."""
+
+
+class RulePilot:
+    """The best rule found by hand for many robots in little space: one option in each situation."""
+
+    def __init__(self, problem: Problem) -> None:
+        for option in SITUATIONS.values():
+            if option not in problem.options:
+                raise ConfigurationError(unknown("option", option, problem.options))
+        self._columns = [problem.features.index(name) for name in SITUATIONS]
+        self._options = np.array([problem.options.index(name) for name in SITUATIONS.values()])
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Nothing changes with a mission."""
+
+    def choose(self, observations: Observations) -> Ints:
+        """Return the option of the situation that each row is in."""
+        chosen: Ints = self._options[observations[:, self._columns].argmax(axis=1)]
+        return chosen
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """One strategy; the members are what it became by training with different seeds, or itself alone."""
+
+    label: str
+    members: tuple[str, ...]
+    """What each of them is, in words of `member_pilot`."""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it is one option, whatever happens."""
+        return self.label.startswith(f"{FIXED}:")
+
+
+def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
+    """Return what the words of the command line name; `fixed` is every option.
+
+    `NAME:FILE` and `policy:NAME` take several files or names of one strategy trained with several seeds, with + between
+    them; `LABEL=...` gives it a name of its own.
+    """
+    found: list[Entrant] = []
+    for text in given:
+        label, equals, rest = text.partition("=")
+        if not equals or ":" in label:
+            label, rest = text, text
+        if rest == FIXED:
+            found += [Entrant(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
+            continue
+        kind, _, names = rest.partition(":")
+        several = kind == POLICY or names.endswith(LEARNED)
+        members = tuple(f"{kind}:{name}" for name in names.split("+")) if several else (rest,)
+        found.append(Entrant(kind if several and label == text and "+" in names else label, members))
+    labels = [entrant.label for entrant in found]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise ConfigurationError(f"--strategy: {label!r} is given twice; LABEL=... gives it another name")
+    return found
+
+
+def member_pilot(member: str, problem: Problem, teams: Ints) -> Pilot:
+    """Return what decides as `member` says, for rows of `teams` (R,); `problem` has all components of the observation.
+
+    Raises DocumentError if it does not exist or does not fit the problem.
+    """
+    kind, _, name = member.partition(":")
+    if kind == POLICY:
+        return PolicyPilot(load_policy(find_policy(name)), problem)
+    if name.endswith(LEARNED):
+        path = Path(name)
+        spec, features = spec_of(path), features_of(path)
+        if spec.name != kind:
+            raise ConfigurationError(f"--strategy {member}: expected a file of {kind}, got one of {spec.name}")
+        return _strategy_pilot(spec, problem, teams, features, path)
+    if kind == FIXED:
+        return _strategy_pilot(StrategySpec(name="Fixed", parameters={"option": name}), problem, teams, ())
+    if member == RULE:
+        return RulePilot(problem)
+    return _strategy_pilot(spec_from_text(member), problem, teams, ())
+
+
+def _strategy_pilot(
+    spec: StrategySpec, problem: Problem, teams: Ints, features: tuple[str, ...], learned: Path | None = None
+) -> StrategyPilot:
+    own = Problem(problem.goal, problem.options, problem.scores, features)
+    for name in features:
+        if name not in problem.features:
+            raise ConfigurationError(f"strategy {spec.name}: feature {name!r} is not in the observation")
+    strategy = spec.build(own, row_keys(np.random.SeedSequence(0), len(teams)), teams)
+    if learned is not None:
+        load_strategy(learned, strategy)
+    return StrategyPilot(strategy, np.array([problem.features.index(name) for name in features], dtype=np.int64))

@@ -1,0 +1,65 @@
+"""Tasks in several processes, each told of as it is done."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from typing import TypeVar
+
+Task = TypeVar("Task")
+Outcome = TypeVar("Outcome")
+
+
+def each_done(run: Callable[[Task], Outcome], tasks: Sequence[Task], workers: int) -> Generator[Outcome, None, None]:
+    """Yield what `run` returns for each task as it is done, in any order, from up to `workers` processes.
+
+    Closing the iterator, or an error in a task, ends the others at once. One worker is this process itself.
+    """
+    if min(workers, len(tasks)) <= 1:
+        for task in tasks:
+            yield run(task)
+        return
+    context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context, initializer=_start_worker)
+    finished = False
+    try:
+        with _ctrl_c_ignored():  # the first tasks start the workers, which inherit this
+            futures = [pool.submit(run, task) for task in tasks]
+        for future in as_completed(futures):
+            yield future.result()
+        finished = True
+    finally:
+        if not finished:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in set(multiprocessing.active_children()) - others:
+                child.terminate()
+        pool.shutdown()
+
+
+@contextmanager
+def _ctrl_c_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C: it reaches a whole group of processes, and the parent decides for its workers."""
+    if threading.current_thread() is not threading.main_thread():  # only the main thread may change signals
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _start_worker() -> None:
+    """End this worker with its parent: one that is killed must not leave workers behind."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
+
+
+def _end_with(wait_for_parent: Callable[[], None]) -> None:
+    wait_for_parent()
+    os._exit(1)
