@@ -1,0 +1,89 @@
+"""Strategies on a family, by the command line: same results in any number of processes, going on, mistakes."""
+
+import csv
+import json
+import sys
+
+import pytest
+import yaml
+
+from clean_swarm_env.config_files import load_family
+from train import cli, trials
+from train.entrants import member_pilot
+from train.trials import run_trials
+
+FAMILY = {
+    "name": "small",
+    "description": "Two to four robots and three items.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0},
+    "robots": [2, 4],
+    "items": [3, 3],
+}
+
+
+@pytest.fixture
+def family(tmp_path):
+    path = tmp_path / "small.yaml"
+    path.write_text(yaml.safe_dump(FAMILY))
+    return path
+
+
+@pytest.fixture
+def evaluate(monkeypatch, capsys, tmp_path, family):
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["clean-swarm", "evaluate", "--family", str(family), *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        return int(ended.value.code or 0), out, err
+
+    return call
+
+
+def rows_of(directory):
+    with (directory / "runs.csv").open(newline="") as file:
+        return [{k: v for k, v in row.items() if k != "wall_s"} for row in csv.DictReader(file)]
+
+
+def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp_path):
+    words = ("--strategy", "fixed", "--strategy", "rule", "--strategy", "Random", "--scenarios", "3", "--workers", "1")
+    code, out, _ = evaluate(*words, "--output", tmp_path / "whole")
+    assert code == 0
+    assert "share of the gap" in out
+    code, _, _ = evaluate(*words, "--output", tmp_path / "cut")
+    journal = tmp_path / "cut" / "runs.jsonl"
+    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
+    assert evaluate(*words, "--output", tmp_path / "cut", "--resume")[0] == 0
+    assert rows_of(tmp_path / "cut") == rows_of(tmp_path / "whole")
+    summary = json.loads((tmp_path / "whole" / "summary.json").read_text())
+    assert summary == json.loads((tmp_path / "cut" / "summary.json").read_text())
+    assert set(summary["strategies"]) >= {"rule", "Random", summary["best_fixed"]}
+
+
+def test_a_mission_takes_the_same_course_beside_any_others(family):
+    scenarios = [load_family(str(family)).scenario(4, k, "test") for k in range(4)]
+
+    def results(worlds, some):
+        return run_trials(some, lambda problem, teams: member_pilot("Random", problem, teams), worlds=worlds)
+
+    together = results(3, scenarios)
+    assert together == [results(1, [scenario])[0] for scenario in scenarios]
+    assert len(trials.by_frame(scenarios)) == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--strategy", "UCB2"), "unknown strategy 'UCB2'"),
+        (("--strategy", "policy:none"), "unknown policy 'none'"),
+        (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
+        (("--strategy", "rule", "--knowledge", "cleaning"), "unknown option 'RepulsionGradient-from0.25'"),
+        (("--starts", "x.json"), "--starts: expected without --family only"),
+    ],
+)
+def test_mistakes_are_one_line_and_nothing_is_written(evaluate, tmp_path, words, line):
+    code, _, err = evaluate(*words, "--output", tmp_path / "none")
+    assert code == 2
+    assert line in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "none").exists()
