@@ -75,7 +75,7 @@ class PpoTraining:
     @property
     def decisions(self) -> int:
         """Decisions made so far."""
-        return self.model.num_timesteps
+        return int(self.model.num_timesteps)
 
     def advance(self) -> None:
         """Learn up to the next checkpoint, measure what was learned, and save everything."""
@@ -140,7 +140,7 @@ class PpoTraining:
 
     def _take(self, weights: dict[str, Any]) -> None:
         self.model.policy.load_state_dict(weights["policy"])
-        self.normal.obs_rms = _statistics(weights["observations"])  # type: ignore[assignment]
+        self.normal.obs_rms = _statistics(weights["observations"])
 
     def _save(self) -> None:
         content = {
