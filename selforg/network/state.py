@@ -97,7 +97,8 @@ def reset_rows(
         marks[row, PRESENT] = 1
         marks[row, ENABLED] = 1
         marks[row, EXECUTION_TIME] = -1
-        marks[row, PRIORITY] = priorities
+        for b in range(len(priorities)):  # one by one: a slice assigned to a slice takes two seconds to compile
+            marks[row, PRIORITY, b] = priorities[b]
         row_values[row] = 0.0
         row_values[row, THRESHOLD] = row_values[row, DECIDING] = threshold
         goal_satisfaction[row] = 0.0
