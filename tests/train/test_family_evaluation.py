@@ -87,3 +87,14 @@ def test_mistakes_are_one_line_and_nothing_is_written(evaluate, tmp_path, words,
     assert line in err
     assert len(err.strip().splitlines()) == 1
     assert not (tmp_path / "none").exists()
+
+
+def test_the_policy_that_ships_fits_the_families(family):
+    from selector.policy_file import find_policy, load_policy
+
+    policy = load_policy(find_policy("general"))
+    assert policy.spec.training["command"] == "clean-swarm train ppo --config general --seed 1"
+    scenario = load_family("random").scenario(0, 0, "test")
+    (result,) = run_trials([scenario], lambda problem, teams: member_pilot("policy:general", problem, teams))
+    assert result.completed
+    assert result.duration_s < 200.0
