@@ -36,6 +36,9 @@ BOID_COLUMNS = 7
 VIEW, MAX_SPEED, SEPARATION, EPSILON, A, B, H, MAX_ACCELERATION = 0, 1, 2, 3, 4, 5, 6, 7
 FLOCK_PARAMETERS = 8
 
+SHORTEST_TIME = 1e-6
+"""Two poses count as at least so far apart in time [s]: stamps may differ by less than a velocity can bear."""
+
 
 @kernel
 def sigma_norm(squared: float, epsilon: float) -> float:
@@ -176,7 +179,7 @@ def move_olfati_saber(
 ) -> None:
     """Put own velocity + limited acceleration into `total` (3,); the avoidance distance is the own reach."""
     velocity, gradient = np.zeros(3), np.zeros(3)
-    elapsed = own[row, 0, POSE_STAMP] - own[row, 1, POSE_STAMP]
+    elapsed = max(own[row, 0, POSE_STAMP] - own[row, 1, POSE_STAMP], SHORTEST_TIME)
     for axis in range(3):
         velocity[axis] = nearest_image(own[row, 0, X + axis] - own[row, 1, X + axis], extent[axis]) / elapsed
     reach = own[row, 0, DIFFUSION] + own[row, 0, GOAL]
@@ -225,7 +228,7 @@ def note_velocities(
         for axis in range(3):
             moved = nearest_image(pairs[index, DX + axis] - pairs[oldest, DX + axis], extent[axis])
             boids[count, OFFSET + axis] = pairs[index, DX + axis]
-            boids[count, VELOCITY + axis] = moved / (stamp - oldest_stamp)
+            boids[count, VELOCITY + axis] = moved / max(stamp - oldest_stamp, SHORTEST_TIME)
         boids[count, BOID_GOAL] = pairs[index, PAIR_GOAL]
         count += 1
     return count
