@@ -20,6 +20,10 @@ from train.statistics import BOOTSTRAP_SEED, Interval
 Floats = NDArray[np.float64]
 RESAMPLES = 5_000
 """Bootstrap resamples."""
+LEAST_GAP = 1e-6
+"""Share of the best fixed option's cost below which a gap is none."""
+MOSTLY = 0.975
+"""Share of resamples that need a gap for its share to have an interval."""
 ORACLE = "oracle"
 
 
@@ -82,7 +86,7 @@ def _standing(
     """Return where the costs `own` (S, K) stand among those of the `options` (O, K)."""
     oracle = options.min(axis=0)
     mean, fixed_mean, gap = own.mean(), options[best].mean(), options[best].mean() - oracle.mean()
-    share = float((fixed_mean - mean) / gap) if gap > 0.0 else None
+    share = float((fixed_mean - mean) / gap) if gap > LEAST_GAP * fixed_mean else None
     if drawn is None or resampled is None:
         plain = Estimate(float(mean / fixed_mean), None)
         return Standing(label, Estimate(float(mean), None), plain, None if share is None else Estimate(share, None))
@@ -90,13 +94,13 @@ def _standing(
     means = own[seeds].mean(axis=1) if len(own) > 1 else None  # (B, K)
     own_means = own[0][drawn].mean(axis=1) if means is None else np.take_along_axis(means, drawn, 1).mean(axis=1)
     fixed_means, gaps = resampled[best], resampled[best] - oracle[drawn].mean(axis=1)
-    positive = gaps > 0.0
-    shares = (fixed_means - own_means)[positive] / gaps[positive]
+    wide = gaps > LEAST_GAP * fixed_means
+    shares = (fixed_means - own_means)[wide] / gaps[wide]
     return Standing(
         label,
         Estimate(float(mean), _interval(own_means)),
         Estimate(float(mean / fixed_mean), _interval(own_means / fixed_means)),
-        None if share is None else Estimate(share, _interval(shares)),
+        None if share is None else Estimate(share, _interval(shares) if wide.mean() > MOSTLY else None),
     )
 
 

@@ -260,7 +260,7 @@ def _gap_row(standing: Standing) -> tuple[str, ...]:
     share = standing.share or Estimate(float("nan"), None)
     return (
         standing.label, f"{standing.cost.value:.1f}", f"{standing.ratio.value:.3f}", _shown(standing.ratio),
-        f"{share.value:.2f}", _shown(share),
+        "-" if standing.share is None else f"{share.value:.2f}", _shown(share),
     )  # fmt: skip
 
 
