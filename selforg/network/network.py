@@ -181,16 +181,24 @@ class BehaviourNetwork:
             refuse(-1 - missing, self.model.sensors, self.readings)
         if missing and self.planner is not None:
             waiting = chosen[self.plans.marks[pw.NEEDED, chosen] == 1]
-            for row in waiting.tolist():
-                self._plan(self.planner, row)
+            self._plan(self.planner, waiting)
             self._run(waiting, DECIDE, guarantee)
 
-    def _plan(self, planner: Planner, row: int) -> None:
-        s = self.state
-        steps = planner.plan(self.readings[row], s.marks[st.ALTERNATIVE, row], s.goal_enabled[row])
-        self._memory.insert(self._keys[row], steps)
-        self.set_plan(row, steps)
-        self.plans.marks[pw.NEEDED, row] = 0
+    def _plan(self, planner: Planner, rows: NDArray[np.int64]) -> None:
+        """Plan for `rows` (K,), once for each key; keys that the memory has come to tell apart finer are let be."""
+        s, reach = self.state, self._memory.reach
+        found: dict[bytes, list[int] | None] = {}
+        for row in rows.tolist():
+            key = self._keys[row].tobytes()
+            if key not in found:
+                steps = planner.plan(self.readings[row], s.marks[st.ALTERNATIVE, row], s.goal_enabled[row])
+                if self._memory.reach == reach:
+                    self._memory.insert(self._keys[row], steps)
+                    found[key] = steps
+            else:
+                steps = found[key]
+            self.set_plan(row, steps)
+            self.plans.marks[pw.NEEDED, row] = 0
 
     def _run(self, rows: NDArray[np.int64], phase: int, guarantee: bool) -> int:
         s, p, memory = self.state, self.plans, self._memory

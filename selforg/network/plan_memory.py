@@ -1,19 +1,21 @@
 """Plans found before, looked up by compiled code, so that a swarm that replans all the time seldom leaves the kernel.
 
 A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how
-many steps of its grid it is away from each of its bounds (see `PlanTask.signature`). Equal keys have equal plans; the
-memory therefore changes speed only, never an answer.
+many steps of its grid it is away from each of its bounds (see `PlanTask.signature`). Numbers that plans only use up
+are told apart no further than `reach` steps from where they suffice; the planner says when that is too little (see
+`plan_spending`). Equal keys have equal plans; the memory therefore changes speed only, never an answer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from selforg.compiled import inlined
 from selforg.network import state as st
 from selforg.network.plan_guards import STEPS_PER_UNIT
+from selforg.network.plan_spending import Spent
 from selforg.network.plan_task import Scale
 from selforg.network.plan_watch import INDEX, KNOWN, LENGTH, MAX_PLAN
 from selforg.network.tables import Floats, Ints
@@ -30,11 +32,20 @@ class PlanMemory:
         scales: for each number a plan can depend on, its sensor and its scale.
         coordinators: behaviours that hold one of several alternatives.
         goals: number of goals.
+        spent: of which sensors the numbers are only used up, and how.
+
+    Attributes:
+        reach: grid steps beyond which readings of such numbers share their plans.
 
     """
 
     def __init__(
-        self, facts: Sequence[int], scales: Sequence[tuple[int, Scale]], coordinators: Sequence[int], goals: int
+        self,
+        facts: Sequence[int],
+        scales: Sequence[tuple[int, Scale]],
+        coordinators: Sequence[int],
+        goals: int,
+        spent: Mapping[int, Spent] | None = None,
     ) -> None:
         words = [
             (sensor, crossing, scale.grid, _or(scale.low, -LARGEST), _or(scale.high, LARGEST))
@@ -48,6 +59,9 @@ class PlanMemory:
         self.key_words = -(-bits // BITS_PER_WORD) + len(words) + len(coordinators)
         self.entries: Ints = self._empty(256)
         self.count = 0
+        self.reach = 0
+        self._spent = spent or {}
+        self._clamp()
 
     def insert(self, key: Ints, behaviours: Sequence[int] | None) -> None:
         """Remember the plan (None: there is none) for `key` (K,)."""
@@ -63,6 +77,20 @@ class PlanMemory:
             entry[2 : 2 + len(behaviours)] = behaviours
         entry[2 + MAX_PLAN :] = key
         self.count += 1
+
+    def widen(self) -> None:
+        """Tell more readings apart from now on, and forget everything: keys written before are worth nothing."""
+        self.reach = max(2 * self.reach, 1)
+        self._clamp()
+        self.entries = self._empty(256)
+        self.count = 0
+
+    def _clamp(self) -> None:
+        facts, words = self.layout[:2].tolist()
+        for word in self.layout[4 + facts : 4 + facts + 5 * words].reshape(words, 5):  # views into the layout
+            number = self._spent.get(int(word[0]))
+            if number is not None:
+                word[4 if number.above else 3] = number.edge + (1 if number.above else -1) * self.reach * number.grid
 
     def _empty(self, size: int) -> Ints:
         return np.zeros((size, 2 + MAX_PLAN + self.key_words), dtype=np.int64)

@@ -18,11 +18,13 @@ class PriorityPlan:
     """The outcome for the best set of goals that has a plan: `goals` are those it reaches, `given_up` the others.
 
     Without a plan for any goal `outcome` is `Unsolvable`, or `Unknown` if a search gave up; `goals` is then empty.
+    `proved`: every set that was tried in vain is proved unsolvable.
     """
 
     outcome: Outcome
     goals: tuple[int, ...]
     given_up: tuple[int, ...]
+    proved: bool = True
 
 
 def plan_by_priority(
@@ -54,12 +56,13 @@ def plan_by_priority(
             continue
         outcome = search.plan_from(state, chosen)
         if isinstance(outcome, Plan):
-            return PriorityPlan(outcome, chosen, tuple(goal for goal in wanted if goal not in chosen))
+            given_up = tuple(goal for goal in wanted if goal not in chosen)
+            return PriorityPlan(outcome, chosen, given_up, isinstance(failure, Unsolvable))
         if isinstance(outcome, Unsolvable):
             unsolvable.append(set(chosen))
         else:
             failure = outcome
-    return PriorityPlan(failure, (), wanted)
+    return PriorityPlan(failure, (), wanted, isinstance(failure, Unsolvable))
 
 
 def goal_sets(goals: tuple[int, ...], priorities: Sequence[int]) -> Iterator[tuple[int, ...]]:

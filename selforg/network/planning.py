@@ -18,7 +18,7 @@ from selforg.network.conditions import Condition, Conjunction, Negation, Optiona
 from selforg.network.model import NetworkModel
 from selforg.network.plan_guards import FactTest, NumberTest, all_tests, make_guard, make_step
 from selforg.network.plan_memory import PlanMemory
-from selforg.network.plan_priorities import plan_by_priority
+from selforg.network.plan_spending import SpendingSearch, spent_numbers
 from selforg.network.plan_task import PlanTask
 from selforg.network.planner import ForwardSearch, Plan, Search
 from selforg.network.planning_problem import (
@@ -67,20 +67,25 @@ class BuiltInPlanner(Planner):
     def __init__(self, model: NetworkModel, make_search: Callable[[PlanningProblem], Search] = ForwardSearch) -> None:
         self.model = model
         self._make_search = make_search
-        self._searches: dict[tuple[int, ...], Search] = {}
+        self._searches: dict[tuple[int, ...], SpendingSearch] = {}
         self._columns = _Columns(model)
         self._coordinators = [b for b, behaviour in enumerate(model.behaviours) if behaviour.alternatives]
+        self._task = self._make_task()
+        self._spent = spent_numbers(self._task)
         self.memory = self._make_memory()
 
     def plan(self, readings: Floats, alternatives: Ints, goal_enabled: Ints) -> list[int] | None:
         """Behaviours in order for one row; None if no goal has a plan."""
         held = tuple(int(alternatives[b]) for b in self._coordinators)
         if held not in self._searches:
-            self._searches[held] = self._make_search(self._problem(held))
+            self._searches[held] = SpendingSearch(self._problem(held), self._make_search, self._spent)
         search = self._searches[held]
         wanted = np.flatnonzero(goal_enabled).tolist()
         facts, numbers = readings[self._columns.facts] > 0.5, readings[self._columns.numbers]
-        outcome = plan_by_priority(search, facts, numbers, wanted).outcome
+        plan, is_of_class = search.plan(facts, numbers, wanted, self.memory.reach)
+        if not is_of_class:
+            self.memory.widen()
+        outcome = plan.outcome
         if not isinstance(outcome, Plan):
             return None
         return [self.model.behaviour_index[search.problem.actions[action].name] for action in outcome.actions]
@@ -97,17 +102,22 @@ class BuiltInPlanner(Planner):
         ]
         return self._columns.problem(actions)
 
-    def _make_memory(self) -> PlanMemory:
-        """Return a memory whose keys tell apart whatever any combination of alternatives could depend on."""
+    def _make_task(self) -> PlanTask:
+        """Return the task of all goals with all that behaviours do in any combination of alternatives."""
         actions = []
         for behaviour in self.model.behaviours:
             if not behaviour.planner_independent:
                 always, *others = behaviour.interfaces
-                actions += [self._columns.action(behaviour, [always[1], other[1]]) for other in others or [always]]
+                actions.append(self._columns.action(behaviour, [always[1]]))
+                actions += [self._columns.action(behaviour, [always[1], other[1]]) for other in others]
         steps = tuple(make_step(k, action) for k, action in enumerate(actions))
         goal = make_guard(AllOf(tuple(goal.condition for goal in self._columns.goals)))
-        task = PlanTask(steps, goal, len(self._columns.numbers))
-        tests = [*all_tests(goal), *(test for step in task.steps for test in all_tests(step.guard))]
+        return PlanTask(steps, goal, len(self._columns.numbers))
+
+    def _make_memory(self) -> PlanMemory:
+        """Return a memory whose keys tell apart whatever any combination of alternatives could depend on."""
+        task = self._task
+        tests = [*all_tests(task.goal), *(test for step in task.steps for test in all_tests(step.guard))]
         facts = sorted({test.slot for test in tests if isinstance(test, FactTest)})
         read = {test.slot for test in tests if isinstance(test, NumberTest)}
         return PlanMemory(
@@ -115,6 +125,7 @@ class BuiltInPlanner(Planner):
             [(self._columns.numbers[scale.slot], scale) for scale in task.scales if scale.slot in read],
             self._coordinators,
             len(self.model.goals),
+            {self._columns.numbers[number.slot]: number for number in self._spent},
         )
 
 

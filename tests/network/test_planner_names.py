@@ -66,4 +66,4 @@ def test_an_engine_gives_the_network_plans_that_reach_what_the_built_in_ones_rea
             network.step()
         ours, theirs = (network.plans.marks for network in networks)
         np.testing.assert_array_equal(ours[pw.KNOWN], theirs[pw.KNOWN], err_msg=f"step {step}: a plan is known")
-    assert any(isinstance(search, EngineSearch) for search in networks[1].planner._searches.values())
+    assert any(isinstance(held.search, EngineSearch) for held in networks[1].planner._searches.values())
