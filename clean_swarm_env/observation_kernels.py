@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.garbage import NOTHING, nearest_lying
+from clean_swarm_env.garbage import LYING, NOTHING
+from clean_swarm_env.nearby import NOBODY, cell_at, cells_along, fill_cells, nearest_point
 from clean_swarm_env.observation_terms import APPROACH, PATROL, TERMS, TO_DUMP, TO_RECYCLING
 from selforg.compiled import kernel
 from selforg.space import nearest_image
@@ -16,6 +17,8 @@ from selforg.space import nearest_image
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+
+MARGIN = 1.0 + 1e-9  # by which cells are wider than what is in range, for rounding
 
 # Places in `scales`
 SIGHT, LONGEST, NEIGHBOURS, REACH, SPEED, TURN_RATE, STATION, CROWD, PATIENCE, SHARE = range(10)
@@ -41,29 +44,38 @@ def way(x: float, y: float, heading: float, tx: float, ty: float, extent: Floats
 
 @kernel
 def see_neighbours(
-    row: int, first: int, last: int, robots: Floats, headings: Floats, velocities: Floats, present: Flags,
-    cargo: Ints, extent: Floats, scales: Floats, squares: Floats, seen: Floats,
-) -> int:  # fmt: skip
-    """Write the terms of the other robots in the rows [first, last) and return how many robots are present.
+    row: int, first: int, team: int, robots: Floats, headings: Floats, velocities: Floats, present: Flags,
+    cells: Ints, links: Ints, cargo: Ints, extent: Floats, scales: Floats, squares: Floats, seen: Floats,
+) -> None:  # fmt: skip
+    """Write the terms of the other ones of the `team` robots that are present in the world whose rows begin at `first`.
 
-    squares (K,): of the neighbour ranges [m^2]; seen (A,): of the row.
+    cells, links (N,): of the world's robots, see `nearby`; squares (K,): of the neighbour ranges [m^2]; seen (A,): of
+    the row.
     """
     ranges = squares.shape[0]
-    best, shortest, team, carriers = -1, squares[ranges - 1], 1, 0
-    for other in range(first, last):
-        if other == row or not present[other]:
-            continue
-        team += 1
-        dx = nearest_image(robots[other, 0] - robots[row, 0], extent[0])
-        dy = nearest_image(robots[other, 1] - robots[row, 1], extent[1])
-        square = dx * dx + dy * dy
-        if square > squares[ranges - 1]:
-            continue
-        carriers += cargo[other] != NOTHING
-        for k in range(ranges):
-            seen[CROWDING + k] += square <= squares[k]
-        if best < 0 or square < shortest:
-            best, shortest = other, square
+    best, shortest, carriers = -1, squares[ranges - 1], 0
+    lines, columns = cells.shape
+    line, column, walks = 0, 0, 1
+    if lines > 0:
+        line, column = cell_at(robots[row, 1], lines, extent[1]), cell_at(robots[row, 0], columns, extent[0])
+        walks = 9
+    for walk in range(walks):
+        point = cells[(line + walk // 3 - 1) % lines, (column + walk % 3 - 1) % columns] if lines > 0 else 0
+        while point != NOBODY:
+            other = first + point
+            point = links[point] if lines > 0 else (point + 1 if point + 1 < links.shape[0] else NOBODY)
+            if other == row or not present[other]:
+                continue
+            dx = nearest_image(robots[other, 0] - robots[row, 0], extent[0])
+            dy = nearest_image(robots[other, 1] - robots[row, 1], extent[1])
+            square = dx * dx + dy * dy
+            if square > squares[ranges - 1]:
+                continue
+            carriers += cargo[other] != NOTHING
+            for k in range(ranges):
+                seen[CROWDING + k] += square <= squares[k]
+            if best < 0 or square < shortest or (square == shortest and other < best):
+                best, shortest = other, square
     seen[NEIGHBOUR + 1] = 1.0
     if best >= 0:
         seen[NEIGHBOUR] = seen[CROWDING + ranges - 1] / (team - 1)
@@ -72,7 +84,6 @@ def see_neighbours(
     for k in range(ranges):
         seen[CROWDING + k] = min(seen[CROWDING + k] / scales[CROWD], 1.0)
     seen[CROWDING + ranges] = min(carriers / scales[CROWD], 1.0)
-    return team
 
 
 @kernel
@@ -134,24 +145,37 @@ def see(
     """Fill `out` (R, A) and `phases` (R,) for the worlds `chosen`; robots that are not `present` (R,) see nothing."""
     per_world = robots.shape[0] // items.shape[0]
     after_crowd = CROWDING + squares.shape[0] + 1
+    count, apart = items.shape[1], np.sqrt(squares[-1]) * MARGIN
+    robot_cells = np.empty(cells_along(per_world, apart, extent), np.int64)
+    item_cells = np.empty(cells_along(count, scales[SIGHT] * MARGIN, extent), np.int64)
+    robot_links, item_links = np.empty(per_world, np.int64), np.empty(count, np.int64)
+    first, team, lying = 0, 0, stage[0] == LYING
     for index in range(chosen.shape[0] * per_world):
         world = chosen[index // per_world]
         row = world * per_world + index % per_world
+        if index % per_world == 0:
+            first, team, lying = row, 0, stage[world] == LYING
+            for other in range(first, first + per_world):
+                team += present[other]
+            fill_cells(robots, first, present[first : first + per_world], extent, robot_cells, robot_links)
+            fill_cells(items[world], 0, lying, extent, item_cells, item_links)
         seen = out[row]
         seen[:] = 0.0
         phases[row] = PATROL
         if not present[row]:
             continue
         x, y = robots[row, 0], robots[row, 1]
-        item, near = nearest_lying(x, y, items[world], stage[world], extent)
+        _, item, near = nearest_point(
+            x, y, -1, scales[SIGHT], items[world], 0, lying, extent, item_cells, item_links
+        )  # fmt: skip
         phases[row] = see_task(
             x, y, headings[row], item, near, items[world], cargo[row] != NOTHING, recycled[row] == 1,
             stations[world], extent, scales, seen,
         )  # fmt: skip
-        first = world * per_world
-        team = see_neighbours(
-            row, first, first + per_world, robots, headings, velocities, present, cargo, extent, scales, squares, seen
-        )
+        see_neighbours(
+            row, first, team, robots, headings, velocities, present, robot_cells, robot_links, cargo, extent, scales,
+            squares, seen,
+        )  # fmt: skip
         rest = seen[after_crowd:]
         if length_column >= 0:
             rest[0] = min(readings[row, length_column] / scales[REACH], 1.0)

@@ -28,7 +28,7 @@ from selforg.columns import (
 )
 from selforg.delivery import Delivery, Mail, address
 from selforg.gathering import Store
-from selforg.gradient import Gradient, check_fields, check_gradient, require
+from selforg.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
 from selforg.poses import OwnPoses
 from selforg.settings import BufferSettings
 from selforg.space import Space
@@ -96,23 +96,18 @@ class SoBuffer:
         teams and all fields: one value, or one for each (M,). All rows of a team get it, whatever the delivery.
         Raises ValueError naming the field that is impossible.
         """
-        places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
-        if places.shape[1:] != (self.space.dim,):
-            raise ValueError(f"store_static: positions must be (M, {self.space.dim}), got {np.shape(positions)}")
+        places = self._check_places("store_static", positions)
         check_fields(places, attraction, diffusion, goal_radius, evaporation_factor, evaporation_period, now)
         if not self.keeps(channel):
             return
-        messages, tags = self.blank(len(places), channel)
-        messages[:, X : X + self.space.dim] = self.space.wrap(places)
+        messages, tags = self._static(teams, channel, places, now)
         messages[:, DIFFUSION], messages[:, GOAL] = diffusion, goal_radius
         messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = evaporation_factor, evaporation_period
-        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
         sources = np.asarray(source)
         require(
             "source", sources, (sources >= -1) & (sources < self.poses.rows), f"a row below {self.poses.rows}, or -1"
         )
         tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = sources, attraction
-        tags[:, TAG_SPACE] = self._check_teams(teams)
         self.store_tables(*self._for_all(messages, tags), now)
 
     def extinguish(self, teams: npt.ArrayLike, channel: str, positions: npt.ArrayLike, now: float) -> None:
@@ -123,7 +118,12 @@ class SoBuffer:
         rule = self.settings.aggregation.get(channel, self.settings.aggregation.get("DEFAULT"))
         if rule != "new":
             raise ValueError(f"extinguish: channel {channel!r} must aggregate by 'new', its rule is {rule!r}")
-        self.store_static(teams, channel, positions, now, diffusion=0.0, goal_radius=0.0, attraction=0)
+        places = self._check_places("extinguish", positions)
+        require("position", places, np.abs(places) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
+        if self.keeps(channel):
+            messages, tags = self._static(teams, channel, places, now)  # blank: without reach, neither sign nor period
+            messages[:, FAR + FACTOR], tags[:, TAG_SOURCE] = 1.0, -1
+            self.store_tables(*self._for_all(messages, tags), now)
 
     def store(self, gradient: Gradient, now: float, *, team: int = 0) -> None:
         """Store one gradient that all of a team received at `now` [s]; ValueError names a field that is impossible."""
@@ -233,6 +233,21 @@ class SoBuffer:
         """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
         self.table.reserve(len(messages))
         store_rows(messages, tags, self.rules, float(now), self.tables)
+
+    def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
+        """Return `positions` as (M, D), or raise ValueError."""
+        places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
+        if places.shape[1:] != (self.space.dim,):
+            raise ValueError(f"{caller}: positions must be (M, {self.space.dim}), got {np.shape(positions)}")
+        return places
+
+    def _static(self, teams: npt.ArrayLike, channel: str, places: Floats, now: float) -> tuple[Floats, Ints]:
+        """Return messages and tags for `places` (M, D) [m] at `now` [s], their other fields to be filled."""
+        messages, tags = self.blank(len(places), channel)
+        messages[:, X : X + self.space.dim] = self.space.wrap(places)
+        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
+        tags[:, TAG_SPACE] = self._check_teams(teams)
+        return messages, tags
 
     def _store_gradient(self, gradient: Gradient, now: float, spaces: Ints) -> None:
         check_gradient(gradient, self.space.dim)
