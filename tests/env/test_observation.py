@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.batch import Batch
+from clean_swarm_env.config import MissionConfig
+from clean_swarm_env.config_files import laid_over, load_mission
 from clean_swarm_env.garbage import LYING, NOTHING
 from clean_swarm_env.observation_terms import PHASES, TERMS, ObservationConfig
 from tests.env.courses import OPTIONS, long_course, mission
@@ -173,3 +175,20 @@ def test_looking_changes_nothing():
     assert np.array_equal(seen, batch.observations)
     assert np.array_equal(before[0], batch.worlds.network.readings)
     assert np.array_equal(before[1], batch.worlds.physics.positions)
+
+
+def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
+    mission = laid_over(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
+    batch = Batch(MissionConfig.model_validate(mission))
+    names, seen = batch.observer.names, batch.reset([4])
+    places, extent = batch.worlds.physics.positions, batch.worlds.extent
+    apart = places[:, None] - places[None]
+    apart -= extent * np.round(apart / extent)
+    distances = np.hypot(*np.moveaxis(apart, 2, 0)) + np.diag(np.full(70, 1e9))
+    ranges = batch.observer.config.neighbour_ranges
+    for distance in ranges:
+        crowd = np.minimum((distances <= distance).sum(axis=1) / batch.observer.config.full_crowd, 1.0)
+        np.testing.assert_allclose(seen[:, names.index(f"crowd_{distance:g}m")], crowd, rtol=1e-6)
+    nearest = np.minimum(distances.min(axis=1) / ranges[-1], 1.0)
+    np.testing.assert_allclose(seen[:, names.index("neighbour_distance")], nearest, rtol=1e-6)
+    assert 0 < (nearest < 1.0).sum() < 70
