@@ -63,11 +63,12 @@ class OptionActions:
                     raise DocumentError(f"actions: serves: expected {expected}, got none")
                 self._stand_in[phase, k] = int(np.argmax(np.where(able, model.scores, -np.inf)))
         self.masked = not self._table.all()
+        self._limits = np.array(self.counts)
         self._firsts = np.cumsum([0, *self.counts])[:-1]
 
     def masks(self, phases: Ints) -> Flags:
         """Return which options (R, O) can serve in the `phases` (R,)."""
-        masks: Flags = self._table[phases]
+        masks: Flags = self._table.take(phases, axis=0)
         return masks
 
     def able(self, options: Ints, phases: Ints) -> Ints:
@@ -85,7 +86,7 @@ class OptionActions:
         if given.dtype.kind not in "iu":
             raise ValueError(f"options: expected whole numbers, got {given.dtype}")
         table = given.reshape(expected).astype(np.int64, copy=False)
-        wrong = (table < 0) | (table >= np.array(self.counts))
+        wrong = (table < 0) | (table >= self._limits)
         if wrong.any():
             row, goal = (int(k) for k in np.argwhere(wrong)[0])
             raise ValueError(f"options[{row}]: expected 0..{self.counts[goal] - 1}, got {table[row, goal]}")
