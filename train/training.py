@@ -7,13 +7,14 @@ import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from selector.documents import DocumentError
 from train import stores
 from train.checkpoints import TrainingDirectory
 from train.plan import versions
@@ -90,7 +91,7 @@ def train(request: TrainingRequest, console: Console) -> int:
         "learner": request.learner,
         "seed": request.seed,
         "configuration": config.model_dump(mode="json"),
-        "versions": versions() | {name: version(name) for name in PACKAGES[request.learner]},
+        "versions": versions() | _needed(request.learner),
         "directories": [str(path.resolve()) for path in request.directories],
     }
     checkpoint = "checkpoint.pt" if request.learner == "ppo" else "checkpoint.safetensors"
@@ -109,6 +110,15 @@ def train(request: TrainingRequest, console: Console) -> int:
     exported = training.export(request.command(resume=False))
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
+
+
+def _needed(learner: str) -> dict[str, str]:
+    """Return the versions of the packages that a learner needs besides; one that is missing raises DocumentError."""
+    try:
+        return {name: version(name) for name in PACKAGES[learner]}
+    except PackageNotFoundError as error:
+        install = "pip install -c constraints.txt '.[train]'"
+        raise DocumentError(f"training by {learner} needs {error.name}, which is not installed: {install}") from error
 
 
 def _training(

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from clean_swarm_env.config_files import load_family
 from selector.decisions import Problem
@@ -14,6 +15,7 @@ from selector.documents import DocumentError
 from selector.store import KnowledgeStore
 from selector.strategies.policy import Network
 from tests.train.trainings import written
+from train import training
 from train.checkpoints import TrainingDirectory
 from train.credit import Credit
 from train.curriculum import VALIDATION_SEED, Curriculum
@@ -60,6 +62,14 @@ def test_a_directory_of_another_training_is_refused(tmp_path):
         TrainingDirectory(tmp_path, {"seed": 1}, "checkpoint", resume=False)
     with pytest.raises(DocumentError, match="seed: expected that of the training there"):
         TrainingDirectory(tmp_path, {"seed": 2}, "checkpoint", resume=True)
+
+
+def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(training.PACKAGES, "ppo", ("torch", "no-such-package"))
+    request = training.TrainingRequest("ppo", "general", 1, tmp_path / "t", resume=False)
+    with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
+        training.train(request, Console())
+    assert not (tmp_path / "t").exists()
 
 
 def test_a_training_of_the_other_learner_or_of_an_unknown_name_is_refused(tmp_path):
