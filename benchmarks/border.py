@@ -8,6 +8,7 @@ it its line is left out.
 
 from collections.abc import Callable
 from importlib.util import find_spec
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -35,17 +36,12 @@ def stepping(env: Any, choices: int) -> Callable[[], float]:
     env.reset(seed=SEED)
     drawn = np.random.default_rng(SEED).integers(0, choices, (STEPS, len(env.agents)))
     actions = [dict(zip(env.agents, map(int, row), strict=True)) for row in drawn]
-    following = iter(())
+    following = cycle(actions)
 
     def step() -> None:
-        nonlocal following
-        action = next(following, None)
-        if action is None:
-            following = iter(actions)
-            action = next(following)
         if not env.agents:
             env.reset()
-        env.step(action)
+        env.step(next(following))
 
     return lambda: seconds_per_call(step, STEPS)
 
@@ -55,15 +51,10 @@ def ticking(robots: int) -> Callable[[], float]:
     worlds = worlds_at_start(decision_a_tick(robots), 1)
     options = len(worlds.coordinator.model.options)
     drawn = np.random.default_rng(SEED).integers(0, options, (STEPS, worlds.rows))
-    following = iter(())
+    following = cycle(drawn)
 
     def tick() -> None:
-        nonlocal following
-        held = next(following, None)
-        if held is None:
-            following = iter(drawn)
-            held = next(following)
-        worlds.hold(held)
+        worlds.hold(next(following))
         worlds.tick()
 
     return lambda: seconds_per_call(tick, STEPS)

@@ -182,7 +182,11 @@ class Batch:
         if start is not None:
             for_start(self.mission, start)
             mission = self.mission
-        self.worlds.reset(world, start or drawn, of_world, mission)
+        self._put(world, start or drawn, of_world, mission)
+
+    def _put(self, world: int, start: StartConfiguration, seed: int, mission: MissionConfig) -> None:
+        """Put a world at a start as its next episode, robots holding what the expert rates highest."""
+        self.worlds.reset(world, start, seed, mission)
         rows = self.worlds.rows_of(world)
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from clean_swarm_env.config_files import load_family
-from clean_swarm_env.families import FamilyConfig, Scenario
-from clean_swarm_env.mission import MissionResult
+from clean_swarm_env.families import FamilyConfig
 from selector.documents import DocumentError
 from selector.knowledge import load_knowledge
 from train.comparison import ORACLE, Comparison, Estimate, Standing, compare
@@ -114,26 +113,10 @@ def run_task(task: TrialTask) -> list[RunRecord]:
         directories=task.directories,
     )  # fmt: skip
     wall = (time.perf_counter() - began) / len(scenarios)
-    return [_record(task, scenario, result, wall) for scenario, result in zip(scenarios, results, strict=True)]
-
-
-def _record(task: TrialTask, scenario: Scenario, result: MissionResult, wall: float) -> RunRecord:
-    return RunRecord(
-        experiment=task.family.name,
-        scenario=scenario.id,
-        seed=task.seed,
-        condition=task.condition,
-        completed=result.completed,
-        duration_s=result.duration_s,
-        collision_samples_per_s=result.collision_samples_per_s,
-        collision_events_per_s=result.collision_events_per_s,
-        garbage_done=result.garbage_done,
-        robots=result.robots,
-        ticks=result.ticks,
-        items_per_min=result.items_per_min,
-        cost_s=result.cost_s,
-        wall_s=round(wall, 3),
-    )
+    return [
+        RunRecord.of(result, task.family.name, scenario.id, task.seed, task.condition, wall)
+        for scenario, result in zip(scenarios, results, strict=True)
+    ]
 
 
 def _family(request: FamilyRequest) -> FamilyConfig:

@@ -99,6 +99,28 @@ class RunRecord:
     cost_s: float
     wall_s: float
 
+    @classmethod
+    def of(
+        cls, outcome: MissionOutcome, experiment: str, scenario: str, seed: int, condition: str, wall: float
+    ) -> "RunRecord":
+        """Return the record of a mission's outcome, of which any number type becomes a plain one; `wall` in [s]."""
+        return cls(
+            experiment=experiment,
+            scenario=scenario,
+            seed=seed,
+            condition=condition,
+            completed=bool(outcome.completed),
+            duration_s=float(outcome.duration_s),
+            collision_samples_per_s=tuple(float(rate) for rate in outcome.collision_samples_per_s),
+            collision_events_per_s=tuple(float(rate) for rate in outcome.collision_events_per_s),
+            garbage_done=int(outcome.garbage_done),
+            robots=int(outcome.robots),
+            ticks=int(outcome.ticks),
+            items_per_min=float(outcome.items_per_min),
+            cost_s=float(outcome.cost_s),
+            wall_s=round(wall, 3),
+        )
+
     @property
     def key(self) -> tuple[str, str]:
         """Scenario and condition, unique within an experiment."""
@@ -130,22 +152,8 @@ def execute(task: RunTask, run_mission: MissionRunner) -> RunRecord:
     began = time.perf_counter()
     seed = run_seed(task.seed, task.scenario)
     result = run_mission(task.mission, task.start, seed, task.scores, task.strategy, task.directories)
-    return RunRecord(
-        experiment=task.experiment,
-        scenario=task.scenario,
-        seed=task.seed,
-        condition=task.condition,
-        completed=bool(result.completed),
-        duration_s=float(result.duration_s),
-        collision_samples_per_s=tuple(float(rate) for rate in result.collision_samples_per_s),
-        collision_events_per_s=tuple(float(rate) for rate in result.collision_events_per_s),
-        garbage_done=int(result.garbage_done),
-        robots=int(result.robots),
-        ticks=int(result.ticks),
-        items_per_min=float(result.items_per_min),
-        cost_s=float(result.cost_s),
-        wall_s=round(time.perf_counter() - began, 3),
-    )
+    wall = time.perf_counter() - began
+    return RunRecord.of(result, task.experiment, task.scenario, task.seed, task.condition, wall)
 
 
 def execute_all(tasks: Sequence[RunTask], workers: int, run_mission: MissionRunner) -> Generator[RunRecord, None, None]:

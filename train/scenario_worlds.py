@@ -50,13 +50,8 @@ class ScenarioBatch(Batch):
 
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
         scenario = self.current[world] = self._source(world)
-        if scenario is None:
-            return
-        self.worlds.reset(world, scenario.start, scenario.seed, scenario.mission)
-        rows = self.worlds.rows_of(world)
-        self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
-        self.progress.reset(world)
-        self._episodes[world] += 1
+        if scenario is not None:
+            self._put(world, scenario.start, scenario.seed, scenario.mission)
 
 
 @dataclass(frozen=True)

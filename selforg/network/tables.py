@@ -2,7 +2,7 @@
 
 Handing an array to compiled code costs about 0.2 us, so all integers of a model lie in one array and all floats in
 another. Both start with the offsets of their sections: kernels add what they look for to `begin_of` or `float_begin_of`
-(a view would cost more than what is read from it), Python cuts a section out by `ints_of` and `floats_of`. Letters:
+(a view would cost more than what is read from it), Python cuts a section out by `ints_of`. Letters:
 S sensors, B behaviours, G goals, L leaves (conditions), C nodes (conditions and what is composed of them), E effects,
 U wishes (a behaviour's or a goal's view of one leaf).
 """
@@ -114,8 +114,3 @@ def float_begin_of(table: Floats, section: int) -> int:
 def ints_of(table: Ints, section: int) -> Ints:
     """One section of the packed integers, as a view."""
     return table[table[section] : table[section + 1]]
-
-
-def floats_of(table: Floats, section: int) -> Floats:
-    """One section of the packed floats, as a view."""
-    return table[int(table[section]) : int(table[section + 1])]
