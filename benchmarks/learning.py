@@ -62,12 +62,13 @@ class Clock:
 
 def watched(model: PPO, envs: RobotVecEnv) -> Clock:
     """Return a clock on the parts of the stack."""
-    clock, worlds = Clock(), envs.batch.worlds
+    (batch,) = envs.batches
+    clock, worlds = Clock(), batch.worlds
     clock.watch(model, "train", "SB3: update")
     clock.watch(model, "collect_rollouts", "SB3: rollout")
     clock.watch(envs, "step_wait", "border")
-    clock.watch(envs.batch, "step", "batch: observation, reward, progress")
-    clock.watch(envs.batch, "_begin", "batch: new episodes")
+    clock.watch(batch, "step", "batch: observation, reward, progress")
+    clock.watch(batch, "_begin", "batch: new episodes")
     clock.watch(worlds, "tick", "tick: sensors, cargo, movement")
     clock.watch(worlds.network, "step", "network")
     for name in ("poses", "pheromones", "items"):

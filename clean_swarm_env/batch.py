@@ -1,4 +1,4 @@
-"""The core of all learning borders: W worlds of one mission, decision period by decision period.
+"""The core of all learning borders: W worlds with one frame, decision period by decision period.
 
 Each world begins its next episode by itself when its mission is over. Rows are robots, R = W * N (world w has the rows
 w*N .. (w+1)*N - 1); a world of a batch takes, bit for bit, the course it takes alone with the same seed.
@@ -7,7 +7,7 @@ w*N .. (w+1)*N - 1); a world of a batch takes, bit for bit, the course it takes 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.config import MissionConfig, StartConfiguration
-from clean_swarm_env.episodes import episodes_of
-from clean_swarm_env.families import FamilyConfig, Split
+from clean_swarm_env.episodes import Series, Size, Source, episodes_of
+from clean_swarm_env.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.mission import MissionResult, result_of
 from clean_swarm_env.observation import Observations, Observer
 from clean_swarm_env.observation_terms import ObservationConfig
@@ -55,10 +55,8 @@ class Finished:
 
     world: int
     """Which world of the batch."""
-    seed: int
-    """Seed of the world."""
-    episode: int
-    """Number of the episode since that seed was given, from 0."""
+    scenario: Scenario
+    """What the world did."""
     result: MissionResult
     """What the mission came to."""
     collision_events: int
@@ -76,14 +74,18 @@ class Finished:
 
 
 class Batch:
-    """W worlds of a mission, stepped one decision period at a time.
+    """W worlds with one frame, stepped one decision period at a time.
 
     Args:
         mission: a mission, or the name of one in `configs/missions`.
         worlds: W.
         family: a family of scenarios, or the name of one in `configs/families`, in place of the mission: the episodes
-            are its scenarios. All of them must have one torus.
+            are its scenarios.
         split: which scenarios of the family.
+        size: width and height of the torus [m], for a family that draws from several: its scenarios on that torus.
+        source: what each world does next, in place of episodes that follow from seeds; the mission, or a scenario of
+            the family, then shows the frame that all have (`frames`). A world that gets nothing stays as it is, and
+            counts no more, until `reset`.
         knowledge: name of the expert knowledge, in place of that of the mission.
         observation: terms of the observation.
         reward: weights of the reward's terms.
@@ -92,7 +94,8 @@ class Batch:
             it stays as it is, and counts no more, until `reset`.
         directories: of the user's configurations, knowledge and robots, searched before the shipped one.
 
-    Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S.
+    Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
+    on the torus of `size`).
 
     Attributes:
         options: coordinated goal -> names of its options.
@@ -100,6 +103,7 @@ class Batch:
         choices: the options as actions.
         progress: what happened in the last period.
         observations: (R, F) float32, the last ones, always the same array.
+        doing: (W,) what each world does or did last; None where a source has given nothing yet.
 
     >>> batch = Batch("table1", worlds=2)
     >>> observations = batch.reset([5, 6])
@@ -116,6 +120,8 @@ class Batch:
         *,
         family: FamilyConfig | str | None = None,
         split: Split = "train",
+        size: Size | None = None,
+        source: Source | None = None,
         knowledge: str | None = None,
         observation: ObservationConfig | None = None,
         reward: RewardConfig | None = None,
@@ -123,8 +129,10 @@ class Batch:
         begin_anew: bool = True,
         directories: tuple[Path, ...] = (),
     ) -> None:
-        self._episode_of = episodes_of(mission, family, split, knowledge, directories)
-        self.mission = self._episode_of(0, 0)[0]
+        episodes = episodes_of(mission, family, split, size, knowledge, directories)
+        self.mission = next(episodes(0, 0, 1)).mission
+        self._series = Series(episodes, worlds)
+        self._source: Source = self._series if source is None else source
         self.action, self.begin_anew = action or ActionConfig(), begin_anew
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
@@ -143,8 +151,8 @@ class Batch:
         self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._gained: Floats = np.zeros(self.rows)
         self._finished: list[Finished] = []
-        self._seeds: list[int | None] = [None] * worlds
-        self._episodes = [0] * worlds
+        self.doing: list[Scenario | None] = [None] * worlds
+        self._begun = False
 
     def reset(
         self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
@@ -158,16 +166,22 @@ class Batch:
         for name, given in (("seeds", seeds), ("starts", starts)):
             if given is not None and len(given) != len(nothing):
                 raise ValueError(f"{name}: expected one for each of {len(nothing)} worlds, got {len(given)}")
-        for world, (seed, start) in enumerate(zip(seeds or nothing, starts or nothing, strict=True)):
-            if seed is not None or self._seeds[world] is None:
-                self._seeds[world] = int(np.random.SeedSequence(seed).entropy) if seed is None else int(seed)  # type: ignore[arg-type]
-                self._episodes[world] = 0
+        if self._source is self._series:
+            self._series.begin(seeds or nothing)
+        elif seeds is not None and any(seed is not None for seed in seeds):
+            raise ValueError("seeds: expected none, because a source says what the worlds do")
+        for world, start in enumerate(starts or nothing):
             self._begin(world, start)
+        self._begun = True
         self._finished.clear()
         self.progress.begin_period()
         self.progress.elapsed[:] = 0
         self.observer.observe(self.observations)
         return self.observations
+
+    def share(self, seed: int) -> None:
+        """Deal the episodes of one seed out to the worlds, from the next reset on: world w does w, w + W, ... of it."""
+        self._series.share(seed)
 
     @property
     def finished(self) -> tuple[Finished, ...]:
@@ -175,22 +189,19 @@ class Batch:
         return tuple(self._finished)
 
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
-        """Begin the next episode of a world."""
-        seed, episode = self._seeds[world], self._episodes[world]
-        assert seed is not None
-        mission, drawn, of_world = self._episode_of(seed, episode)
+        """Begin the next episode of a world, robots holding what the expert rates highest."""
+        scenario = self._source(world)
+        if scenario is None:
+            self.progress.stay(world)
+            return
         if start is not None:
             for_start(self.mission, start)
-            mission = self.mission
-        self._put(world, start or drawn, of_world, mission)
-
-    def _put(self, world: int, start: StartConfiguration, seed: int, mission: MissionConfig) -> None:
-        """Put a world at a start as its next episode, robots holding what the expert rates highest."""
-        self.worlds.reset(world, start, seed, mission)
+            scenario = replace(scenario, start=start, mission=self.mission)
+        self.doing[world] = scenario
+        self.worlds.reset(world, scenario.start, scenario.seed, scenario.mission)
         rows = self.worlds.rows_of(world)
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)
-        self._episodes[world] += 1
 
     def masks(self) -> Flags:
         """Return which options (R, O) can serve in the coming period, those of all goals one after the other."""
@@ -201,7 +212,7 @@ class Batch:
 
         `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
         """
-        if self._seeds[0] is None:
+        if not self._begun:
             raise RuntimeError("step: call reset first")
         if self._steering is None:
             options = self.choices.check(actions, self.rows)
@@ -232,6 +243,6 @@ class Batch:
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
         for world in ended.tolist():
-            seed, episode = int(self._seeds[world] or 0), self._episodes[world] - 1
-            events = int(worlds.collisions.events[world, 0])
-            self._finished.append(Finished(world, seed, episode, result_of(worlds, world), events))
+            scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
+            assert scenario is not None
+            self._finished.append(Finished(world, scenario, result_of(worlds, world), events))

@@ -102,9 +102,14 @@ class FamilyConfig(Closed):
             start = drawn_start(mission, for_start, str(index + 1))
         return Scenario(f"{split}-{index + 1}", own, mission, start)
 
+    @property
+    def tori(self) -> tuple[tuple[float, float], ...]:
+        """Width and height of every torus that scenarios may have [m], each once."""
+        return tuple(dict.fromkeys(self.sizes or ((self.mission.world.width, self.mission.world.height),)))
+
     def _mission(self, rng: np.random.Generator) -> MissionConfig:
         base = self.mission
-        sizes = self.sizes or ((base.world.width, base.world.height),)
+        sizes = self.sizes or self.tori
         width, height = sizes[int(rng.integers(len(sizes)))]
         robots = int(rng.integers(self.robots[0], self.robots[1] + 1))
         items = int(rng.integers(self.items[0], self.items[1] + 1))

@@ -65,6 +65,11 @@ class Progress:
         self._recycled[rows] = self._worlds.garbage.recycled[rows]
         self._done[world] = self._worlds.garbage.done[world]
 
+    def stay(self, world: int) -> None:
+        """Let a world that has nothing to do count no more until it is reset; how its last mission ended remains."""
+        if self.outcome[world] == RUNS:
+            self.outcome[world] = TIMED_OUT
+
     def begin_period(self) -> None:
         """Set the counts of the period to zero."""
         for counts in (self.events, self.ticks, self.dumped):

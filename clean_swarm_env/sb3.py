@@ -3,8 +3,10 @@
     envs = RobotVecEnv(worlds=64)
     PPO("MlpPolicy", envs).learn(100_000)
 
-Every robot of every world is an environment (rows = worlds * robots). A world whose mission is over begins anew in the
-same step. Infos are empty but for rows where something happened:
+    mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
+
+Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
+mission is over begins anew in the same step. Infos are empty but for rows where something happened:
 
 - in the period: `own_picked`, `own_recycled`, `own_dumped`, `own_collision`, where they are not 0;
 - at the end of a mission: `terminal_observation`, `TimeLimit.truncated` (the time was over, garbage left), `episode`
@@ -25,7 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
-from clean_swarm_env.batch import Batch, Finished
+from clean_swarm_env.batch import Batch, Finished, Step
+from clean_swarm_env.joined import Joined
 from clean_swarm_env.observation import Observations
 from clean_swarm_env.progress import COLLISION, EVENTS
 from clean_swarm_env.spaces import action_space, observation_space, start_of
@@ -38,7 +41,7 @@ class Robot:
 
     Attributes:
         row: its number among all rows.
-        world: its world.
+        world: its world, numbered over all batches.
         robot: its number within the world.
 
     """
@@ -46,14 +49,14 @@ class Robot:
     spec = None
     render_mode = None
 
-    def __init__(self, batch: Batch, row: int) -> None:
-        self.row = row
-        self.world, self.robot = divmod(row, batch.robots)
-        self._batch = batch
+    def __init__(self, row: int, world: int, batch: Batch, own_row: int) -> None:
+        """`own_row` is the number of the row within its batch."""
+        self.row, self.world, self.robot = row, world, own_row % batch.robots
+        self._batch, self._own_row = batch, own_row
 
     @property
     def batch(self) -> Batch:
-        """All worlds."""
+        """The batch that its world belongs to."""
         return self._batch
 
     @property
@@ -73,36 +76,63 @@ class Robot:
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options (O,) can serve next, those of all goals one after the other, as sb3-contrib asks."""
-        masks: NDArray[np.bool_] = self._batch.masks()[self.row]
+        masks: NDArray[np.bool_] = self._batch.masks()[self._own_row]
         return masks
 
 
 class RobotVecEnv(VecEnv):
-    """W worlds of one mission; `settings` are further arguments of `Batch`."""
+    """The robots of many worlds.
 
-    def __init__(self, worlds: int = 1, **settings: Any) -> None:  # noqa: ANN401
-        self.batch = Batch(worlds=worlds, **settings)
-        self._robots = [Robot(self.batch, row) for row in range(self.batch.rows)]
+    Args:
+        worlds: W worlds of one mission or family, or ...
+        batches: ... the worlds of these batches, whose settings count; see `clean_swarm_env.joined`.
+        settings: further arguments of `Batch`.
+
+    Attributes:
+        batches: the batches, one unless told otherwise.
+        finished: the missions that came to their end in the last period.
+
+    """
+
+    def __init__(
+        self,
+        worlds: int = 1,
+        *,
+        batches: Sequence[Batch] = (),
+        **settings: Any,  # noqa: ANN401  (those of Batch)
+    ) -> None:
+        if batches and (settings or worlds != 1):
+            raise ValueError(
+                f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
+            )
+        self._joined = Joined(batches or [Batch(worlds=worlds, **settings)])
+        self.batches = self._joined.batches
+        self.finished: tuple[Finished, ...] = ()
+        own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
+        worlds_of = self._joined.world_of.tolist()
+        self._robots = [Robot(row, worlds_of[row], *of) for row, of in enumerate(own)]
         self._actions: NDArray[Any] = np.zeros(0)
-        self._returns = np.zeros(self.batch.rows)
-        self._lengths = np.zeros(worlds, dtype=np.int64)
+        self._returns = np.zeros(self._joined.rows)
+        self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
         self._began = time.time()
-        super().__init__(self.batch.rows, observation_space(self.batch), action_space(self.batch))
+        first = self.batches[0]
+        super().__init__(self._joined.rows, observation_space(first), action_space(first))
 
     def reset(self) -> Observations:
         """Begin an episode in every world; seeds and options given before count this once."""
-        robots = self.batch.robots
-        starts = [start_of(options) for options in self._options[::robots]]
-        observations = self.batch.reset(self._seeds[::robots], starts)
+        firsts = self._joined.first_rows.tolist()
+        starts = [start_of(self._options[row]) for row in firsts]
+        observations = self._joined.reset([self._seeds[row] for row in firsts], starts)
         self._reset_seeds()
         self._reset_options()
+        self.finished = ()
         self._returns[:], self._lengths[:] = 0.0, 0
-        return observations.copy()
+        return observations
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Give world w the seed `seed` + w from the next reset on; without one, seeds that nobody knows."""
         first = int(np.random.default_rng().integers(2**32)) if seed is None else seed
-        self._seeds = [first + row // self.batch.robots for row in range(self.num_envs)]
+        self._seeds = [first + world for world in self._joined.world_of.tolist()]
         return self._seeds
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -111,32 +141,32 @@ class RobotVecEnv(VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Let all robots act for one decision period."""
-        step = self.batch.step(self._actions)
+        step = self._joined.step(self._actions)
+        self.finished = self._joined.finished
         self._returns += step.rewards
         self._lengths += 1
         infos = self._infos()
-        for end in self.batch.finished:
-            self._add_end(infos, end, step.final_observations, truncated=bool(step.truncated[end.world]))
-        over = np.repeat(step.terminated | step.truncated, self.batch.robots)
-        return step.observations.copy(), step.rewards.astype(np.float32), over, infos
+        for end in self.finished:
+            self._add_end(infos, end, step)
+        over = (step.terminated | step.truncated)[self._joined.world_of]
+        return step.observations, step.rewards.astype(np.float32), over, infos
 
     def _infos(self) -> list[Info]:
         """Return what happened in the period, for each row."""
         infos: list[Info] = [{} for _ in range(self.num_envs)]
-        events = self.batch.progress.events[: COLLISION + 1]
+        events = self._joined.events[: COLLISION + 1]
         for kind, row in np.argwhere(events).tolist():
             infos[row][f"own_{EVENTS[kind]}"] = int(events[kind, row])
         return infos
 
-    def _add_end(self, infos: list[Info], end: Finished, final: Observations, *, truncated: bool) -> None:
+    def _add_end(self, infos: list[Info], end: Finished, step: Step) -> None:
         """Add what a mission came to and begin the sums of the next one."""
-        elapsed = round(time.time() - self._began, 6)
-        for row in self.batch.worlds.rows_of(end.world).tolist():
+        elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
+        for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
             infos[row] |= end.statistics
-            infos[row]["terminal_observation"] = final[row].copy()
-            infos[row]["TimeLimit.truncated"] = truncated
-            total, length = float(self._returns[row]), int(self._lengths[end.world])
-            infos[row]["episode"] = {"r": total, "l": length, "t": elapsed}
+            infos[row]["terminal_observation"] = step.final_observations[row].copy()
+            infos[row]["TimeLimit.truncated"] = bool(step.truncated[end.world])
+            infos[row]["episode"] = {"r": float(self._returns[row]), "l": length, "t": elapsed}
             self._returns[row] = 0.0
         self._lengths[end.world] = 0
 

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.joined import Joined
+from clean_swarm_env.observation import Observations
 from selector.array_file import load_arrays, save_arrays
 from selector.decisions import Problem
 from selector.documents import DocumentError, unknown
@@ -24,7 +26,6 @@ from selector.streams import row_keys
 from train.checkpoints import TrainingDirectory
 from train.credit import Credit, Paid
 from train.curriculum import Curriculum
-from train.scenario_worlds import Observations
 from train.training_config import TrainingConfig
 from train.trials import StrategyPilot, problem_of
 from train.validation import Progress, measured
@@ -46,13 +47,13 @@ class BanditTraining:
         self.config, self.settings, self.seed, self.directory = config, config.bandit, seed, directory
         self._directories, self._told, self._store = directories, told, store
         self.curriculum = Curriculum(config, seed, directories)
-        self.joined = self.curriculum.joined
+        self.joined = Joined(self.curriculum.batches)
         self._period = self.joined.batches[0].mission.decision_period
         whole = problem_of(self.joined.batches[0])
         self._columns = columns_of(whole, self.settings.context, "context")
         self._watched = columns_of(whole, self.settings.credit.until, "until")
         self.problem = Problem(whole.goal, whole.options, whole.scores, self.settings.context)
-        self.strategy = self._built(self.problem, self.joined.worlds_of_rows)
+        self.strategy = self._built(self.problem, self.joined.world_of)
         self.progress, self.checkpoint, self.decisions = Progress(), 0, 0
         self._best = self.strategy.learned()
         self._record = StoreBatch(self.problem.goal, self.problem.options)
@@ -69,7 +70,8 @@ class BanditTraining:
         """Learn up to the next checkpoint, measure what was learned, and save everything."""
         seeds = np.random.SeedSequence([self.seed, self.checkpoint, 2])
         self.strategy.reseed(np.arange(self.joined.rows), row_keys(seeds, self.joined.rows))
-        costs = self._learn(self.joined.begin(self.curriculum.sources(self.checkpoint)))
+        self.curriculum.begin(self.checkpoint)
+        costs = self._learn(self.joined.reset())
         self.checkpoint += 1
         entry = {
             "checkpoint": self.checkpoint, "decisions": self.decisions, "missions": len(costs),
@@ -110,13 +112,14 @@ class BanditTraining:
                 options[deciding] = self.strategy.select(context, rows=deciding)
                 credit.decide(deciding, options[deciding], context, self.strategy.chance[deciding])
                 left[deciding] = hold
-            moment = self.joined.step(options)
+            step = self.joined.step(options)
+            over = (step.terminated | step.truncated)[self.joined.world_of]
             left -= 1
-            left[moment.over] = 0
-            seen = moment.observations
-            self._take(credit.pay(moment.rewards, moment.over))
+            left[over] = 0
+            seen = step.observations
+            self._take(credit.pay(step.rewards, over))
             self.decisions += rows
-            costs += [done.result.cost_s for done in moment.done]
+            costs += [end.result.cost_s for end in self.joined.finished]
             self._told(self.decisions)
         return costs
 

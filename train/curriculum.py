@@ -6,19 +6,19 @@ one, and `clean-swarm evaluate` the split "test": no scenario is ever one of ano
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from clean_swarm_env.batch import Batch
 from clean_swarm_env.config_files import load_family
-from clean_swarm_env.families import FamilyConfig, Scenario
-from clean_swarm_env.frames import frame_of
-from train.scenario_worlds import JoinedWorlds, ScenarioBatch, Source
+from clean_swarm_env.episodes import Size
+from clean_swarm_env.families import FamilyConfig
+from clean_swarm_env.joined import family_batches
 from train.training_config import TrainingConfig
 
-FRAMES_TRIED = 200
-"""Scenarios from which the frames of a family are gathered."""
+TORI_TRIED = 200
+"""Scenarios from which the tori of a family are gathered."""
 VALIDATION_SEED = 2
 """Seed of the scenarios that are measured on, the same for all trainings, so that they can be compared."""
 
@@ -27,71 +27,34 @@ class Curriculum:
     """The worlds of a training and what they do between two checkpoints.
 
     Attributes:
-        joined: the worlds.
+        batches: the worlds.
         validation: scenarios of each family that are measured on.
 
     """
 
     def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = ()) -> None:
         self._seed = seed
-        self._parts: list[tuple[FamilyConfig, int, int]] = []  # family, first world within it, worlds of the family
-        batches = []
-        for task in config.tasks:
-            family = load_family(task.family, directories)
-            frames = _frames(family)
-            for k, frame in enumerate(frames):
-                worlds = len(range(k, task.worlds, len(frames)))
-                if worlds:
-                    batches.append(
-                        ScenarioBatch(
-                            frame.mission, worlds, lambda _: None, observation=config.observation,
-                            reward=config.reward, directories=directories,
-                        )
-                    )  # fmt: skip
-                    self._parts.append((family, k, len(frames)))
-        self.joined = JoinedWorlds(batches)
-        self._check_options(batches)
+        families = [load_family(task.family, directories) for task in config.tasks]
+        self.batches: list[Batch] = []
+        for family, task in zip(families, config.tasks, strict=True):
+            self.batches += family_batches(
+                family, task.worlds, sizes=_sizes(family), observation=config.observation, reward=config.reward,
+                directories=directories,
+            )  # fmt: skip
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]
-            for family in (load_family(task.family, directories) for task in config.tasks)
+            for family in families
         }
 
-    def sources(self, checkpoint: int) -> list[Source]:
-        """Return what the batches do from a checkpoint on; it depends on the seed and the checkpoint only."""
-        words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self._parts), np.uint32)
-        return [
-            _source(family, batch, int(word) * 2 + 1)
-            for (family, _, _), batch, word in zip(self._parts, self.joined.batches, words, strict=True)
-        ]
-
-    def _check_options(self, batches: Sequence[ScenarioBatch]) -> None:
-        first = batches[0]
-        for batch in batches[1:]:
-            if batch.options != first.options or batch.observer.names != first.observer.names:
-                raise ValueError("tasks: expected families with the same expert knowledge")
+    def begin(self, checkpoint: int) -> None:
+        """Let the batches do from their next reset on what belongs after a checkpoint: the seed and it alone decide."""
+        words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
+        for batch, word in zip(self.batches, words, strict=True):
+            batch.share(int(word) * 2 + 1)
 
 
-def _frames(family: FamilyConfig) -> list[Scenario]:
-    """Return one scenario of each frame of a family."""
-    found: list[Scenario] = []
-    for index in range(FRAMES_TRIED if family.sizes else 1):
-        scenario = family.scenario(VALIDATION_SEED, index, "train")
-        if all(frame_of(known.mission) != frame_of(scenario.mission) for known in found):
-            found.append(scenario)
-    return found
-
-
-def _source(family: FamilyConfig, batch: ScenarioBatch, seed: int) -> Source:
-    """Return what a batch does: world w of W does the scenarios w, w + W, ... of a seed that fit its frame."""
-    worlds = batch.worlds.worlds
-    following = list(range(worlds))
-    frame = frame_of(batch.mission)
-
-    def next_scenario(world: int) -> Scenario:
-        while True:
-            scenario = family.scenario(seed, following[world], "train")
-            following[world] += worlds
-            if not family.sizes or frame_of(scenario.mission) == frame:
-                return scenario
-
-    return next_scenario
+def _sizes(family: FamilyConfig) -> list[Size]:
+    """Return the tori of a family in the order in which its scenarios come upon them."""
+    scenarios = (family.scenario(VALIDATION_SEED, k, "train") for k in range(TORI_TRIED if family.sizes else 1))
+    worlds = [scenario.mission.world for scenario in scenarios]
+    return list(dict.fromkeys((world.width, world.height) for world in worlds))

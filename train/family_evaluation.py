@@ -253,11 +253,11 @@ def _shown(estimate: Estimate) -> str:
 
 def check_entrants(request: FamilyRequest) -> None:
     """Raise an error of one line for a strategy that does not exist or does not fit, before anything is written."""
-    from train.scenario_worlds import ScenarioBatch
+    from clean_swarm_env.batch import Batch
     from train.trials import problem_of
 
     family = _family(request)
-    batch = ScenarioBatch(family.scenario(0, 0, "test").mission, 1, lambda _: None, directories=request.directories)
+    batch = Batch(family.scenario(0, 0, "test").mission, directories=request.directories)
     problem = problem_of(batch)
     for entrant in entrants_of(request.strategies, problem.options):
         for member in entrant.members:

@@ -19,13 +19,12 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
+from clean_swarm_env.sb3 import RobotVecEnv
 from selector.array_file import write_whole
 from selector.policy_file import TrainedPolicy, save_policy
 from train.checkpoints import TrainingDirectory
 from train.curriculum import Curriculum
-from train.joined_vec_env import JoinedVecEnv
 from train.policies import exported
-from train.scenario_worlds import Done
 from train.training_config import PpoConfig, TrainingConfig
 from train.trials import PolicyPilot
 from train.validation import Progress, measured
@@ -57,9 +56,8 @@ class PpoTraining:
         self.curriculum = Curriculum(config, seed, directories)
         self.progress, self.checkpoint = Progress(), 0
         self._costs: list[float] = []
-        joined = self.curriculum.joined
-        env = JoinedVecEnv(joined, lambda: self.curriculum.sources(self.checkpoint), self._note)
-        self.normal = VecNormalize(env, gamma=self.settings.discount)
+        self._envs = RobotVecEnv(batches=self.curriculum.batches)
+        self.normal = VecNormalize(self._envs, gamma=self.settings.discount)
         self.model = _model(self.settings, self.normal, seed)
         self.model.set_logger(configure(str(directory.path / TENSORBOARD), ["tensorboard"]))
         self._best: dict[str, Any] = {}
@@ -85,8 +83,9 @@ class PpoTraining:
         rate = self.settings.learning_rate * (1.0 - (1.0 - LAST_RATE) * done)
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
         model._last_obs = None  # all worlds begin anew
+        self.curriculum.begin(self.checkpoint)
         self._costs.clear()
-        model.learn(config.decisions, callback=lambda *_: self._tell(), reset_num_timesteps=model.num_timesteps == 0)
+        model.learn(config.decisions, callback=lambda *_: self._note(), reset_num_timesteps=model.num_timesteps == 0)
         self.checkpoint += 1
         figures = self._measured()
         entry = {"checkpoint": self.checkpoint, "decisions": model.num_timesteps, "training_cost_s": _mean(self._costs)}
@@ -100,7 +99,7 @@ class PpoTraining:
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return what the network is now, as it is exported."""
-        batch = self.curriculum.joined.batches[0]
+        batch = self.curriculum.batches[0]
         goal = batch.worlds.coordinator.model.goal
         return exported(self.model, self.normal, goal, batch.options[goal], batch.observer.names, training)
 
@@ -115,12 +114,10 @@ class PpoTraining:
         save_policy(self.directory.path / POLICY, policy)
         return self.directory.path / POLICY
 
-    def _tell(self) -> bool:
+    def _note(self) -> bool:
+        self._costs += [end.result.cost_s for end in self._envs.finished]
         self._told(self.model.num_timesteps)
         return True
-
-    def _note(self, done: Done) -> None:
-        self._costs.append(done.result.cost_s)
 
     def _measured(self) -> dict[str, float]:
         if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
@@ -170,11 +167,12 @@ class PpoTraining:
 
 def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
     layers = list(settings.hidden)
+    set_random_seed(_derived(seed, -1))  # PPO's own argument would seed the worlds too, which follow the curriculum
     return PPO(
         "MlpPolicy", env, n_steps=settings.steps, batch_size=settings.minibatch, n_epochs=settings.epochs,
         learning_rate=settings.learning_rate, gamma=settings.discount, gae_lambda=settings.trace,
         clip_range=settings.clip, ent_coef=settings.entropy, vf_coef=settings.value, max_grad_norm=settings.gradient,
-        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}}, seed=_derived(seed, -1), device="cpu",
+        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}}, device="cpu",
     )  # fmt: skip
 
 

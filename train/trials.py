@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.batch import Batch
 from clean_swarm_env.families import Scenario
 from clean_swarm_env.frames import frame_of
 from clean_swarm_env.mission import MissionResult
@@ -21,7 +22,6 @@ from selector.policy_file import TrainedPolicy
 from selector.strategies.policy import Network
 from selector.strategy import DecisionStrategy
 from selector.streams import row_keys
-from train.scenario_worlds import ScenarioBatch
 
 Ints = NDArray[np.int64]
 Observations = NDArray[np.float32]
@@ -81,7 +81,7 @@ class PolicyPilot:
         return options
 
 
-def problem_of(batch: ScenarioBatch) -> Problem:
+def problem_of(batch: Batch) -> Problem:
     """Return what is decided in a batch and what is seen; the first coordinated goal counts."""
     model = batch.worlds.coordinator.model
     return Problem(model.goal, model.options, model.scores, batch.observer.names)
@@ -137,10 +137,11 @@ def _trials(
             begun.append((world, scenario.seed))
         return scenario
 
-    batch = ScenarioBatch(scenarios[0].mission, worlds, following, observation=observation, directories=directories)
+    frame = scenarios[0].mission
+    batch = Batch(frame, worlds, source=following, observation=observation, directories=directories)
     teams = np.repeat(np.arange(worlds), batch.robots)
     pilot = maker(problem_of(batch), teams)
-    observations = batch.begin()
+    observations = batch.reset()
     while max(doing) >= 0:
         for world, seed in begun:
             pilot.begin(batch.worlds.rows_of(world), seed)

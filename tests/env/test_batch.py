@@ -35,8 +35,8 @@ def trajectory(batch: Batch, seeds: list[int], steps: int) -> list[list[tuple]]:
             ages[w] += 1
             final = ()
             if over:
-                final = (step.final_observations[rows].tobytes(), ends[w].episode, ends[w].result)
-                assert (ends[w].seed, ends[w].episode) == (seeds[w], episodes[w])
+                final = (step.final_observations[rows].tobytes(), ends[w].scenario, ends[w].result)
+                assert ends[w].scenario.id.rpartition("-")[2] == str(episodes[w] + 1)
                 episodes[w], ages[w] = episodes[w] + 1, 0
             courses[w].append(
                 (
@@ -57,7 +57,7 @@ def test_a_world_of_a_batch_goes_through_what_it_goes_through_alone(name):
     assert alone == batch
     ends = [step[-1] for course in alone for step in course[1:] if step[-1]]
     assert {result.completed for _, _, result in ends} == {True, False}
-    assert len({episode for _, episode, _ in ends}) > 2
+    assert len({scenario.id for _, scenario, _ in ends}) > 2
     assert batch[0] != batch[1]
 
 
@@ -155,6 +155,6 @@ def test_episodes_may_be_the_scenarios_of_a_family(family):
 def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused():
     first, second = (Batch(family="crowded", split=split).reset([1]).tobytes() for split in ("train", "test"))
     assert first != second
-    batch = Batch(family="unseen")
-    with pytest.raises(ValueError, match="world: expected"):
-        [batch.reset([seed]) for seed in range(20)]
+    for size in (None, (9.0, 9.0)):
+        with pytest.raises(ValueError, match=r"size: expected one of .* 'unseen', \(8.0, 8.0\), .*, got"):
+            Batch(family="unseen", size=size)

@@ -12,6 +12,8 @@ from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
 from clean_swarm_env.actions import ActionConfig
 from clean_swarm_env.batch import Batch
+from clean_swarm_env.joined import family_batches
+from clean_swarm_env.observation_terms import ObservationConfig
 from clean_swarm_env.sb3 import RobotVecEnv
 from clean_swarm_env.single_agent import CleanSwarmTeam
 from clean_swarm_env.starts import random_start
@@ -72,7 +74,7 @@ def test_options_of_a_reset_count_once():
     envs, start = RobotVecEnv(2, mission=SHORT), random_start(SHORT, 7, 1)
     envs.set_options({"start": start})
     envs.reset()
-    positions = envs.batch.worlds.physics.positions
+    positions = envs.batches[0].worlds.physics.positions
     assert np.allclose(positions, np.tile(np.array(start.robots)[:, :2], (2, 1)))
     envs.reset()
     assert not np.allclose(positions[:5], positions[5:])
@@ -106,7 +108,7 @@ def test_attributes_and_methods_of_rows():
     assert envs.get_attr("robot", indices=[0, 6]) == [0, 1]
     assert envs.get_attr("options", 0) == [{"AvoidCollision": OPTIONS}]
     masks = np.stack(envs.env_method("action_masks"))
-    assert np.array_equal(masks, envs.batch.masks())
+    assert np.array_equal(masks, envs.batches[0].masks())
     assert np.array_equal(envs.env_method("action_masks", indices=7)[0], masks[7])
     assert envs.has_attr("action_masks")
     assert not envs.has_attr("weather")
@@ -143,3 +145,49 @@ def test_ppo_learns_on_it_and_equal_seeds_learn_alike(mode):
     envs.training = False
     mean, _ = evaluate_policy(model, envs, n_eval_episodes=15)
     assert np.isfinite(mean)
+
+
+def of_two():
+    """Return the worlds of a mission, and those of a family with larger teams."""
+    settings = {"knowledge": "avoidance", "observation": ObservationConfig(terms=["situation", "crowd"])}
+    return [Batch(SHORT, 2, **settings), *family_batches("crowded", 1, **settings)]
+
+
+@long_course
+def test_rows_of_several_batches_are_those_of_each_alone():
+    together, alone = RobotVecEnv(batches=of_two()), [RobotVecEnv(batches=[batch]) for batch in of_two()]
+    assert together.num_envs == 30
+    assert together.seed(5) == [5] * 5 + [6] * 5 + [7] * 20
+    alone[0].seed(5)
+    alone[1].seed(7)
+    assert np.array_equal(together.reset(), np.concatenate([envs.reset() for envs in alone]))
+    assert together.get_attr("world") == [0] * 5 + [1] * 5 + [2] * 20
+    assert together.get_attr("robot", [9, 10, 29]) == [4, 0, 19]
+    assert together.get_attr("batch", [9, 10]) == list(together.batches)
+    ends = 0
+    for options in np.random.default_rng(1).integers(0, 6, (40, 30)):
+        seen, rewards, dones, infos = together.step(options)
+        first, second = alone[0].step(options[:10]), alone[1].step(options[10:])
+        for mine, *others in zip((seen, rewards, dones), first, second, strict=False):
+            assert np.array_equal(mine, np.concatenate(others))
+        for info, other in zip(infos, first[3] + second[3], strict=True):
+            assert info.keys() == other.keys()
+            for key in info.keys() - {"episode"}:
+                assert np.array_equal(info[key], other[key])
+            if "episode" in info:
+                assert [info["episode"][key] for key in "rl"] == [other["episode"][key] for key in "rl"]
+        ends += len(together.finished)
+    assert ends > 0
+    masks = np.stack(together.env_method("action_masks"))
+    assert np.array_equal(masks, np.concatenate([batch.masks() for batch in together.batches]))
+    with pytest.raises(ValueError, match="expected batches or settings of one, got both"):
+        RobotVecEnv(batches=of_two(), knowledge="avoidance")
+
+
+@long_course
+def test_ppo_learns_on_a_mix_of_missions_and_families():
+    envs = VecMonitor(RobotVecEnv(batches=of_two()))
+    model = PPO("MlpPolicy", envs, n_steps=40, batch_size=300, n_epochs=1, seed=1, device="cpu")
+    model.learn(40 * envs.num_envs)
+    assert len(model.ep_info_buffer) > 0
+    assert all(np.isfinite(tensor.numpy()).all() for tensor in model.policy.state_dict().values())

@@ -79,14 +79,24 @@ def test_a_training_of_the_other_learner_or_of_an_unknown_name_is_refused(tmp_pa
         load_training("generall", "ppo")
 
 
+def seeds_of(batch, resets):
+    """Return the seeds of the scenarios that the worlds of a batch do in some resets."""
+    seeds = set()
+    for _ in range(resets):
+        batch.reset()
+        seeds |= {scenario.seed for scenario in batch.doing}
+    return seeds
+
+
 def test_nothing_is_measured_that_was_trained_on(tmp_path):
     config = load_training(str(written(tmp_path, "bandit", validation={"scenarios": 20})), "bandit")
     family, trained = load_family("random"), set()
     for seed in range(3):
         curriculum = Curriculum(config, seed)
         for checkpoint in range(3):
-            for source in curriculum.sources(checkpoint):
-                trained |= {source(world).seed for world in (0, 1) for _ in range(20)}
+            curriculum.begin(checkpoint)
+            for batch in curriculum.batches:
+                trained |= seeds_of(batch, 20)
     assert len(trained) == 3 * 3 * 40  # nor is anything trained on twice
     assert not trained & {scenario.seed for scenario in curriculum.validation["random"]}
     assert all(seed % 2 == 0 for seed in trained)
