@@ -95,7 +95,7 @@ def merge(
     others: Annotated[list[str], typer.Argument(help="URLs or paths of the stores to add.", metavar="OTHER...")],
     store: Store = None,
 ) -> None:
-    """Add all that other stores hold to a store, exactly; merging the same one twice counts its updates twice."""
+    """Add all that other stores hold to a store, exactly; updates that it holds already are refused."""
     from selector.store import KnowledgeStore
 
     sources = [KnowledgeStore(other, create=False) for other in others]  # all of them exist before any is added

@@ -2,7 +2,6 @@
 
 import os
 import sqlite3
-import uuid
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -12,6 +11,7 @@ from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
 from selector.documents import shown
 from selector.store.errors import StoreError
+from selector.store.origins import IDENTITY, new_identity
 from selector.store.tables import learned, meta, metadata
 
 SCHEMA = 1
@@ -106,8 +106,8 @@ def _on_read_only_medium(path: Path) -> bool:
     return path.exists() and not wal.exists() and not os.access(path.parent, os.W_OK) and not os.access(path, os.W_OK)
 
 
-def prepare(engine: Engine, where: str, *, create: bool) -> str:
-    """Check that a database holds a store of this version, if need be make one, and return the store's identity."""
+def prepare(engine: Engine, where: str, *, create: bool) -> None:
+    """Check that a database holds a store of this version; if need be make one."""
     with engine.connect() as connection:
         _check_file(connection, where)
         exists = _has_store(connection, where)
@@ -118,13 +118,12 @@ def prepare(engine: Engine, where: str, *, create: bool) -> str:
             lock(connection)
             if not _has_store(connection, where):  # another process may have been quicker
                 metadata.create_all(connection)
-                about = {"schema": str(SCHEMA), "identity": uuid.uuid4().hex}
+                about = {"schema": str(SCHEMA), IDENTITY: new_identity()}
                 connection.execute(insert(meta), [{"key": key, "value": value} for key, value in about.items()])
     with engine.connect() as connection:
-        identity = _checked_identity(connection, where)
+        _check_version(connection, where)
     if create and engine.dialect.name == "sqlite":
         _use_wal(engine)
-    return identity
 
 
 def lock(connection: Connection, *, everything: bool = False) -> None:
@@ -152,14 +151,13 @@ def _has_store(connection: Connection, where: str) -> bool:
     return False
 
 
-def _checked_identity(connection: Connection, where: str) -> str:
+def _check_version(connection: Connection, where: str) -> None:
     about = {row.key: row.value for row in connection.execute(select(meta))}
     version = about.get("schema", "")
-    if not str(version).isdecimal() or int(version) < 1 or "identity" not in about:
+    if not str(version).isdecimal() or int(version) < 1 or IDENTITY not in about:
         raise StoreError(f"{where}: is corrupt: its table {meta.name} does not say what it holds")
     if int(version) > SCHEMA:
         raise StoreError(f"{where}: comes from a newer version (schema {version}, known up to {SCHEMA}); update")
-    return str(about["identity"])
 
 
 def _use_wal(engine: Engine) -> None:

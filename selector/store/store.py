@@ -16,6 +16,7 @@ from selector.store.batch import Batch
 from selector.store.contents import Contents, Entry, Key, check, check_names, contents_of, microseconds
 from selector.store.errors import StoreError, reported
 from selector.store.moments import NOTHING, Floats, Ints, Moments
+from selector.store.origins import Origins, begin_anew, note_merged, read_origins
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class KnowledgeStore:
         self._of_parent: list[Pool] = []
         try:
             with reported(self.name):
-                self._identity = connecting.prepare(self._engine, self.name, create=create)
+                connecting.prepare(self._engine, self.name, create=create)
         except StoreError:
             self.close()
             raise
@@ -120,10 +121,14 @@ class KnowledgeStore:
 
     def contents(self) -> Contents:
         """Return all that the store holds, as of one moment."""
+        return self._whole()[0]
+
+    def _whole(self) -> tuple[Contents, Origins]:
+        """Return all that the store holds, and whose updates these are, as of one moment."""
         with self._reading() as connection:
             contents = Contents(tables.read_expert(connection), tables.read_learned(connection))
             check(contents)
-        return contents
+            return contents, read_origins(connection)
 
     def absorb(self, contents: Contents) -> None:
         """Add all of `contents` to what the store holds."""
@@ -131,28 +136,31 @@ class KnowledgeStore:
         with self._writing() as connection:
             if contents.expert:
                 connecting.lock(connection)
-                held = Contents(tables.read_expert(connection))
-                together = held.merged(Contents(contents.expert)).expert
-                tables.put_expert(connection, (item for item in together.items() if item[0] in contents.expert))
-            tables.add_learned(connection, contents.learned.items())
+            _add(connection, contents)
 
     def merge(self, other: "KnowledgeStore") -> Contents:
         """Add all that another store holds, and return it.
 
         Raises:
-            StoreError: the other store is this one, or a copy of it, whose updates would count twice.
+            StoreError: updates that would count twice: the other store is this one or a copy of it, was merged into it
+                before and not reset since, or both hold updates of a third one.
 
         """
-        if other._identity == self._identity:
-            raise StoreError(f"{self.name}: {other.name} is the same store or a copy of it: updates would count twice")
-        contents = other.contents()
-        self.absorb(contents)
+        contents, origins = other._whole()
+        with self._writing() as connection:
+            connecting.lock(connection)
+            if contents.learned:
+                if why := read_origins(connection).why_not(origins):
+                    raise StoreError(f"{self.name}: {other.name} {why}")
+                note_merged(connection, origins.every, microseconds())
+            _add(connection, contents)
         return contents
 
     def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
         """Forget the learned entries of a `goal`, `option`, `context` and `source`, each only where it is given.
 
-        With `expert` the expert options of that goal, option and source go as well.
+        With `expert` the expert options of that goal, option and source go as well. A store in which
+        nothing learned is left can be merged into others again, and others into it.
 
         Returns:
             The number of learned entries and of expert options deleted.
@@ -166,6 +174,8 @@ class KnowledgeStore:
         with self._writing() as connection:
             connecting.lock(connection, everything=True)
             entries = tables.delete_learned(connection, chosen)
+            if not tables.any_learned(connection):
+                begin_anew(connection)
             of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
             return entries, tables.delete_expert(connection, of_expert) if expert else 0
 
@@ -196,3 +206,12 @@ class KnowledgeStore:
             connection.begin(),
         ):
             yield connection
+
+
+def _add(connection: Connection, contents: Contents) -> None:
+    """Add contents to those of a store, whose expert options nobody else changes meanwhile."""
+    if contents.expert:
+        held = Contents(tables.read_expert(connection))
+        together = held.merged(Contents(contents.expert)).expert
+        tables.put_expert(connection, (item for item in together.items() if item[0] in contents.expert))
+    tables.add_learned(connection, contents.learned.items())

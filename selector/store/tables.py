@@ -145,6 +145,11 @@ def read_learned(
     return {Key(row.goal, row.option, row.context, row.source): _entry(row) for row in connection.execute(query)}
 
 
+def any_learned(connection: Connection) -> bool:
+    """Return whether there is any learned entry."""
+    return connection.execute(select(learned.c.goal).limit(1)).first() is not None
+
+
 def _entry(row: Row[Any]) -> Entry:
     total, squares = (row.total_high << LOW_BITS) + row.total_low, (row.squares_high << LOW_BITS) + row.squares_low
     moments = Moments(row.updates, total, squares)

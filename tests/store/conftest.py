@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from sqlalchemy import create_engine, text
 
+from selector.store import KnowledgeStore
 from tests.store import postgres_server
 
 NUMBERS = itertools.count()
@@ -36,3 +37,17 @@ def new_url(request, tmp_path) -> Callable[[], str]:
         return f"{server.rpartition('/')[0]}/{name}"
 
     return create
+
+
+@pytest.fixture
+def new_store(new_url) -> Iterator[Callable[[], KnowledgeStore]]:
+    """Make an empty store; all are closed after the test."""
+    opened = []
+
+    def make() -> KnowledgeStore:
+        opened.append(KnowledgeStore(new_url()))
+        return opened[-1]
+
+    yield make
+    for store in opened:
+        store.close()

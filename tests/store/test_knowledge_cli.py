@@ -97,6 +97,9 @@ def test_stores_are_merged_and_the_others_stay(run):
     assert code == 0
     assert out == "".join(f"a.sqlite: took in 0 expert options, 1 update of {name}.sqlite\n" for name in "bc")
     assert held("a.sqlite") == expected
+    code, _, err = run("merge", "b.sqlite", "--store", "a.sqlite")
+    reason = "was merged into it before: updates would count twice (after a merge, `reset` the store merged)"
+    assert (code, err) == (2, f"error: a.sqlite: b.sqlite {reason}\n")
     code, _, err = run("merge", "b.sqlite", "none.sqlite", "--store", "a.sqlite")
     assert (code, err) == (2, "error: none.sqlite: no such knowledge store\n")
     assert held("a.sqlite") == expected

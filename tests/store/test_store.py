@@ -19,19 +19,6 @@ one = Entry(Moments(1, 5, 25), 7)
 
 
 @pytest.fixture
-def new_store(new_url):
-    opened = []
-
-    def make() -> KnowledgeStore:
-        opened.append(KnowledgeStore(new_url()))
-        return opened[-1]
-
-    yield make
-    for store in opened:
-        store.close()
-
-
-@pytest.fixture
 def lent(new_store):
     """Lend some empty stores to an example; the next one gets the same, emptied."""
     stores = []
@@ -203,17 +190,6 @@ def test_parameters_that_cannot_be_kept_are_refused(new_store):
         given = knowledge_from({"goals": {"G": [{"configuration": "A", "score": 1, "parameters": parameters}]}})
         with pytest.raises(StoreError, match=r"A\.parameters: expected text, numbers, lists and mappings by text"):
             new_store().put(given, source="expert")
-
-
-def test_a_store_is_not_merged_into_itself_or_its_copy(new_url):
-    url = new_url()
-    store, again = KnowledgeStore(url), KnowledgeStore(url)
-    store.add(batch("G", [("a", 1.0)]), source="run")
-    with pytest.raises(StoreError, match="is the same store or a copy of it: updates would count twice"):
-        store.merge(again)
-    assert store.estimates("G", ["a"]).count.tolist() == [[1]]
-    store.close()
-    again.close()
 
 
 def test_a_forked_process_goes_on_with_a_connection_of_its_own(new_store):

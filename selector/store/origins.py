@@ -1,0 +1,66 @@
+"""Whose updates a store holds: its own identity, and those of the stores that were merged into it.
+
+Two stores that both hold updates of one origin cannot be merged, since these would count twice. A store that has
+forgotten all it learned is another origin from then on: what it learns now nobody has taken in.
+"""
+
+import uuid
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from sqlalchemy import Connection, delete, insert, select, update
+
+from selector.store.tables import meta
+
+IDENTITY = "identity"
+"""Key in the table of the store's properties."""
+MERGED = "merged "
+"""What the keys of merged stores begin with; the rest is their identity."""
+
+
+class Origins(NamedTuple):
+    """Where the updates of a store come from."""
+
+    own: str
+    """Identity of the store."""
+    merged: frozenset[str]
+    """Identities of all stores whose updates it has taken in, by whichever way."""
+
+    @property
+    def every(self) -> frozenset[str]:
+        """All of them."""
+        return self.merged | {self.own}
+
+    def why_not(self, other: "Origins") -> str:
+        """Return why the updates of `other` cannot be added, empty if they can."""
+        if other.own == self.own:
+            return "is the same store or a copy of it: updates would count twice"
+        if other.own in self.merged:
+            return "was merged into it before: updates would count twice (after a merge, `reset` the store merged)"
+        if self.every & other.every:
+            return "holds updates that are in it already: they would count twice"
+        return ""
+
+
+def new_identity() -> str:
+    """Return an identity that no store has."""
+    return uuid.uuid4().hex
+
+
+def read_origins(connection: Connection) -> Origins:
+    """Return the origins of a store."""
+    keys = {row.key: row.value for row in connection.execute(select(meta))}
+    merged = frozenset(key.removeprefix(MERGED) for key in keys if key.startswith(MERGED))
+    return Origins(str(keys.get(IDENTITY, "")), merged)
+
+
+def note_merged(connection: Connection, identities: Iterable[str], now: int) -> None:
+    """Keep that updates of other stores were taken in at `now` [us since 1970, UTC]."""
+    rows = [{"key": f"{MERGED}{identity}", "value": str(now)} for identity in sorted(identities)]
+    connection.execute(insert(meta), rows)
+
+
+def begin_anew(connection: Connection) -> None:
+    """Make a store that has just forgotten all updates an origin of its own."""
+    connection.execute(delete(meta).where(meta.c.key.startswith(MERGED, autoescape=True)))
+    connection.execute(update(meta).where(meta.c.key == IDENTITY).values(value=new_identity()))
