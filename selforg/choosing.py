@@ -5,9 +5,9 @@ Each rule gives a score; the highest wins, the first among equals. Scores of -in
 
 import numpy as np
 
-from selforg.arrays import Floats
+from selforg.arrays import Flags, Floats, Ints
 from selforg.columns import DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN
-from selforg.compiled import kernel, part
+from selforg.compiled import kernel, lean_kernel, part
 from selforg.potentials import attraction_balch, repulsion_balch
 
 NEAREST, FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST = 0, 1, 2, 3, 4
@@ -28,6 +28,22 @@ def choose(rule: int, pairs: Floats, found: int, own_goal: float) -> int:
         if value > best:
             best, chosen = value, index
     return chosen
+
+
+@lean_kernel
+def choose_rows(
+    rule: int, start: Ints, seen: Floats, goals: Floats, known: Flags, chosen: Floats, found: Flags
+) -> None:
+    """Write what each of R rows chooses into `chosen` (R, PAIR_COLUMNS), and whether there is anything into `found`.
+
+    Row i sees seen[start[i]:start[i + 1]] (P, PAIR_COLUMNS); goals, known (R,): own goal radius [m], is there a pose?
+    """
+    for row in range(len(goals)):
+        first = start[row]
+        best = choose(rule, seen[first:], start[row + 1] - first, goals[row]) if known[row] else -1
+        found[row] = best >= 0
+        for column in range(chosen.shape[1]):
+            chosen[row, column] = seen[first + best, column] if best >= 0 else 0.0
 
 
 @part

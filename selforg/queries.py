@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
-from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose
+from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose_rows
 from selforg.columns import GOAL, PAIR_COLUMNS, POSES, SEE_HISTORY, SEE_MOVING, SEE_STATIC, SKIP_OWN
 from selforg.compiled import lean_kernel
 from selforg.gathering import Margins, Store, gather
@@ -126,14 +126,10 @@ class Queries:
             np.arange(self._buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         )
         seen = self.see(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
-        pairs, found = np.zeros((len(chosen), PAIR_COLUMNS)), np.zeros(len(chosen), dtype=np.bool_)
-        goals = self._buffer.poses.own[chosen, 0, GOAL]
-        known = self._buffer.poses.known[chosen]
-        for index in range(len(chosen)):
-            mine = seen.pairs[seen.start[index] : seen.start[index + 1]]
-            best = choose(CHOICES[rule], mine, len(mine), float(goals[index])) if known[index] else -1
-            if best >= 0:
-                pairs[index], found[index] = mine[best], True
+        pairs, found = np.empty((len(chosen), PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
+        poses = self._buffer.poses
+        goals, known = poses.own[chosen, 0, GOAL], poses.known[chosen]
+        choose_rows(CHOICES[rule], seen.start, seen.pairs, goals, known, pairs, found)
         return pairs, found
 
     def gradients(
