@@ -7,23 +7,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import inlined, lean_kernel
+from selforg.compiled import lean_kernel
 from selforg.network import plan_watch as pw
 from selforg.network import state as st
 from selforg.network import tables as t
-from selforg.network.activation import activate_row
-from selforg.network.arbitration import arbitrate_row
-from selforg.network.evaluation import evaluate_row
 from selforg.network.model import NetworkModel
-from selforg.network.plan_memory import PlanMemory, recall, write_key
-from selforg.network.plan_watch import PlanState, watch_plan
+from selforg.network.plan_memory import PlanMemory
+from selforg.network.plan_watch import PlanState
 from selforg.network.planning import Planner
-from selforg.network.readings import find_wrong, reading_of, refuse
-from selforg.network.sharing import COUNTS
+from selforg.network.readings import reading_of, refuse
 from selforg.network.state import NetworkState
+from selforg.network.stepping import DECIDE, SENSE_AND_DECIDE, scratch_of, step_rows
 from selforg.network.tables import Floats, Ints, ints_of
-
-SENSE_AND_DECIDE, DECIDE = range(2)
 
 
 class BehaviourNetwork:
@@ -202,70 +197,11 @@ class BehaviourNetwork:
 
     def _run(self, rows: NDArray[np.int64], phase: int, guarantee: bool) -> int:
         s, p, memory = self.state, self.plans, self._memory
-        return _step(
+        return step_rows(
             rows, self.model.ints, self.model.floats, self.readings, s.value_table, s.mark_table, s.row_table,
             s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.mark_table, p.readings,
             memory.layout, memory.entries, self._keys, *self._scratch, phase, self.planner is not None, guarantee,
         )  # fmt: skip
-
-
-def scratch_of(ints: Ints) -> tuple[Floats, Ints, Floats, Ints]:
-    """Return what the step of a model needs for its own use: leaves (2, L), counts (COUNTS, S), floats and ints."""
-    sensors, behaviours, goals, nodes, wishes = ints_of(ints, t.SIZES).tolist()
-    effects, leaves = len(ints_of(ints, t.EFFECT_OWNER)), len(ints_of(ints, t.LEAF_SENSOR))
-    whole = np.empty(effects + wishes + 3 * behaviours, np.int64)
-    return np.empty((2, leaves)), np.empty((COUNTS, sensors), np.int64), np.empty(nodes + goals), whole
-
-
-@lean_kernel
-def _step(
-    rows: Ints, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints, row_values: Floats,
-    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan: Ints, plan_marks: Ints,
-    plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, leaves: Floats, counts: Ints,
-    numbers: Floats, whole: Ints, phase: int, planning: bool, guarantee: bool,
-) -> int:  # fmt: skip
-    """Step `rows` (K,); return how many of them need a plan that is not remembered and have not decided yet.
-
-    leaves, counts, numbers and whole are overwritten, see `scratch_of`.
-    For a wrong reading return -1 - (what `find_wrong` says), with nothing changed.
-    """
-    if phase == SENSE_AND_DECIDE:
-        wrong = find_wrong(rows, ints, readings)
-        if wrong >= 0:
-            return -1 - wrong
-    behaviours, nodes = values.shape[2], numbers[: t.size_of(ints, t.NODE_KIND)]
-    goal_weight = numbers[t.size_of(ints, t.NODE_KIND) :]
-    heard, counted, order = (
-        whole[:behaviours],
-        whole[behaviours : 2 * behaviours],
-        whole[2 * behaviours : 3 * behaviours],
-    )
-    effects = t.size_of(ints, t.EFFECT_OWNER)
-    live, live_wish = whole[3 * behaviours : 3 * behaviours + effects], whole[3 * behaviours + effects :]
-    missing = 0
-    for k in range(rows.shape[0]):
-        row = rows[k]
-        if phase == SENSE_AND_DECIDE:
-            evaluate_row(
-                row, ints, floats, readings, values, marks, goal_satisfaction, goal_enabled, wishes, kept, leaves, nodes
-            )
-            if planning:
-                watch_plan(row, ints, floats, readings, marks, goal_enabled, plan, plan_marks, plan_readings)
-            forget_finished(row, values, marks)
-            if planning and plan_marks[row, pw.NEEDED]:
-                write_key(row, key_layout, readings, marks, goal_enabled, keys)
-                if not recall(row, keys, remembered, plan, plan_marks):
-                    missing += 1
-                    continue
-                plan_marks[row, pw.NEEDED] = 0
-        activate_row(
-            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, plan, plan_marks, goal_weight,
-            heard, live, live_wish, counts,
-        )  # fmt: skip
-        timed_out = arbitrate_row(row, ints, floats, values, marks, row_values, guarantee, counted, order)
-        if timed_out:
-            plan_marks[row, pw.ALARM] = 1
-    return missing
 
 
 @lean_kernel
@@ -280,15 +216,6 @@ def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[
                 lists[1, started] = row
                 started += 1
     return running, started
-
-
-@inlined
-def forget_finished(row: int, values: Floats, marks: Ints) -> None:
-    """Take the activation from what ended itself; what was stopped keeps it (Q15)."""
-    for b in range(values.shape[2]):
-        if marks[row, st.FINISHED, b]:
-            marks[row, st.FINISHED, b] = 0
-            values[row, st.ACTIVATION, b] = 0.0
 
 
 @lean_kernel

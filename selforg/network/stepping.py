@@ -1,0 +1,86 @@
+"""One decision of some rows, compiled as a whole: evaluate, follow the plan, activate, arbitrate."""
+
+import numpy as np
+
+from selforg.compiled import inlined, lean_kernel
+from selforg.network import plan_watch as pw
+from selforg.network import state as st
+from selforg.network import tables as t
+from selforg.network.activation import activate_row
+from selforg.network.arbitration import arbitrate_row
+from selforg.network.evaluation import evaluate_row
+from selforg.network.plan_memory import recall, write_key
+from selforg.network.plan_watch import watch_plan
+from selforg.network.readings import find_wrong
+from selforg.network.sharing import COUNTS
+from selforg.network.tables import Floats, Ints, ints_of
+
+SENSE_AND_DECIDE, DECIDE = range(2)
+
+
+def scratch_of(ints: Ints) -> tuple[Floats, Ints, Floats, Ints]:
+    """Return what the step of a model needs for its own use: leaves (2, L), counts (COUNTS, S), floats and ints."""
+    sensors, behaviours, goals, nodes, wishes = ints_of(ints, t.SIZES).tolist()
+    effects, leaves = len(ints_of(ints, t.EFFECT_OWNER)), len(ints_of(ints, t.LEAF_SENSOR))
+    whole = np.empty(effects + wishes + 3 * behaviours, np.int64)
+    return np.empty((2, leaves)), np.empty((COUNTS, sensors), np.int64), np.empty(nodes + goals), whole
+
+
+@lean_kernel
+def step_rows(
+    rows: Ints, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints, row_values: Floats,
+    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan: Ints, plan_marks: Ints,
+    plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, leaves: Floats, counts: Ints,
+    numbers: Floats, whole: Ints, phase: int, planning: bool, guarantee: bool,
+) -> int:  # fmt: skip
+    """Step `rows` (K,); return how many of them need a plan that is not remembered and have not decided yet.
+
+    leaves, counts, numbers and whole are overwritten, see `scratch_of`.
+    For a wrong reading return -1 - (what `find_wrong` says), with nothing changed.
+    """
+    if phase == SENSE_AND_DECIDE:
+        wrong = find_wrong(rows, ints, readings)
+        if wrong >= 0:
+            return -1 - wrong
+    behaviours, nodes = values.shape[2], numbers[: t.size_of(ints, t.NODE_KIND)]
+    goal_weight = numbers[t.size_of(ints, t.NODE_KIND) :]
+    heard, counted, order = (
+        whole[:behaviours],
+        whole[behaviours : 2 * behaviours],
+        whole[2 * behaviours : 3 * behaviours],
+    )
+    effects = t.size_of(ints, t.EFFECT_OWNER)
+    live, live_wish = whole[3 * behaviours : 3 * behaviours + effects], whole[3 * behaviours + effects :]
+    missing = 0
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        if phase == SENSE_AND_DECIDE:
+            evaluate_row(
+                row, ints, floats, readings, values, marks, goal_satisfaction, goal_enabled, wishes, kept, leaves, nodes
+            )
+            if planning:
+                watch_plan(row, ints, floats, readings, marks, goal_enabled, plan, plan_marks, plan_readings)
+            forget_finished(row, values, marks)
+            if planning and plan_marks[row, pw.NEEDED]:
+                write_key(row, key_layout, readings, marks, goal_enabled, keys)
+                if not recall(row, keys, remembered, plan, plan_marks):
+                    missing += 1
+                    continue
+                plan_marks[row, pw.NEEDED] = 0
+        activate_row(
+            row, ints, floats, values, marks, row_values, wishes, kept, goal_enabled, plan, plan_marks, goal_weight,
+            heard, live, live_wish, counts,
+        )  # fmt: skip
+        timed_out = arbitrate_row(row, ints, floats, values, marks, row_values, guarantee, counted, order)
+        if timed_out:
+            plan_marks[row, pw.ALARM] = 1
+    return missing
+
+
+@inlined
+def forget_finished(row: int, values: Floats, marks: Ints) -> None:
+    """Take the activation from what ended itself; what was stopped keeps it (Q15)."""
+    for b in range(values.shape[2]):
+        if marks[row, st.FINISHED, b]:
+            marks[row, st.FINISHED, b] = 0
+            values[row, st.ACTIVATION, b] = 0.0
