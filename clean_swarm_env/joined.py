@@ -129,6 +129,8 @@ def _check_alike(batches: Sequence[Batch]) -> None:
     """Raise an error unless there are batches, and one learner can decide for all of them."""
     if not batches:
         raise ValueError("batches: expected at least one, got none")
+    if len({id(batch) for batch in batches}) < len(batches):
+        raise ValueError("batches: expected each one once, got one twice")
     first = _compared(batches[0])
     for number, batch in enumerate(batches):
         for what, given in _compared(batch).items():

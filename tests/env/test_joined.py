@@ -106,6 +106,8 @@ def test_wrong_use_is_named():
         batch.reset([1])
     with pytest.raises(ValueError, match="batches: expected at least one"):
         Joined([])
+    with pytest.raises(ValueError, match="batches: expected each one once"):
+        Joined([batch, batch])
     joined = Joined([Batch(SHORT), Batch(SHORT)])
     with pytest.raises(ValueError, match="starts: expected one for each of 2 worlds, got 1"):
         joined.reset(starts=[None])
