@@ -1,4 +1,4 @@
-"""Training of a strategy by the rewards that follow its choices, episode by episode in many worlds.
+"""Training of a strategy by the rewards that follow its choices, or by what whole missions cost, in many worlds.
 
 Between two checkpoints everything follows from the checkpoint's number, the seed and the state saved there, as in the
 training by PPO.
@@ -13,26 +13,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.joined import Joined
-from clean_swarm_env.observation import Observations
 from selector.array_file import load_arrays, save_arrays
 from selector.decisions import Problem
-from selector.documents import DocumentError, unknown
+from selector.registry import StrategySpec
 from selector.store import Batch as StoreBatch
 from selector.store import KnowledgeStore
 from selector.strategy import DecisionStrategy
 from selector.strategy_file import save_strategy
 from selector.streams import row_keys
 from train.checkpoints import TrainingDirectory
-from train.credit import Credit, Paid
+from train.credit import Paid
 from train.curriculum import Curriculum
+from train.learning import Learning, columns_of
+from train.mission_learning import MissionLearning
+from train.reward_learning import RewardLearning
 from train.training_config import TrainingConfig
 from train.trials import StrategyPilot, problem_of
 from train.validation import Progress, measured
 
 CHECKPOINT, STRATEGY = "checkpoint.safetensors", "strategy.safetensors"
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
@@ -47,13 +47,14 @@ class BanditTraining:
         self.config, self.settings, self.seed, self.directory = config, config.bandit, seed, directory
         self._directories, self._told, self._store = directories, told, store
         self.curriculum = Curriculum(config, seed, directories)
-        self.joined = Joined(self.curriculum.batches)
-        self._period = self.joined.batches[0].mission.decision_period
-        whole = problem_of(self.joined.batches[0])
-        self._columns = columns_of(whole, self.settings.context, "context")
-        self._watched = columns_of(whole, self.settings.credit.until, "until")
+        whole = problem_of(self.curriculum.batches[0])
+        columns_of(whole, self.settings.context, "context")
         self.problem = Problem(whole.goal, whole.options, whole.scores, self.settings.context)
-        self.strategy = self._built(self.problem, self.joined.world_of)
+        self._learning: Learning = (
+            MissionLearning(config, self.curriculum, directories) if self.settings.compared
+            else RewardLearning(config, self.curriculum)
+        )  # fmt: skip
+        self.strategy = self._built(self.settings.strategy, self.problem, self._learning.teams)
         self.progress, self.checkpoint, self.decisions = Progress(), 0, 0
         self._best = self.strategy.learned()
         self._record = StoreBatch(self.problem.goal, self.problem.options)
@@ -69,9 +70,8 @@ class BanditTraining:
     def advance(self) -> None:
         """Learn up to the next checkpoint, measure what was learned, and save everything."""
         seeds = np.random.SeedSequence([self.seed, self.checkpoint, 2])
-        self.strategy.reseed(np.arange(self.joined.rows), row_keys(seeds, self.joined.rows))
-        self.curriculum.begin(self.checkpoint)
-        costs = self._learn(self.joined.reset())
+        self.strategy.reseed(np.arange(self.strategy.rows), row_keys(seeds, self.strategy.rows))
+        costs = self._learning.learn(self.strategy, self.checkpoint, self._take)
         self.checkpoint += 1
         entry = {
             "checkpoint": self.checkpoint, "decisions": self.decisions, "missions": len(costs),
@@ -88,43 +88,16 @@ class BanditTraining:
         """Write what the strategy had learned when it was best and return the file; `command` is in the manifest."""
         last, path = self.strategy.learned(), self.directory.path / STRATEGY
         self.strategy.load_learned(self._best)
-        one = self._built(self.problem, np.zeros(1, dtype=np.int64))
+        one = self._built(self.settings.learned, self.problem, np.zeros(1, dtype=np.int64))
         one.load_learned({name: array[:1] for name, array in self._best.items()})
         save_strategy(path, one)
         self.strategy.load_learned(last)
         return path
 
-    def _learn(self, seen: Observations) -> list[float]:
-        """Let the strategy decide and learn until the next checkpoint; return the costs of missions that ended."""
-        settings, rows = self.settings.credit, self.joined.rows
-        periods = max(round(settings.horizon / self._period), 1)
-        discount = settings.discount**self._period
-        credit = Credit(rows, periods, len(self._columns), discount)
-        hold = round(settings.hold / self._period) or np.iinfo(np.int64).max
-        left, options = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.int64)
-        watched, costs = seen[:, self._watched].copy(), []
-        for _ in range(-(-self.config.decisions // rows)):
-            changed = (seen[:, self._watched] != watched).any(axis=1)
-            watched = seen[:, self._watched].copy()
-            deciding = np.flatnonzero(((left <= 0) | changed) & self.joined.present)
-            if len(deciding):
-                context = seen[deciding][:, self._columns].astype(np.float64)
-                options[deciding] = self.strategy.select(context, rows=deciding)
-                credit.decide(deciding, options[deciding], context, self.strategy.chance[deciding])
-                left[deciding] = hold
-            step = self.joined.step(options)
-            over = (step.terminated | step.truncated)[self.joined.world_of]
-            left -= 1
-            left[over] = 0
-            seen = step.observations
-            self._take(credit.pay(step.rewards, over))
-            self.decisions += rows
-            costs += [end.result.cost_s for end in self.joined.finished]
-            self._told(self.decisions)
-        return costs
-
-    def _take(self, paid: Paid) -> None:
-        """Let the strategy learn from decisions whose rewards are complete."""
+    def _take(self, paid: Paid, decisions: int) -> None:
+        """Let the strategy learn from decisions whose rewards are complete, and count those that have been made."""
+        self.decisions += decisions
+        self._told(self.decisions)
         if not len(paid.rows):
             return
         self.strategy.update(paid.options, paid.rewards, paid.contexts, paid.rows, paid.chances)
@@ -137,15 +110,15 @@ class BanditTraining:
         learned = self.strategy.learned()
 
         def pilot(problem: Problem, teams: Ints) -> StrategyPilot:
-            own = self._built(Problem(problem.goal, problem.options, problem.scores, self.settings.context), teams)
+            known = Problem(problem.goal, problem.options, problem.scores, self.settings.context)
+            own = self._built(self.settings.learned, known, teams)
             own.load_learned({name: array[:1] for name, array in learned.items()})
             return StrategyPilot(own, columns_of(problem, self.settings.context, "context"))
 
         return measured(self.curriculum.validation, pilot, self.config.observation, self._directories)
 
-    def _built(self, problem: Problem, teams: Ints) -> DecisionStrategy:
-        keys = row_keys(np.random.SeedSequence([self.seed, 3]), len(teams))
-        return self.settings.strategy.build(problem, keys, teams)
+    def _built(self, spec: StrategySpec, problem: Problem, teams: Ints) -> DecisionStrategy:
+        return spec.build(problem, row_keys(np.random.SeedSequence([self.seed, 3]), len(teams)), teams)
 
     def _save(self) -> None:
         arrays = {f"now.{name}": array for name, array in self.strategy.learned().items()}
@@ -169,11 +142,3 @@ class BanditTraining:
         best = float("inf") if told["best"] is None else told["best"]
         self.progress = Progress(told["history"], best, told["since"])
         self.directory.write_history(self.progress.history)
-
-
-def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
-    """Return the places of components of an observation; an unknown one is a DocumentError."""
-    for name in names:
-        if name not in problem.features:
-            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
-    return np.array([problem.features.index(name) for name in names], dtype=np.int64)

@@ -6,6 +6,9 @@ one, and `clean-swarm evaluate` the split "test": no scenario is ever one of ano
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +16,7 @@ import numpy as np
 from clean_swarm_env.batch import Batch
 from clean_swarm_env.config_files import load_family
 from clean_swarm_env.episodes import Size
-from clean_swarm_env.families import FamilyConfig
+from clean_swarm_env.families import FamilyConfig, Scenario
 from clean_swarm_env.joined import family_batches
 from train.training_config import TrainingConfig
 
@@ -41,6 +44,7 @@ class Curriculum:
                 family, task.worlds, sizes=_sizes(family), observation=config.observation, reward=config.reward,
                 directories=directories,
             )  # fmt: skip
+        self._families = families
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]
             for family in families
@@ -51,6 +55,18 @@ class Curriculum:
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):
             batch.share(int(word) * 2 + 1)
+
+    def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
+        """Return the scenarios of each family that belong after a checkpoint, one after the other without end."""
+        words = np.random.SeedSequence([self._seed, checkpoint, 4]).generate_state(len(self._families), np.uint32)
+        return [
+            map(partial(_trained_on, family, int(word) * 2 + 1), count())
+            for family, word in zip(self._families, words, strict=True)
+        ]
+
+
+def _trained_on(family: FamilyConfig, seed: int, number: int) -> Scenario:
+    return family.scenario(seed, number, "train")
 
 
 def _sizes(family: FamilyConfig) -> list[Size]:

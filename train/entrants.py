@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -105,6 +106,16 @@ def member_pilot(member: str, problem: Problem, teams: Ints) -> Pilot:
     if member == RULE:
         return RulePilot(problem)
     return _strategy_pilot(spec_from_text(member), problem, teams, ())
+
+
+def identified(member: str) -> str:
+    """Return a member with a digest of what was learned, if it names a file: another training is another member."""
+    kind, _, name = member.partition(":")
+    if kind == POLICY:
+        return f"{member} sha256:{load_policy(find_policy(name)).spec.weights_sha256}"
+    if name.endswith(LEARNED):
+        return f"{member} sha256:{hashlib.sha256(Path(name).read_bytes()).hexdigest()}"
+    return member
 
 
 def _strategy_pilot(

@@ -20,7 +20,7 @@ from clean_swarm_env.families import FamilyConfig
 from selector.documents import DocumentError
 from selector.knowledge import load_knowledge
 from train.comparison import ORACLE, Comparison, Estimate, Standing, compare
-from train.entrants import Entrant, entrants_of, member_pilot
+from train.entrants import Entrant, entrants_of, identified, member_pilot
 from train.evaluation import FAILED, FINISHED, INTERRUPTED, progress
 from train.grids import Grid, flat, markdown, on_terminal
 from train.plan import FINGERPRINTED, fingerprints, versions
@@ -82,13 +82,13 @@ def evaluate_family(
     goal, options = _options(family, request.directories)
     entrants = entrants_of(request.strategies, options)
     count = request.scenarios or family.scenarios
-    manifest = _manifest(request, family, entrants, count)
+    manifest = _manifest(request, family, entrants)
     stem = f"{family.name}-seed{request.seed}"
-    results = Results(output or default_directory(stem, resume=resume), manifest, resume=resume)
+    results = Results(output or default_directory(stem, resume=resume), manifest, resume=resume, growing="strategies")
     tasks = _missing(request, family, entrants, count, results)
     total = count * sum(len(entrant.members) for entrant in entrants)
     try:
-        with progress(total, len(results.records)) as advance:
+        with progress(total, total - sum(len(task.numbers) for task in tasks)) as advance:
             for records in each_done(run_task, tasks, workers):
                 for record in records:
                     results.add(record)
@@ -133,13 +133,12 @@ def _options(family: FamilyConfig, directories: tuple[Path, ...]) -> tuple[str, 
     return goal, tuple(option.name for option in knowledge.options(goal))
 
 
-def _manifest(request: FamilyRequest, family: FamilyConfig, entrants: Sequence[Entrant], count: int) -> dict[str, Any]:
+def _manifest(request: FamilyRequest, family: FamilyConfig, entrants: Sequence[Entrant]) -> dict[str, Any]:
     return {
         "identity": {
             "family": family.model_dump(mode="json"),
             "seed": request.seed,
-            "scenarios": count,
-            "strategies": {entrant.label: list(entrant.members) for entrant in entrants},
+            "strategies": {entrant.label: [identified(member) for member in entrant.members] for entrant in entrants},
             "files": fingerprints(FINGERPRINTED, request.directories),
         },
         "versions": versions(),

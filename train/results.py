@@ -31,9 +31,10 @@ Json = dict[str, Any]
 class Results:
     """An open directory of results; `records` are the finished runs."""
 
-    def __init__(self, directory: Path, manifest: Mapping[str, Any], *, resume: bool) -> None:
+    def __init__(self, directory: Path, manifest: Mapping[str, Any], *, resume: bool, growing: str = "") -> None:
         """Open `directory` for the runs that `manifest["identity"]` describes.
 
+        The mapping `growing` of the identity may have other entries each time; the directory keeps them all.
         Raises ConfigurationError if the directory holds anything, unless to `resume` runs of the same identity.
         """
         self.directory = directory
@@ -41,8 +42,11 @@ class Results:
         if not directory.exists() or (directory.is_dir() and not any(directory.iterdir())):
             _new(directory, manifest)
         else:
-            _check_occupied(directory, manifest, resume=resume)
+            held = _check_occupied(directory, manifest, growing, resume=resume)
             self.records = _read_journal(directory / JOURNAL)
+            if growing:
+                whole = {**manifest["identity"], growing: {**held[growing], **manifest["identity"][growing]}}
+                self.write(MANIFEST, _text({**manifest, "identity": whole}))
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
@@ -115,24 +119,33 @@ def _row(record: RunRecord) -> str:
 def _new(directory: Path, manifest: Mapping[str, Any]) -> None:
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        write_atomically(directory / MANIFEST, (json.dumps(manifest, indent=2, allow_nan=False) + "\n").encode())
+        write_atomically(directory / MANIFEST, _text(manifest).encode())
     except OSError as error:
         raise ConfigurationError(f"{directory}: cannot be written ({error.strerror})") from error
 
 
-def _check_occupied(directory: Path, manifest: Mapping[str, Any], *, resume: bool) -> None:
+def _text(manifest: Mapping[str, Any]) -> str:
+    return json.dumps(manifest, indent=2, allow_nan=False) + "\n"
+
+
+def _check_occupied(directory: Path, manifest: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
+    """Return the identity of the runs that a directory holds, to go on with them."""
     if not directory.is_dir():
         raise ConfigurationError(f"{directory}: expected a directory for the results, got a file")
     holds = _identity(directory / MANIFEST)
     if holds is None:
         raise ConfigurationError(f"{directory}: holds other files; expected an empty or a new directory")
-    different = _difference(holds, manifest["identity"])
+    wanted = dict(manifest["identity"])
+    if growing and isinstance(kept := holds.get(growing), dict):
+        wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
+    different = _difference(holds, wanted)
     if different:
         raise ConfigurationError(f"{directory}: holds other results: {different}")
     if not resume:
         raise ConfigurationError(
             f"{directory}: holds results of this experiment already; give --resume or another --output"
         )
+    return holds
 
 
 def _identity(path: Path) -> Json | None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 import configs
-from clean_swarm_env.config_types import Count
+from clean_swarm_env.config_types import Count, Index
 from clean_swarm_env.observation_terms import ObservationConfig
 from clean_swarm_env.reward import RewardConfig
 from selector.documents import (
@@ -95,7 +95,24 @@ class BanditConfig(Closed):
     context: tuple[Name, ...] = ()
     """Components of the observation that it sees."""
     credit: CreditConfig = CreditConfig()
-    """Which rewards count."""
+    """Which rewards count, if robots decide for themselves."""
+    compared: Index = 0
+    """Missions of each scenario that are compared: teams decide once a mission what to do in each situation, and are
+    rewarded by how much cheaper it was than the others. `context` then names the situations, components of which the
+    largest counts; `worlds` of a task are missions at a time. 0: robots decide for themselves, see `credit`."""
+    exported: dict[Name, Any] = Field(default_factory=dict)
+    """Parameters of the strategy that differ once it has learned, for instance to explore no more."""
+
+    @model_validator(mode="after")
+    def _exists(self) -> Self:
+        self.learned  # noqa: B018  (a mistake in the parameters is told when the file is read)
+        return self
+
+    @property
+    def learned(self) -> StrategySpec:
+        """The strategy as it decides once it has learned."""
+        spec = self.strategy
+        return StrategySpec(name=spec.name, parameters={**spec.parameters, **self.exported}, sharing=spec.sharing)
 
 
 class TrainingConfig(Closed):
@@ -126,6 +143,11 @@ class TrainingConfig(Closed):
     def _one_learner(self) -> Self:
         if (self.ppo is None) == (self.bandit is None):
             raise ValueError("expected either ppo or bandit")
+        compared = self.bandit.compared if self.bandit is not None else 0
+        for task in self.tasks if compared else ():
+            if compared == 1 or task.worlds % compared:
+                expected = "at least 2, and the worlds of every task a multiple of it"
+                raise ValueError(f"bandit.compared: expected {expected}, got {compared} for {task.worlds} worlds")
         return self
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from selector.decisions import Decisions, Floats, Ints, Outcomes
-from selector.documents import Closed, Positive
+from selector.documents import Closed, NonNegative, Positive
 from selector.strategy import Arrays, DecisionStrategy
 from selforg.compiled import kernel
 
@@ -15,8 +15,8 @@ class LinearParameters(Closed):
 
     prior: Positive = 1.0
     """Ridge: pseudo-count of the expert's score as constant term, and of 0 as weight of every feature [rewards]."""
-    exploration: Positive = 1.0
-    """Factor of the standard error of an estimate [reward]."""
+    exploration: NonNegative = 1.0
+    """Factor of the standard error of an estimate; 0: what is expected decides [reward]."""
 
 
 class LinearModel(DecisionStrategy):

@@ -2,12 +2,14 @@
 
 import csv
 import json
+import shutil
 import sys
 
 import pytest
 import yaml
 
 from clean_swarm_env.config_files import load_family
+from selector.policy_file import find_policy, load_policy, save_policy
 from train import cli, trials
 from train.entrants import member_pilot
 from train.trials import run_trials
@@ -58,6 +60,30 @@ def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp
     summary = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert summary == json.loads((tmp_path / "cut" / "summary.json").read_text())
     assert set(summary["strategies"]) >= {"rule", "Random", summary["best_fixed"]}
+
+
+def test_strategies_and_scenarios_can_be_added_later(evaluate, tmp_path):
+    assert evaluate("--strategy", "Random", "--scenarios", "1", "--output", tmp_path / "grown")[0] == 0
+    words = ("--strategy", "rule", "--strategy", "Random", "--scenarios", "2")
+    code, out, _ = evaluate(*words, "--output", tmp_path / "grown", "--resume")
+    assert code == 0
+    assert evaluate(*words, "--output", tmp_path / "whole")[1] == out.replace("grown", "whole")
+    assert rows_of(tmp_path / "grown") == rows_of(tmp_path / "whole")
+    manifest = json.loads((tmp_path / "grown" / "manifest.json").read_text())
+    assert set(manifest["identity"]["strategies"]) == {"Random", "rule"}
+
+
+def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
+    policy = tmp_path / "policy"
+    shutil.copytree(find_policy("general"), policy)
+    words = ("--strategy", f"P=policy:{policy}", "--scenarios", "1", "--output", tmp_path / "results")
+    assert evaluate(*words)[0] == 0
+    learned = load_policy(policy)
+    learned.weights["options.bias"][0] += 1.0
+    save_policy(policy, learned)
+    code, _, err = evaluate(*words, "--resume")
+    assert code == 2
+    assert "holds other results: strategies.P differ" in err
 
 
 def test_a_mission_takes_the_same_course_beside_any_others(family):

@@ -23,7 +23,8 @@ from train.training_config import load_training
 
 pytest.importorskip("stable_baselines3")
 
-RESULTS = {"ppo": "policy/policy.safetensors", "bandit": "strategy.safetensors"}
+RESULTS = {"ppo": ("ppo", "policy/policy.safetensors")}
+BANDIT = ("bandit", "strategy.safetensors")
 TIMEOUT = 400.0
 
 
@@ -38,9 +39,10 @@ def finish(words):
     return done
 
 
-@pytest.mark.parametrize("learner", ["ppo", "bandit"])
-def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, learner):
-    config = written(tmp_path, learner)
+@pytest.mark.parametrize("kind", ["ppo", "bandit", "missions"])
+def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
+    config = written(tmp_path, kind)
+    learner, learned = RESULTS.get(kind, BANDIT)
     finish(command(learner, config, tmp_path / "whole"))
     killed = subprocess.Popen(command(learner, config, tmp_path / "cut"), stderr=subprocess.DEVNULL)
     history, since = tmp_path / "cut" / "history.jsonl", time.monotonic()
@@ -52,7 +54,7 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, learner):
     killed.wait()
     assert len(history.read_text().splitlines()) < 3
     finish(command(learner, config, tmp_path / "cut", "--resume"))
-    for name in (RESULTS[learner], "history.jsonl"):
+    for name in (learned, "history.jsonl"):
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 

@@ -1,4 +1,4 @@
-"""Trainings of some seconds."""
+"""Trainings of some seconds: `missions` is one by bandit, rewarded by what whole missions cost."""
 
 import yaml
 
@@ -10,7 +10,7 @@ COMMON = {
     "decisions": 600,
     "validation": {"scenarios": 1, "every": 3},
 }
-LEARNERS = {
+KINDS = {
     "ppo": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}},
     "bandit": {
         "bandit": {
@@ -19,10 +19,20 @@ LEARNERS = {
             "credit": {"hold": 5.0, "until": ["carrying_far", "carrying_near"], "horizon": 10.0},
         }
     },
+    "missions": {
+        "bandit": {
+            "strategy": {"name": "LinearThompson", "parameters": {"prior": 0.1}},
+            "context": ["free_far", "carrying_far"],
+            "compared": 2,
+            "exported": {"exploration": 0.0},
+        },
+        "tasks": [{"family": "random", "worlds": 4}],
+        "decisions": 8,
+    },
 }
 
 
-def written(directory, learner, **changes):
-    path = directory / f"{learner}.yaml"
-    path.write_text(yaml.safe_dump(COMMON | LEARNERS[learner] | changes))
+def written(directory, kind, **changes):
+    path = directory / f"{kind}.yaml"
+    path.write_text(yaml.safe_dump(COMMON | KINDS[kind] | changes))
     return path
