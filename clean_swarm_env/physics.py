@@ -16,8 +16,10 @@ from typing import Any, Final
 
 import numpy as np
 import pymunk
+from numba import config
 from numpy.typing import NDArray
 
+from clean_swarm_env import contact_calls as calls
 from clean_swarm_env import physics_motion as motion
 from clean_swarm_env import physics_tick as ticking
 from clean_swarm_env.collisions import CollisionCounter
@@ -77,6 +79,16 @@ class ContactSpace:
             self._read = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
             self._whole = _channel(bodies, lib.POSITION | lib.VELOCITY)
             self._force = _channel(forces, lib.FORCE)
+
+    def handles(self) -> list[int]:
+        """Return the row of `contact_calls` for this space, zeros where compiled code cannot call pymunk."""
+        if not self._shared_memory or config.DISABLE_JIT:  # type: ignore[attr-defined]
+            return [0] * calls.HANDLES
+        step, each = ffi.addressof(lib, "cpSpaceStep"), ffi.addressof(lib, "cpSpaceEachBody")
+        pointers = [self._space._space, step, each, self._write, self._read]
+        for numbers, request in (self._whole, self._force):
+            pointers += [request, ffi.addressof(numbers, "num")]
+        return [int(ffi.cast("intptr_t", pointer)) for pointer in pointers]
 
     def load(self) -> None:
         """Take positions and velocities from the array `bodies`."""
@@ -187,6 +199,8 @@ class Physics:
         self._wanted = np.zeros((rows, 2))  # [m/s]
         self._forces = np.zeros((rows, 2))  # [N]
         self._copies = np.zeros(rows, np.uint8)
+        self._copied = np.zeros(rows, np.uint8)  # the copies that pymunk has
+        self._handles = np.zeros((worlds, calls.HANDLES), np.int64)
         self._patience = np.zeros(worlds, np.int64)  # (W,) substeps until a world is free of contacts
         self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
         self._current = np.zeros(worlds, np.bool_)  # (W,) does pymunk hold the rows of `_bodies` as they are?
@@ -201,7 +215,7 @@ class Physics:
         )  # fmt: skip
         self._motion: ticking.Motion = (
             self.positions, self.headings, self._bodies, self._wanted, self._forces, self._copies, self.present,
-            self._patience,
+            self._patience, self._handles, self._copied, self._current,
         )  # fmt: skip
 
     def place(self, world: int, positions: NDArray[np.float64], headings: NDArray[np.float64]) -> None:
@@ -229,6 +243,7 @@ class Physics:
         self.present[rows] = True
         self._patience[world] = 0
         self._spaces[world] = None
+        self._handles[world] = 0
         self._current[world] = False
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
@@ -288,7 +303,7 @@ class Physics:
             left = int(self._left[world])
             while left:
                 self._touch(world)
-                left = ticking.settle_and_go_on(world, left, *rest, self._current)
+                left = ticking.settle_and_go_on(world, left, *rest)
 
     def _touch(self, world: int) -> None:
         """Let pymunk do a substep of a world whose forces and copies are set."""
@@ -298,9 +313,11 @@ class Physics:
             for robot in np.flatnonzero(~self.present[rows]).tolist():
                 space.let_touch(robot, False)
             self._spaces[world] = space
+            self._handles[world] = space.handles()
         if not self._current[world]:
             space.load()
         space.set_copies(self._copies[rows])
+        self._copied[rows] = self._copies[rows]
         space.step(self.settings.timestep)
 
     def _substep_in_contact(self, world: int) -> None:

@@ -1,7 +1,8 @@
 """A whole control period of the physics with its collision counts, in as few calls as contacts allow (compiled).
 
-A world runs through its substeps by itself until robots touch; then it is handed back, pymunk does one substep, and
-`settle_and_go_on` takes it up again. The same substeps and counts, in the same order within each world, as
+A world runs through its substeps by itself; while robots touch, Chipmunk is called from here. Only where bodies need
+other seam copies, or the world has no space yet, it is handed back: pymunk is told and does one substep, and
+`settle_and_go_on` takes the world up again. The same substeps and counts, in the same order within each world, as
 `Physics.substep` and `CollisionCounter.count` by turns.
 
 Shapes: W worlds, N robots a world, R = W * N rows, K collision distances.
@@ -10,11 +11,13 @@ Shapes: W worlds, N robots a world, R = W * N rows, K collision distances.
 import numpy as np
 
 from clean_swarm_env.collisions import Flags, Floats, Ints, count_world
+from clean_swarm_env.contact_calls import SPACE, touch
 from clean_swarm_env.physics_motion import land, push, search_contacts, steer_world
 from selforg.compiled import inlined, lean_kernel
 
-# positions (R, 2), headings (R,), bodies (R, 4), wanted (R, 2), forces (R, 2), copies (R,), present (R,), patience (W,)
-Motion = tuple[Floats, Floats, Floats, Floats, Floats, np.ndarray, Flags, Ints]
+# positions (R, 2), headings (R,), bodies (R, 4), wanted (R, 2), forces (R, 2), seam copies needed (R,), present (R,),
+# patience (W,), handles (W, HANDLES), seam copies that pymunk has (R,), whether pymunk's state holds (W,)
+Motion = tuple[Floats, Floats, Floats, Floats, Floats, np.ndarray, Flags, Ints, Ints, np.ndarray, Flags]
 # contact search, width, height [m], reach of a touch [m], zone of seam copies [m], timestep [s], settling [substeps],
 # stiffness [kg/s]
 Sizes = tuple[int, float, float, float, float, float, int, float]
@@ -27,7 +30,7 @@ Counts = tuple[
 @inlined
 def count(world: int, motion: Motion, counts: Counts, entered: Ints) -> None:
     """Count one world and add what was entered to `entered` (R,)."""
-    positions, _, _, _, _, _, present, patience = motion
+    positions, present, patience = motion[0], motion[6], motion[7]
     (
         before, counted, squares, samples, events, in_contact, now, near, following, cells, listed, pairs, origins,
         width, height, furthest,
@@ -41,12 +44,33 @@ def count(world: int, motion: Motion, counts: Counts, entered: Ints) -> None:
         entered[row] += now[row]
 
 
+@inlined
+def can_touch(world: int, motion: Motion) -> bool:
+    """Tell whether Chipmunk can be called for the next substep of a world: it has a space, with the right copies."""
+    copies, handles, copied = motion[5], motion[8], motion[9]
+    robots = copies.shape[0] // handles.shape[0]
+    for row in range(world * robots, (world + 1) * robots):
+        if copies[row] != copied[row]:
+            return False
+    return bool(handles[world, SPACE] != 0)
+
+
+@inlined
+def settle(world: int, motion: Motion, sizes: Sizes) -> None:
+    """Take over what a substep of pymunk came to."""
+    positions, bodies, patience, current = motion[0], motion[2], motion[7], motion[10]
+    robots = positions.shape[0] // patience.shape[0]
+    crossed = land(positions, bodies, world * robots, (world + 1) * robots, sizes[1], sizes[2], sizes[5])
+    # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
+    current[world] = not crossed and patience[world] > 1
+
+
 @lean_kernel
 def go_on(
     world: int, left: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts, entered: Ints
 ) -> int:
-    """Run a world through its `left` substeps until robots touch; returns the substeps left, the next one pymunk's."""
-    positions, headings, bodies, wanted, forces, copies, present, patience = motion
+    """Run a world through its `left` substeps; returns the substeps left if the next one is for Python to do."""
+    positions, headings, bodies, wanted, forces, copies, present, patience, handles, _, current = motion
     search, width, height, reach, zone, timestep, settling, stiffness = sizes
     robots = positions.shape[0] // patience.shape[0]
     first, end = world * robots, (world + 1) * robots
@@ -58,7 +82,10 @@ def go_on(
         )  # fmt: skip
         if contact:
             push(forces, copies, positions, bodies, wanted, present, first, end, height, zone, stiffness)
-            return left
+            if not can_touch(world, motion):
+                return left
+            touch(world, handles, bool(current[world]), timestep)
+            settle(world, motion, sizes)
         count(world, motion, counts, entered)
         left -= 1
     return 0
@@ -70,25 +97,21 @@ def begin_tick(
     left: Ints,
 ) -> int:  # fmt: skip
     """Begin a tick of every world; fills `left` (W,) and returns how many worlds have substeps left."""
-    engaged = 0
+    waiting = 0
     for row in range(entered.shape[0]):
         entered[row] = 0
     for world in range(left.shape[0]):
         left[world] = go_on(world, substeps, motion, sizes, speed, turn_rate, counts, entered)
-        engaged += left[world] > 0
-    return engaged
+        waiting += left[world] > 0
+    return waiting
 
 
 @lean_kernel
 def settle_and_go_on(
     world: int, left: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts,
-    entered: Ints, current: Flags,
+    entered: Ints,
 ) -> int:  # fmt: skip
-    """Take a world up again after a substep of pymunk; see `go_on`. `current` (W,): pymunk's state holds."""
-    positions, _, bodies, _, _, _, _, patience = motion
-    robots = positions.shape[0] // patience.shape[0]
-    crossed = land(positions, bodies, world * robots, (world + 1) * robots, sizes[1], sizes[2], sizes[5])
-    # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
-    current[world] = not crossed and patience[world] > 1
+    """Take a world up again after a substep that Python has had pymunk do; see `go_on`."""
+    settle(world, motion, sizes)
     count(world, motion, counts, entered)
     return go_on(world, left - 1, motion, sizes, speed, turn_rate, counts, entered)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from selforg.candidates import Store
 from selforg.cells import bucket_of, remove
 from selforg.columns import (
     AFTER,
@@ -38,7 +39,6 @@ from selforg.columns import (
 )
 from selforg.compiled import part
 from selforg.evaporation import evaporate, evaporated_away
-from selforg.gathering import Store
 from selforg.space import nearest_image, wrapped
 from selforg.windows import MOST_CELLS, near_cells
 

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
+from selforg.candidates import Store
 from selforg.codes import Codes
 from selforg.columns import (
     CLOCK,
@@ -27,7 +28,6 @@ from selforg.columns import (
     X,
 )
 from selforg.delivery import Delivery, Mail, address
-from selforg.gathering import Store
 from selforg.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
 from selforg.poses import OwnPoses
 from selforg.settings import BufferSettings

@@ -1,9 +1,10 @@
 """Decision rules: what one row makes of its neighbours' spread values. Compiled, chosen by an integer."""
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.candidates import Store
 from selforg.columns import DISTANCE, KEY, POSES, SLOT, VALUE
 from selforg.compiled import lean_kernel, part
-from selforg.gathering import Store, gather
+from selforg.gathering import gather
 from selforg.pose_cells import Poses
 
 QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2

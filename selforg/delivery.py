@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.candidates import half, shortest
 from selforg.columns import POSES, TAG_MOVING, TAG_SOURCE, TAG_SPACE, TEAM, X, Y, Z
 from selforg.compiled import kernel
-from selforg.gathering import half, shortest
 from selforg.pose_cells import Poses
 from selforg.poses import OwnPoses
 

@@ -7,6 +7,7 @@ or unit heading (Reynolds), its goal radius [m].
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints, Links
+from selforg.candidates import Store
 from selforg.columns import (
     DIFFUSION,
     DX,
@@ -23,7 +24,7 @@ from selforg.columns import (
     X,
 )
 from selforg.compiled import kernel, part
-from selforg.gathering import Store, gather
+from selforg.gathering import gather
 from selforg.pose_cells import Poses
 from selforg.randomness import take_direction
 from selforg.rules import limit

@@ -9,41 +9,47 @@ The inner loops pass near, not tables: every table handed to a function that is 
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
-from selforg.cells import bucket_of, layer_of, remove, space_of
+from selforg.candidates import (
+    MOST_CANDIDATES,
+    Margins,
+    Store,
+    approach,
+    half,
+    keep_moving,
+    keep_near,
+    measure,
+    renew,
+    shortest,
+)
+from selforg.cells import bucket_of, layer_of, space_of
 from selforg.columns import (
     AFTER,
-    ATTRACTION,
     BOUND,
     CELL,
     COUNT,
     COUNTERS,
     DIFFUSION,
     DISTANCE,
-    DUE,
     DX,
     DY,
     DZ,
-    EXTENT,
     GOAL,
     HEAD,
     HEARD,
     LAYER,
     LEVELS,
-    MIN_DIFFUSION,
     MOVING,
     NEXT,
     PAIR_DIFFUSION,
     PAIR_GOAL,
     POSE_SIGN,
     POSES,
-    RANK,
     SEE_HISTORY,
     SEE_MOVING,
     SEE_STATIC,
     SIGN,
     SKIP_OWN,
     SLOT,
-    SOURCE,
     TEAM,
     UNBOUNDED,
     USED,
@@ -52,21 +58,11 @@ from selforg.columns import (
     Z,
 )
 from selforg.compiled import part
-from selforg.evaporation import evaporate, evaporated_away
 from selforg.pose_cells import CROWD, Poses
 from selforg.prefetching import prefetch
 from selforg.windows import MOST_CELLS, near_cells
 
-# near (M, NEAR_COLUMNS), links (M, LINK_COLUMNS), far (M, FAR_COLUMNS), marks (M, MARK_COLUMNS), layers (L,
-# LAYER_COLUMNS), buckets, cells of each level (LEVELS, GRID_COLUMNS), counters (COUNTERS,) and behind them room for the
-# cells of a window (MOST_CELLS,) and for candidates (MOST_CANDIDATES,), settings (SETTINGS,)
-Store = tuple[Floats, Links, Floats, Links, Links, Links, Floats, Ints, Floats]
-
-MOST_CANDIDATES = 1024  # gradients that are looked at together
 IN_CACHE = 4096  # gradients: so few are not worth asking for ahead
-
-# margins [m] for gradients of attraction -1, 0, +1 (negative infinity: not looked at)
-Margins = tuple[float, float, float]
 
 
 @part
@@ -112,18 +108,16 @@ def gather_layer(
     First only the links are followed: where the next cell begins is then known without waiting for what lies in the
     last one, and the rows of all candidates are fetched at the same time.
     """
-    near, links, far, marks, layers, buckets, _, counters, settings = store
+    near, links, _, marks, layers, buckets, _, counters, settings = store
     window, candidates = counters[COUNTERS:], counters[COUNTERS + MOST_CELLS :]
-    ex, ey, ez = settings[EXTENT], settings[EXTENT + 1], settings[EXTENT + 2]
-    half_x, half_y, half_z = half(ex), half(ey), half(ez)
     newest_only = layer % LEVELS == MOVING and see & SEE_HISTORY == 0
     skipped = row if layer % LEVELS == MOVING and see & SKIP_OWN else -1  # rows are sources from 0 up
     visited, number, slot, cell = 0, max(cells, 0 if cells == 0 else 1), -1, 0
-    together = min(MOST_CANDIDATES, 16 * limit)
+    together = MOST_CANDIDATES if limit > len(pairs) else 1  # whoever needs few leaves the others as they are
     ahead = counters[USED] > IN_CACHE
     if ahead:
         look_ahead(layer, cells, near, links, buckets, window)
-    while slot >= 0 or visited < number:
+    while (slot >= 0 or visited < number) and found < limit:
         count = 0
         while count < together:
             if slot >= 0:
@@ -138,34 +132,12 @@ def gather_layer(
                 visited += 1
             else:
                 break
-        for index in range(count):
-            here = int(candidates[index])
-            if (newest_only and marks[here, RANK] != 0) or (skipped >= 0 and marks[here, SOURCE] == skipped):
-                continue
-            if now >= near[here, DUE]:
-                evaporate(near, far, here, now)
-                if evaporated_away(near, here, settings[MIN_DIFFUSION]):
-                    remove(here, links, marks, layers, buckets, counters)
-                    continue
-            sign = int(links[here, ATTRACTION])
-            margin = margins[sign + 1]
-            diffusion, goal = near[here, DIFFUSION], near[here, GOAL]
-            dx = shortest(near[here, X] - x, ex, half_x)
-            dy = shortest(near[here, Y] - y, ey, half_y)
-            dz = shortest(near[here, Z] - z, ez, half_z)
-            squared = dx * dx + dy * dy + dz * dz
-            if margin == -np.inf or beyond(squared, margin + (diffusion + goal)):
-                continue
-            distance = np.sqrt(squared)
-            if distance > margin + (diffusion + goal):
-                continue
-            if found < len(pairs):  # written here: as a function this takes a third of the time of a view
-                pairs[found, DX], pairs[found, DY], pairs[found, DZ], pairs[found, DISTANCE] = dx, dy, dz, distance
-                pairs[found, PAIR_DIFFUSION], pairs[found, PAIR_GOAL] = diffusion, goal
-                pairs[found, SIGN], pairs[found, SLOT] = sign, here
-            found += 1
-            if found >= limit:
-                return found
+        if newest_only or skipped >= 0:
+            count = keep_moving(count, newest_only, skipped, marks, candidates)
+        count = renew(count, now, store)
+        approach(count, margins, x, y, z, near, links, candidates, settings)
+        measure(count, settings)
+        found = keep_near(count, near, links, candidates, settings, pairs, found)
     return found
 
 
@@ -221,22 +193,6 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
                     pairs[found, SIGN], pairs[found, SLOT] = sign, -1.0 - (here + len(rows) * age)
                 found += 1
     return found
-
-
-@part
-def half(extent: float) -> float:
-    """Return half of a closed axis [m], infinity for an open one (extent 0)."""
-    return 0.5 * extent if extent > 0.0 else np.inf
-
-
-@part
-def shortest(delta: float, extent: float, half_extent: float) -> float:
-    """Return the shortest image of `delta` [m]; `nearest_image` with the question whether the axis is open answered."""
-    if delta > half_extent:
-        return delta - extent
-    if delta < -half_extent:
-        return delta + extent
-    return delta
 
 
 @part

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from selforg.arrays import Floats
+from selforg.candidates import half, shortest
 from selforg.columns import HEARD, POSES, X, Y, Z
 from selforg.compiled import kernel
-from selforg.gathering import half, shortest
 from selforg.pose_cells import Poses
 from selforg.poses import OwnPoses
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.candidates import Margins, Store
 from selforg.choosing import STRONGEST
 from selforg.columns import (
     DIFFUSION,
@@ -17,7 +18,7 @@ from selforg.columns import (
     POSES,
 )
 from selforg.compiled import lean_kernel, part
-from selforg.gathering import Margins, Store, gather
+from selforg.gathering import gather
 from selforg.pose_cells import Poses
 from selforg.randomness import take_direction
 from selforg.rules import (

@@ -13,10 +13,11 @@ import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
+from selforg.candidates import Margins, Store
 from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose_rows
 from selforg.columns import GOAL, PAIR_COLUMNS, POSES, SEE_HISTORY, SEE_MOVING, SEE_STATIC, SKIP_OWN
 from selforg.compiled import lean_kernel
-from selforg.gathering import Margins, Store, gather
+from selforg.gathering import gather
 from selforg.gradient import Gradient
 from selforg.moving import keep_ahead
 from selforg.pose_cells import Poses

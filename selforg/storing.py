@@ -2,6 +2,7 @@
 
 from selforg.aggregating import aggregate
 from selforg.arrays import Floats, Ints
+from selforg.candidates import Store
 from selforg.cells import (
     bucket_of,
     insert,
@@ -52,7 +53,6 @@ from selforg.columns import (
 )
 from selforg.compiled import lean_kernel, part
 from selforg.evaporation import evaporate, evaporate_whole_seconds, evaporated_away, start_evaporation
-from selforg.gathering import Store
 from selforg.pose_cells import Poses
 
 SWEPT_PER_STORE = 2  # looked at for each one stored: what evaporates unseen is freed at the rate at which it comes

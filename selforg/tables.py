@@ -5,6 +5,7 @@ from typing import TypeVar
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
+from selforg.candidates import MOST_CANDIDATES, Store
 from selforg.cells import make_grid, rebuild
 from selforg.columns import (
     AFTER,
@@ -37,7 +38,6 @@ from selforg.columns import (
     USED,
     WHOLE_SECONDS,
 )
-from selforg.gathering import MOST_CANDIDATES, Store
 from selforg.settings import BufferSettings
 from selforg.space import Space
 from selforg.windows import MOST_CELLS
@@ -68,9 +68,9 @@ class Tables:
         self.marks: Links = np.empty((SMALLEST_CAPACITY, MARK_COLUMNS), dtype=np.int32)
         self.layers: Links = np.zeros((0, LAYER_COLUMNS), dtype=np.int32)
         self._buckets: Links = np.full(SMALLEST_CAPACITY, -1, dtype=np.int32)
-        self._counters: Ints = np.zeros(COUNTERS + MOST_CELLS + MOST_CANDIDATES, dtype=np.int64)
+        self._counters: Ints = np.zeros(COUNTERS + MOST_CELLS + 2 * MOST_CANDIDATES, dtype=np.int64)
         self._counters[[FREE, SPACES, PER_ROW]] = -1, spaces, per_row
-        self._settings: Floats = np.zeros(SETTINGS)
+        self._settings: Floats = np.zeros(SETTINGS + 5 * MOST_CANDIDATES)
         self._settings[[AGGREGATION_DISTANCE, MIN_DIFFUSION]] = settings.aggregation_distance, settings.min_diffusion
         self._settings[[WHOLE_SECONDS, HISTORY]] = settings.whole_seconds, settings.moving_storage_size
         self._settings[EXTENT : EXTENT + 3] = space.padded_extent

@@ -5,9 +5,10 @@ from functools import cache
 from typing import TypeAlias
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.candidates import Store
 from selforg.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
 from selforg.compiled import lean_kernel
-from selforg.gathering import Store, gather
+from selforg.gathering import gather
 from selforg.pose_cells import Poses
 from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW, add, full_length, limit
 

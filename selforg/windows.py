@@ -35,11 +35,12 @@ def near_cells(
         for j in range(j0, j1):
             gap_j = gap_k if whole_j else gap_k + axis_gap(y, j, width_j)
             line = ((k % number_k) * number_j + j % number_j) * number_i
+            column = i0 % number_i
             for i in range(i0, i1):
                 gap = gap_j if whole_i else gap_j + axis_gap(x, i, width_i)
-                if gap <= padded * padded:
-                    cells[found] = line + i % number_i
-                    found += 1
+                cells[found] = line + column  # written where the next one goes, and kept if it is near
+                found += 1 if gap <= padded * padded else 0
+                column = column + 1 if column + 1 < number_i else 0
     return found
 
 

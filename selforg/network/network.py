@@ -133,8 +133,7 @@ class BehaviourNetwork:
 
     def halt(self, rows: NDArray[np.int64]) -> None:
         """Stop whatever runs in `rows` (K,); activations stay."""
-        self.state.marks[st.EXECUTING, rows] = 0
-        self.state.marks[st.EXECUTION_TIME, rows] = -1
+        halt_rows(rows, self.state.mark_table)
 
     def enable(self, rows: NDArray[np.int64], behaviour: int, enabled: bool) -> None:
         """Switch a behaviour on or off in `rows` (K,); what is switched off ends itself."""
@@ -216,6 +215,15 @@ def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[
                 lists[1, started] = row
                 started += 1
     return running, started
+
+
+@lean_kernel
+def halt_rows(rows: Ints, marks: Ints) -> None:
+    """Stop whatever runs in `rows` (K,); see `BehaviourNetwork.halt`."""
+    for row in rows:
+        for b in range(marks.shape[2]):
+            marks[row, st.EXECUTING, b] = 0
+            marks[row, st.EXECUTION_TIME, b] = -1
 
 
 @lean_kernel
