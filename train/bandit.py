@@ -51,7 +51,7 @@ class BanditTraining:
         columns_of(whole, self.settings.context, "context")
         self.problem = Problem(whole.goal, whole.options, whole.scores, self.settings.context)
         self._learning: Learning = (
-            MissionLearning(config, self.curriculum, directories) if self.settings.compared
+            MissionLearning(config, self.curriculum, directories) if self.settings.comparison is not None
             else RewardLearning(config, self.curriculum)
         )  # fmt: skip
         self.strategy = self._built(self.settings.strategy, self.problem, self._learning.teams)

@@ -2,9 +2,9 @@
 
 What an option brings often shows only if the whole team keeps to it for long: robots that leave each other room meet
 less often minutes later. Missions differ far more by their scenarios than by what was decided; so several teams
-do the same scenario, and a decision's reward is by how much its mission was cheaper than the others. The mean of a
-group as baseline is that of REINFORCE with several rollouts (Kool et al. 2019, "Buy 4 REINFORCE samples, get a baseline
-for free").
+do the same scenario, and a decision's reward is by how much its mission was cheaper than the others of its group. That
+baseline is the one of REINFORCE with several rollouts (Kool et al. 2019, "Buy 4 REINFORCE samples, get a baseline for
+free"), here the median, since a few missions that fail would move a mean.
 
 Shapes: M missions of a round, G of each scenario; S situations, at least one.
 """
@@ -25,7 +25,7 @@ from selector.strategy import DecisionStrategy
 from train.credit import Paid
 from train.curriculum import Curriculum
 from train.learning import Taker, columns_of
-from train.training_config import TrainingConfig
+from train.training_config import ComparisonConfig, TrainingConfig
 from train.trials import Observations, run_trials
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ Ints = NDArray[np.int64]
 
 
 class MissionLearning:
-    """Teams decide and are rewarded mission by mission; see `BanditConfig.compared`.
+    """Teams decide and are rewarded mission by mission; see `ComparisonConfig`.
 
     Attributes:
         teams: (R,) mission of each row; rows are the situations of all missions of a round, R = M * S.
@@ -43,7 +43,7 @@ class MissionLearning:
     def __init__(self, config: TrainingConfig, curriculum: Curriculum, directories: tuple[Path, ...] = ()) -> None:
         assert config.bandit is not None
         self._config, self._curriculum, self._directories = config, curriculum, directories
-        self._situations, self._group = config.bandit.context, config.bandit.compared
+        self._situations, self._compared = config.bandit.context, config.bandit.comparison or ComparisonConfig()
         self._contexts: Floats = np.eye(len(self._situations)) if self._situations else np.zeros((1, 0))
         self._missions = sum(task.worlds for task in config.tasks)
         self.teams: Ints = np.repeat(np.arange(self._missions), len(self._contexts))
@@ -58,19 +58,19 @@ class MissionLearning:
             scenarios = [
                 scenario
                 for task, series in zip(self._config.tasks, following, strict=True)
-                for scenario in islice(series, task.worlds // self._group)
+                for scenario in islice(series, task.worlds // self._compared.group)
             ]
             options = strategy.select(contexts)
             chances = strategy.chance.copy()
             cost = self._costs(scenarios, options.reshape(self._missions, -1))
-            rewards = np.repeat(relative(cost, self._group), len(self._contexts))
+            rewards = np.repeat(relative(cost, self._compared.group, self._compared.limit), len(self._contexts))
             take(Paid(rows, options, rewards, contexts, chances), len(rows))
             costs += cost.tolist()
         return costs
 
     def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
         """Return what the missions cost (M,) [s] in which teams keep to `rules` (M, S), G for each scenario."""
-        missions = [scenario for scenario in scenarios for _ in range(self._group)]
+        missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
         seeds = [scenario.seed for scenario in missions]
         results = run_trials(
             missions, lambda problem, teams: RulesPilot(problem, self._situations, len(teams), seeds, rules),
@@ -113,13 +113,13 @@ class RulesPilot:
         return chosen
 
 
-def relative(cost: Floats, group: int) -> Floats:
-    """Return by how much each mission (M,) was cheaper than those of its group: minus ln(cost / geometric mean) [-].
+def relative(cost: Floats, group: int, limit: float) -> Floats:
+    """Return by how much each mission (M,) was cheaper than those of its group: minus ln(cost / median) [-].
 
-    >>> relative(np.array([10.0, 40.0, 5.0, 5.0]), 2).round(2).tolist()
-    [0.69, -0.69, 0.0, 0.0]
+    >>> relative(np.array([10.0, 40.0, 20.0, 5.0, 5.5, 5.0]), 3, limit=0.5).round(2).tolist()
+    [0.5, -0.5, 0.0, 0.0, -0.1, 0.0]
 
     """
     logarithms = np.log(cost).reshape(-1, group)
-    rewards: Floats = (logarithms.mean(axis=1, keepdims=True) - logarithms).ravel() + 0.0
-    return rewards
+    rewards: Floats = (np.median(logarithms, axis=1, keepdims=True) - logarithms).ravel()
+    return np.clip(rewards, -limit, limit) + 0.0

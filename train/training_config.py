@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 import configs
-from clean_swarm_env.config_types import Count, Index
+from clean_swarm_env.config_types import Count
 from clean_swarm_env.observation_terms import ObservationConfig
 from clean_swarm_env.reward import RewardConfig
 from selector.documents import (
@@ -87,6 +87,15 @@ class CreditConfig(Closed):
     """Weight of a reward one second later [-]."""
 
 
+class ComparisonConfig(Closed):
+    """How missions are compared: by the logarithm of the cost, with those of the same scenario."""
+
+    group: Annotated[int, Field(strict=True, ge=2)] = 8
+    """Missions of each scenario."""
+    limit: Positive = 0.1
+    """Largest reward and, negative, the smallest: a mission that fails counts as one that costs a tenth more [-]."""
+
+
 class BanditConfig(Closed):
     """A strategy that learns from the rewards that follow its choices."""
 
@@ -96,10 +105,9 @@ class BanditConfig(Closed):
     """Components of the observation that it sees."""
     credit: CreditConfig = CreditConfig()
     """Which rewards count, if robots decide for themselves."""
-    compared: Index = 0
-    """Missions of each scenario that are compared: teams decide once a mission what to do in each situation, and are
-    rewarded by how much cheaper it was than the others. `context` then names the situations, components of which the
-    largest counts; `worlds` of a task are missions at a time. 0: robots decide for themselves, see `credit`."""
+    comparison: ComparisonConfig | None = None
+    """Let teams decide once a mission what to do in each situation, rewarded by how its cost compares with others'.
+    `context` then names the situations, components of which the largest counts. None: robots decide, see `credit`."""
     exported: dict[Name, Any] = Field(default_factory=dict)
     """Parameters of the strategy that differ once it has learned, for instance to explore no more."""
 
@@ -143,11 +151,12 @@ class TrainingConfig(Closed):
     def _one_learner(self) -> Self:
         if (self.ppo is None) == (self.bandit is None):
             raise ValueError("expected either ppo or bandit")
-        compared = self.bandit.compared if self.bandit is not None else 0
-        for task in self.tasks if compared else ():
-            if compared == 1 or task.worlds % compared:
-                expected = "at least 2, and the worlds of every task a multiple of it"
-                raise ValueError(f"bandit.compared: expected {expected}, got {compared} for {task.worlds} worlds")
+        comparison = self.bandit.comparison if self.bandit is not None else None
+        for task in self.tasks if comparison is not None else ():
+            assert comparison is not None
+            if task.worlds % comparison.group:
+                expected = f"worlds that make groups of {comparison.group}"
+                raise ValueError(f"tasks: {task.family}: expected {expected}, got {task.worlds}")
         return self
 
     @property

@@ -32,10 +32,10 @@ def test_teams_keep_to_their_rules_in_the_order_in_which_missions_begin():
 
 
 def test_missions_are_compared_with_those_of_their_scenario_only():
-    costs = np.array([10.0, 20.0, 40.0, 1.0, 1.0, 8.0])
-    rewards = relative(costs, 3)
-    np.testing.assert_allclose(rewards, np.log([2.0, 1.0, 0.5, 2.0, 2.0, 0.25]))
-    np.testing.assert_array_equal(relative(costs[3:], 3), rewards[3:])
+    costs = np.array([10.0, 20.0, 40.0, 1.0, 2.0, 80.0])
+    rewards = relative(costs, 3, limit=1.0)
+    np.testing.assert_allclose(rewards, [np.log(2.0), 0.0, np.log(0.5), np.log(2.0), 0.0, -1.0])
+    np.testing.assert_array_equal(relative(costs[3:], 3, limit=1.0), rewards[3:])
 
 
 def test_the_best_option_of_each_situation_is_found_and_exported(tmp_path, monkeypatch):
@@ -44,7 +44,7 @@ def test_the_best_option_of_each_situation_is_found_and_exported(tmp_path, monke
     noise = np.random.default_rng(0)
 
     def costs(learning, scenarios, rules):
-        hardness = np.repeat([1.0 + scenario.seed % 97 for scenario in scenarios], config.bandit.compared)
+        hardness = np.repeat([1.0 + scenario.seed % 97 for scenario in scenarios], config.bandit.comparison.group)
         return hardness * np.exp(0.2 * (rules != best).sum(axis=1) + noise.normal(scale=0.1, size=len(rules)))
 
     monkeypatch.setattr(MissionLearning, "_costs", costs)
@@ -83,8 +83,8 @@ def test_every_team_of_a_group_does_the_same_scenario(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"compared": 3}, "bandit.compared: expected at least 2, and the worlds of every task a multiple of it, got 3"),
-        ({"compared": 1}, "bandit.compared: expected at least 2"),
+        ({"comparison": {"group": 3}}, "tasks: random: expected worlds that make groups of 3, got 4"),
+        ({"comparison": {"group": 1}}, "group"),
         ({"exported": {"exploring": 0.0}}, "exploring"),
         ({"exported": {"exploration": -1.0}}, "exploration"),
     ],

@@ -23,7 +23,7 @@ KINDS = {
         "bandit": {
             "strategy": {"name": "LinearThompson", "parameters": {"prior": 0.1}},
             "context": ["free_far", "carrying_far"],
-            "compared": 2,
+            "comparison": {"group": 2},
             "exported": {"exploration": 0.0},
         },
         "tasks": [{"family": "random", "worlds": 4}],
