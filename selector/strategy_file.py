@@ -3,12 +3,13 @@
 from pathlib import Path
 from typing import Any, Literal
 
+import configs
 from selector.array_file import Arrays, load_arrays, names_differ, save_arrays
-from selector.documents import Closed, DocumentError, Name, shown, validated
+from selector.documents import Closed, DocumentError, Name, shown, unknown, validated
 from selector.registry import StrategySpec
 from selector.strategy import ROW_STATE, DecisionStrategy
 
-VERSION = 1
+KIND, SUFFIX, VERSION = "strategies", ".safetensors", 1
 
 
 class _Description(Closed):
@@ -81,6 +82,21 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
             strategy.load_learned({name: array for name, array in arrays.items() if name not in ROW_STATE})
     except ValueError as error:
         raise DocumentError(f"{where}: {error}") from error
+
+
+def find_strategy(name: str) -> Path:
+    """Return the file of what a strategy learned: a path, or the name of one that ships.
+
+    Raises:
+        DocumentError: neither.
+
+    """
+    shipped = configs.directory() / KIND
+    for path in (Path(name), shipped / f"{name}{SUFFIX}"):
+        if path.is_file():
+            return path
+    known = sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))
+    raise DocumentError(f"{unknown('learned strategy', name, known)}, and no such file")
 
 
 def spec_of(path: Path) -> StrategySpec:

@@ -14,11 +14,11 @@ from selector.decisions import Ints, Problem
 from selector.documents import unknown
 from selector.policy_file import find_policy, load_policy
 from selector.registry import StrategySpec, spec_from_text
-from selector.strategy_file import features_of, load_strategy, spec_of
+from selector.strategy_file import features_of, find_strategy, load_strategy, spec_of
 from selector.streams import row_keys
 from train.trials import Observations, Pilot, PolicyPilot, StrategyPilot
 
-FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", ".safetensors"
+FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
 
 SITUATIONS = {
     "free_far": "RepulsionFernandez-view1.5",
@@ -65,8 +65,8 @@ class Entrant:
 def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
     """Return what the words of the command line name; `fixed` is every option.
 
-    `NAME:FILE` and `policy:NAME` take several files or names of one strategy trained with several seeds, with + between
-    them; `LABEL=...` gives it a name of its own.
+    `learned:NAME` (a strategy's file) and `policy:NAME` take what ships by its name, else a path, and several of one
+    training with + between them; `LABEL=...` gives it a name of its own.
     """
     found: list[Entrant] = []
     for text in given:
@@ -77,7 +77,7 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
             found += [Entrant(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
             continue
         kind, _, names = rest.partition(":")
-        several = kind == POLICY or names.endswith(LEARNED)
+        several = kind in (POLICY, LEARNED)
         members = tuple(f"{kind}:{name}" for name in names.split("+")) if several else (rest,)
         found.append(Entrant(kind if several and label == text and "+" in names else label, members))
     labels = [entrant.label for entrant in found]
@@ -95,12 +95,9 @@ def member_pilot(member: str, problem: Problem, teams: Ints) -> Pilot:
     kind, _, name = member.partition(":")
     if kind == POLICY:
         return PolicyPilot(load_policy(find_policy(name)), problem)
-    if name.endswith(LEARNED):
-        path = Path(name)
-        spec, features = spec_of(path), features_of(path)
-        if spec.name != kind:
-            raise ConfigurationError(f"--strategy {member}: expected a file of {kind}, got one of {spec.name}")
-        return _strategy_pilot(spec, problem, teams, features, path)
+    if kind == LEARNED:
+        path = find_strategy(name)
+        return _strategy_pilot(spec_of(path), problem, teams, features_of(path), path)
     if kind == FIXED:
         return _strategy_pilot(StrategySpec(name="Fixed", parameters={"option": name}), problem, teams, ())
     if member == RULE:
@@ -113,8 +110,8 @@ def identified(member: str) -> str:
     kind, _, name = member.partition(":")
     if kind == POLICY:
         return f"{member} sha256:{load_policy(find_policy(name)).spec.weights_sha256}"
-    if name.endswith(LEARNED):
-        return f"{member} sha256:{hashlib.sha256(Path(name).read_bytes()).hexdigest()}"
+    if kind == LEARNED:
+        return f"{member} sha256:{hashlib.sha256(find_strategy(name).read_bytes()).hexdigest()}"
     return member
 
 

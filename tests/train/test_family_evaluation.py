@@ -4,12 +4,19 @@ import csv
 import json
 import shutil
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import yaml
 
 from clean_swarm_env.config_files import load_family
+from selector.decisions import Problem
+from selector.knowledge import load_knowledge
 from selector.policy_file import find_policy, load_policy, save_policy
+from selector.registry import create
+from selector.strategy_file import save_strategy
+from selector.streams import row_keys
 from train import cli, trials
 from train.entrants import member_pilot
 from train.trials import run_trials
@@ -86,6 +93,22 @@ def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
     assert "holds other results: strategies.P differ" in err
 
 
+def test_what_strategies_learned_is_taken_from_their_files(evaluate, tmp_path):
+    problem = Problem.of(load_knowledge("avoidance"), "AvoidCollision", ("free_far",))
+    scores = np.arange(len(problem.options)) == problem.options.index("RepulsionGradient")
+    told = replace(problem, scores=np.where(scores, 1.0, 0.0))
+    keys = row_keys(np.random.SeedSequence(0), 1)
+    strategy = create("LinearThompson", told, keys, {"exploration": 0.0})
+    for name in ("a", "b"):
+        save_strategy(tmp_path / f"{name}.safetensors", strategy)
+    files = f"learned:{tmp_path / 'a.safetensors'}+{tmp_path / 'b.safetensors'}"
+    words = ("--strategy", files, "--strategy", "fixed:RepulsionGradient", "--scenarios", "1")
+    assert evaluate(*words, "--output", tmp_path / "results")[0] == 0
+    rows = rows_of(tmp_path / "results")
+    assert {row.pop("condition") for row in rows} == {"learned#1", "learned#2", "fixed:RepulsionGradient"}
+    assert rows[0] == rows[1] == rows[2]
+
+
 def test_a_mission_takes_the_same_course_beside_any_others(family):
     scenarios = [load_family(str(family)).scenario(4, k, "test") for k in range(4)]
 
@@ -102,6 +125,7 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
     [
         (("--strategy", "UCB2"), "unknown strategy 'UCB2'"),
         (("--strategy", "policy:none"), "unknown policy 'none'"),
+        (("--strategy", "learned:none"), "unknown learned strategy 'none'"),
         (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
         (("--strategy", "rule", "--knowledge", "cleaning"), "unknown option 'RepulsionGradient-from0.25'"),
         (("--starts", "x.json"), "--starts: expected without --family only"),
@@ -116,8 +140,6 @@ def test_mistakes_are_one_line_and_nothing_is_written(evaluate, tmp_path, words,
 
 
 def test_the_policy_that_ships_fits_the_families(family):
-    from selector.policy_file import find_policy, load_policy
-
     policy = load_policy(find_policy("general"))
     assert policy.spec.training["command"] == "clean-swarm train ppo --config general --seed 1"
     scenario = load_family("random").scenario(0, 0, "test")
