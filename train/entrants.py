@@ -16,7 +16,8 @@ from selector.policy_file import find_policy, load_policy
 from selector.registry import StrategySpec, spec_from_text
 from selector.strategy_file import features_of, find_strategy, load_strategy, spec_of
 from selector.streams import row_keys
-from train.trials import Observations, Pilot, PolicyPilot, StrategyPilot
+from train.rules import RulePilot
+from train.trials import Pilot, PolicyPilot, StrategyPilot
 
 FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
 
@@ -29,23 +30,13 @@ SITUATIONS = {
 """The rule by hand: situation -> option."""
 
 
-class RulePilot:
-    """The best rule found by hand for many robots in little space: one option in each situation."""
-
-    def __init__(self, problem: Problem) -> None:
-        for option in SITUATIONS.values():
-            if option not in problem.options:
-                raise ConfigurationError(unknown("option", option, problem.options))
-        self._columns = [problem.features.index(name) for name in SITUATIONS]
-        self._options = np.array([problem.options.index(name) for name in SITUATIONS.values()])
-
-    def begin(self, rows: Ints, seed: int) -> None:
-        """Nothing changes with a mission."""
-
-    def choose(self, observations: Observations) -> Ints:
-        """Return the option of the situation that each row is in."""
-        chosen: Ints = self._options[observations[:, self._columns].argmax(axis=1)]
-        return chosen
+def _by_hand(problem: Problem, rows: int) -> RulePilot:
+    """Return the best rule found by hand for many robots in little space."""
+    for option in SITUATIONS.values():
+        if option not in problem.options:
+            raise ConfigurationError(unknown("option", option, problem.options))
+    options = np.array([problem.options.index(name) for name in SITUATIONS.values()], dtype=np.int64)
+    return RulePilot(problem, tuple(SITUATIONS), np.tile(options, (rows, 1)))
 
 
 @dataclass(frozen=True)
@@ -101,7 +92,7 @@ def member_pilot(member: str, problem: Problem, teams: Ints) -> Pilot:
     if kind == FIXED:
         return _strategy_pilot(StrategySpec(name="Fixed", parameters={"option": name}), problem, teams, ())
     if member == RULE:
-        return RulePilot(problem)
+        return _by_hand(problem, len(teams))
     return _strategy_pilot(spec_from_text(member), problem, teams, ())
 
 

@@ -24,9 +24,10 @@ from selector.decisions import Problem
 from selector.strategy import DecisionStrategy
 from train.credit import Paid
 from train.curriculum import Curriculum
-from train.learning import Taker, columns_of
+from train.learning import Taker
+from train.rules import RulePilot
 from train.training_config import ComparisonConfig, TrainingConfig
-from train.trials import Observations, run_trials
+from train.trials import run_trials
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -73,18 +74,18 @@ class MissionLearning:
         missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
         seeds = [scenario.seed for scenario in missions]
         results = run_trials(
-            missions, lambda problem, teams: RulesPilot(problem, self._situations, len(teams), seeds, rules),
+            missions, lambda problem, teams: TeamsPilot(problem, self._situations, len(teams), seeds, rules),
             observation=self._config.observation, directories=self._directories,
         )  # fmt: skip
         return np.array([result.cost_s for result in results])
 
 
-class RulesPilot:
-    """Each team keeps for its mission to an option for each situation.
+class TeamsPilot(RulePilot):
+    """Each team keeps to a rule for its mission.
 
     Args:
         problem: goal and options; its features are all components of the observation.
-        situations: (S,) components, the largest of which says in which situation a robot is.
+        situations: see `RulePilot`.
         rows: R.
         seeds: (M,) seed of each mission; missions of one seed begin in this order.
         rules: (M, S) options of each mission.
@@ -94,23 +95,14 @@ class RulesPilot:
     def __init__(
         self, problem: Problem, situations: tuple[str, ...], rows: int, seeds: Sequence[int], rules: Ints
     ) -> None:
-        self._columns = columns_of(problem, situations, "context")
+        super().__init__(problem, situations, np.zeros((rows, rules.shape[1]), dtype=np.int64))
         self._waiting: dict[int, deque[Ints]] = defaultdict(deque)
         for seed, rule in zip(seeds, rules, strict=True):
             self._waiting[seed].append(rule)
-        self._rules: Ints = np.zeros((rows, rules.shape[1]), dtype=np.int64)
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Let `rows` (N,) do the next mission of a seed."""
-        self._rules[rows] = self._waiting[seed].popleft()
-
-    def choose(self, observations: Observations) -> Ints:
-        """Return the option (R,) of the situation that each row is in."""
-        if not len(self._columns):
-            return self._rules[:, 0]
-        situations = observations[:, self._columns].argmax(axis=1)
-        chosen: Ints = self._rules[np.arange(len(situations)), situations]
-        return chosen
+        self.rules[rows] = self._waiting[seed].popleft()
 
 
 def relative(cost: Floats, group: int, limit: float) -> Floats:

@@ -11,7 +11,7 @@ from tests.train.trainings import written
 from train import mission_learning
 from train.bandit import CHECKPOINT, BanditTraining
 from train.checkpoints import TrainingDirectory
-from train.mission_learning import MissionLearning, RulesPilot, relative
+from train.mission_learning import MissionLearning, TeamsPilot, relative
 from train.training_config import load_training
 
 SITUATIONS = ("free_far", "carrying_far")
@@ -21,7 +21,7 @@ OPTIONS = ("a", "b", "c")
 def test_teams_keep_to_their_rules_in_the_order_in_which_missions_begin():
     problem = Problem("AvoidCollision", OPTIONS, np.zeros(3), ("other", *SITUATIONS))
     rules = np.array([[0, 1], [1, 2], [2, 0]])
-    pilot = RulesPilot(problem, SITUATIONS, rows=4, seeds=[7, 9, 7], rules=rules)
+    pilot = TeamsPilot(problem, SITUATIONS, rows=4, seeds=[7, 9, 7], rules=rules)
     first, second = np.array([0, 1]), np.array([2, 3])
     pilot.begin(second, 7)
     pilot.begin(first, 9)
