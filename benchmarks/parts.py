@@ -57,7 +57,7 @@ def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
     inner = [mechanism for content in contents for mechanism in content.mechanisms.values()]
     for mechanism in (worlds.to_garbage, worlds.patrol, *inner):
         if isinstance(mechanism, MovementMechanism):
-            yield mechanism, "move", "mechanisms"
+            yield mechanism, "move_into", "mechanisms"
     for network in (worlds.network, *(content.network for content in contents)):
         yield network, "step", "network"
     for coordinator in worlds.coordinators:

@@ -16,7 +16,6 @@ from typing import Any, Final
 
 import numpy as np
 import pymunk
-from numba import config
 from numpy.typing import NDArray
 
 from clean_swarm_env import contact_calls as calls
@@ -24,6 +23,7 @@ from clean_swarm_env import physics_motion as motion
 from clean_swarm_env import physics_tick as ticking
 from clean_swarm_env.collisions import CollisionCounter
 from clean_swarm_env.physics_settings import Contacts, PhysicsSettings
+from selforg.compiled import COMPILED
 
 try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
     from pymunk._chipmunk_cffi import ffi, lib
@@ -82,7 +82,7 @@ class ContactSpace:
 
     def handles(self) -> list[int]:
         """Return the row of `contact_calls` for this space, zeros where compiled code cannot call pymunk."""
-        if not self._shared_memory or config.DISABLE_JIT:  # type: ignore[attr-defined]
+        if not self._shared_memory or not COMPILED:
             return [0] * calls.HANDLES
         step, each = ffi.addressof(lib, "cpSpaceStep"), ffi.addressof(lib, "cpSpaceEachBody")
         pointers = [self._space._space, step, each, self._write, self._read]

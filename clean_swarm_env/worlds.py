@@ -30,7 +30,6 @@ from selector.host import Host, host_knowledge
 from selector.robots import hold_options
 from selforg.buffer import SoBuffer
 from selforg.components import Commands
-from selforg.components.sources import write_movements
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planner_names import planner_named
@@ -298,8 +297,7 @@ class Worlds:
 
     def _follow(self, mechanism: MovementMechanism, rows: Ints) -> None:
         if len(rows):
-            vectors, active = mechanism.move(self.now, rows)
-            write_movements(rows, vectors, active, self._vectors, self._commanded)
+            mechanism.move_into(self.now, rows, self._vectors, self._commanded)
 
     def _move(self, vectors: Floats, commanded: Flags) -> None:
         physics, drive = self.physics, self.drive

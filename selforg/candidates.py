@@ -5,9 +5,12 @@ store are fetched many at a time and distances are worked out several at a time.
 lies behind the counters and the settings of the store: nothing is allocated, and no further table is handed over.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
+from selforg.bundles import Bundle, Layout
 from selforg.cells import remove
 from selforg.columns import (
     ATTRACTION,
@@ -41,6 +44,8 @@ from selforg.windows import MOST_CELLS
 # cells of a window (MOST_CELLS,) and for candidates (2, MOST_CANDIDATES), settings (SETTINGS,) and behind them room for
 # offset, reach and distance of candidates (5, MOST_CANDIDATES)
 Store = tuple[Floats, Links, Floats, Links, Links, Links, Floats, Ints, Floats]
+STORE_TABLES = Layout("f2", "l2", "f2", "l2", "l2", "l1", "f2", "i1", "f1")
+store_of: Callable[[Bundle], Store] = STORE_TABLES.unbundle
 
 MOST_CANDIDATES = 512  # gradients that are looked at together
 # Room behind the settings: offset to each candidate, how far it reaches, distance [m]

@@ -19,6 +19,8 @@ from numba.extending import register_jitable
 P = ParamSpec("P")
 R = TypeVar("R")
 
+COMPILED = not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
+"""Whether anything is compiled at all."""
 LEAN = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
 """Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway."""
 

@@ -132,10 +132,11 @@ def mean_difference(boids: Floats, count: int, column: int, own: Floats, total: 
 
 @kernel
 def flock_rows(
-    begin: int, reynolds: bool, now: float, see: int, rows: Ints, channels: Ints, parameters: Floats, poses: Poses,
-    store: Store, drawn: Floats, cursor: Ints, pairs: Floats, boids: Floats, vectors: Floats, active: Flags,
+    begin: int, reynolds: bool, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats,
+    poses: Poses, store: Store, drawn: Floats, cursor: Ints, pairs: Floats, boids: Floats, vectors: Floats,
+    active: Flags,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Write the flocking movement of rows[begin:] (R,) into `vectors` (R, D) and `active` (R,).
+    """Write the flocking movement of rows[begin:] (R,) into the rows `places` (R,) of `vectors` and `active`.
 
     boids: room for as many as `pairs`. Returns how many rows are done, fewer than R if `pairs` is too short, and
     whether some row's directions run low.
@@ -145,8 +146,9 @@ def flock_rows(
     for index in range(begin, len(rows)):
         row = int(rows[index])
         total = np.zeros(3)
-        active[index] = known[row, POSES] >= (1 if reynolds else 2)
-        if active[index]:
+        place = places[index]
+        active[place] = known[row, POSES] >= (1 if reynolds else 2)
+        if active[place]:
             found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
             if found > len(pairs):
                 return index, low
@@ -158,7 +160,7 @@ def flock_rows(
                 move_olfati_saber(row, boids, count, parameters, own, poses[5], total)
             limit(total, 0.0, parameters[MAX_SPEED])
         for axis in range(vectors.shape[1]):
-            vectors[index, axis] = total[axis]
+            vectors[place, axis] = total[axis]
         low |= 2 * cursor[row] >= drawn.shape[1]
     return len(rows), low
 

@@ -1,9 +1,12 @@
 """The kernel that moves rows: gather, apply the rule, limit - for any number of rows in one call."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.candidates import Margins, Store
+from selforg.bundles import Bundle, Layout
+from selforg.candidates import Margins, store_of
 from selforg.choosing import STRONGEST
 from selforg.columns import (
     DIFFUSION,
@@ -19,7 +22,7 @@ from selforg.columns import (
 )
 from selforg.compiled import lean_kernel, part
 from selforg.gathering import gather
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 from selforg.randomness import take_direction
 from selforg.rules import (
     ANGLE_XY,
@@ -50,25 +53,33 @@ from selforg.rules import (
 NARROWED = (COLLISION, FOLLOW_ALL, AVOID_ALL, CHEMOTAXIS_BALCH, CHEMOTAXIS_GE)
 
 
+# parameters of the rule and room for a sum (3,) behind them, a DirectionStream: drawn (N, block, 3) and cursor (N,),
+# room for pairs (P, PAIR_COLUMNS)
+Working = tuple[Floats, Floats, Ints, Floats]
+WORKING_TABLES = Layout("f1", "f3", "i1", "f2")
+working_of: Callable[[Bundle], Working] = WORKING_TABLES.unbundle
+
+
 @lean_kernel
 def move_rows(
-    begin: int, rule: int, now: float, see: int, rows: Ints, channels: Ints, parameters: Floats, poses: Poses,
-    store: Store, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
+    begin: int, rule: int, now: float, see: int, rows: Ints, places: Ints, channels: Ints, working: Bundle,
+    pose_tables: Bundle, store_tables: Bundle, vectors: Floats, active: Flags,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Write the movement of rows[begin:] (R,) into `vectors` (R, D) and `active` (R,).
+    """Write the movement of rows[begin:] (R,) into the rows `places` (R,) of `vectors` (K, D) and `active` (K,).
 
-    parameters: those of the rule, and room for a sum (3,) behind them; drawn (N, block, 3), cursor (N,): a
-    DirectionStream. Returns how many rows are done - fewer than R if `pairs` is
-    too short for the next one - and whether some row's directions run low.
+    Returns how many rows are done - fewer than R if the room for pairs is too short for the next one - and whether some
+    row's directions run low.
     """
+    parameters, drawn, cursor, pairs = working_of(working)
+    poses, store = poses_of(pose_tables), store_of(store_tables)
     low = False
     any_one = min(1, len(pairs))  # not a constant: Numba would compile all it is handed to once more
     total = parameters[PARAMETERS:]
     own, known = poses[0], poses[1]
     for index in range(begin, len(rows)):
-        row = int(rows[index])
+        row, place = int(rows[index]), places[index]
         total[:] = 0.0
-        active[index] = False
+        active[place] = False
         if known[row, POSES] > 0:
             own_goal, own_reach = own[row, 0, GOAL], own[row, 0, DIFFUSION] + own[row, 0, GOAL]
             margins, moves = support(rule, parameters, own_goal), False
@@ -86,9 +97,9 @@ def move_rows(
             moves = moves or rule == WANDER
             if moves:
                 finish(rule, row, parameters, own_reach, drawn, cursor, total)
-            active[index] = moves
+            active[place] = moves
         for axis in range(vectors.shape[1]):
-            vectors[index, axis] = total[axis]
+            vectors[place, axis] = total[axis]
         low |= 2 * cursor[row] >= drawn.shape[1]
     return len(rows), low
 

@@ -1,6 +1,9 @@
 """Cells of the own poses: only teams of more than CROWD robots need them, smaller ones are looked through."""
 
+from collections.abc import Callable
+
 from selforg.arrays import Floats, Ints, Links
+from selforg.bundles import Bundle, Layout
 from selforg.cells import bucket_of, cell_of
 from selforg.columns import DIFFUSION, GOAL, POSES, TEAM, X, Y, Z
 from selforg.compiled import lean_kernel
@@ -10,6 +13,8 @@ CROWD = 32
 # own (N, K, POSE_COLUMNS), rows (N, ROW_COLUMNS), first member of each team (T + 1,), members (N,),
 # largest reach in each team (T,) [m], extent (3,) [m], cells (1, GRID_COLUMNS), buckets, next in bucket and cell (N, 2)
 Poses = tuple[Floats, Ints, Ints, Ints, Floats, Floats, Floats, Links, Links]
+POSE_TABLES = Layout("f3", "i2", "i1", "i1", "f1", "f1", "f2", "l1", "l2")
+poses_of: Callable[[Bundle], Poses] = POSE_TABLES.unbundle
 
 
 @lean_kernel

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
+from selforg.bundles import Bundle
 from selforg.columns import (
     CELLS,
     DIFFUSION,
@@ -24,7 +25,7 @@ from selforg.columns import (
 )
 from selforg.compiled import lean_kernel
 from selforg.gradient import Gradient
-from selforg.pose_cells import Poses, index_poses
+from selforg.pose_cells import POSE_TABLES, Poses, index_poses, poses_of
 from selforg.space import Space, wrapped
 
 
@@ -80,6 +81,7 @@ class OwnPoses:
         self.row_table[:, ROW_COLUMNS:] = -1
         self._set_teams(codes)
         self.tables: Poses = self._tables()
+        self.bundle: Bundle = POSE_TABLES.bundle(*self.tables)
 
     def update(self, positions: Floats, headings: Floats | None, now: float) -> None:
         """Let every row spread its pose: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
@@ -91,7 +93,7 @@ class OwnPoses:
                 f"OwnPoses.update: positions must be ({self.rows}, {self.space.dim}) and headings ({self.rows},), "
                 f"got {positions.shape} and {headings.shape}"
             )
-        bad = update_poses(positions, headings, known, float(now), self._look, self.history, self.tables)
+        bad = update_poses(positions, headings, known, float(now), self._look, self.history, self.bundle)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
@@ -201,13 +203,14 @@ class OwnPoses:
 
 @lean_kernel
 def update_poses(
-    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, poses: Poses
+    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, tables: Bundle
 ) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
     look: (3,) diffusion [m], goal radius [m], attraction. A row whose last pose is not older than `now` keeps it; one
     that is silent spreads none. Returns -1, or the first row with a number that is not finite: nothing is changed then.
     """
+    poses = poses_of(tables)
     own, rows, extent = poses[0], poses[1], poses[5]
     dim = positions.shape[1]
     for row in range(len(rows)):

@@ -2,7 +2,8 @@
 
 from selforg.aggregating import aggregate
 from selforg.arrays import Floats, Ints
-from selforg.candidates import Store
+from selforg.bundles import Bundle
+from selforg.candidates import Store, store_of
 from selforg.cells import (
     bucket_of,
     insert,
@@ -53,7 +54,7 @@ from selforg.columns import (
 )
 from selforg.compiled import lean_kernel, part
 from selforg.evaporation import evaporate, evaporate_whole_seconds, evaporated_away, start_evaporation
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 
 SWEPT_PER_STORE = 2  # looked at for each one stored: what evaporates unseen is freed at the rate at which it comes
 
@@ -69,8 +70,11 @@ def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Sto
 
 
 @lean_kernel
-def deposit_rows(rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float, poses: Poses, store: Store) -> None:
+def deposit_rows(
+    rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float, pose_tables: Bundle, store_tables: Bundle
+) -> None:
     """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,)."""
+    poses, store = poses_of(pose_tables), store_of(store_tables)
     own, row_table = poses[0], poses[1]
     for index in range(len(rows)):
         row = int(rows[index])

@@ -5,7 +5,8 @@ from typing import TypeVar
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
-from selforg.candidates import MOST_CANDIDATES, Store
+from selforg.bundles import Bundle
+from selforg.candidates import MOST_CANDIDATES, STORE_TABLES, Store
 from selforg.cells import make_grid, rebuild
 from selforg.columns import (
     AFTER,
@@ -56,7 +57,8 @@ class Tables:
         near, far: (capacity, NEAR_COLUMNS) and (capacity, FAR_COLUMNS) float64.
         links, marks: (capacity, LINK_COLUMNS) and (capacity, MARK_COLUMNS) int32.
         layers: (channels * spaces * LEVELS, LAYER_COLUMNS) int32.
-        packed: what compiled code takes, see `selforg.gathering.Store`; a new tuple whenever a table is replaced.
+        packed: what compiled code takes, see `selforg.candidates.Store`; a new tuple whenever a table is replaced.
+        bundle: the same as one argument.
 
     """
 
@@ -76,7 +78,7 @@ class Tables:
         self._settings[EXTENT : EXTENT + 3] = space.padded_extent
         self._grid = make_grid(space.padded_extent, space.dim, settings.smallest_cell)
         self._tidy_at = SMALLEST_MESS  # serial number from which on neighbours are moved together again
-        self.packed: Store = self._pack()
+        self._pack()
 
     @property
     def used(self) -> int:
@@ -104,7 +106,7 @@ class Tables:
         more[:, COUNT] = 0
         self.layers = np.concatenate([self.layers, more])
         self._counters[CHANNELS] += 1
-        self.packed = self._pack()
+        self._pack()
 
     def count(self, channel: int, spaces: Ints) -> int:
         """Return how many gradients of a channel are stored in some spaces (S,)."""
@@ -128,7 +130,7 @@ class Tables:
         order = live[np.lexsort((self.links[live, CELL], self.links[live, LAYER]))]
         place = np.full(len(self.links) + 1, -1, dtype=np.int32)  # new slot of each old one; the last: of "none"
         place[order] = np.arange(len(order), dtype=np.int32)
-        del self.packed  # it holds the old tables, which go before the next are made
+        del self.packed, self.bundle  # they hold the old tables, which go before the next are made
         self.near, self.far = moved(self.near, order, capacity), moved(self.far, order, capacity)
         self.links, self.marks = moved(self.links, order, capacity), moved(self.marks, order, capacity)
         for column in (AFTER, BEFORE):
@@ -139,13 +141,14 @@ class Tables:
         self._buckets = np.empty(capacity, dtype=np.int32)
         rebuild(self.links, self.marks, self.layers, self._buckets, self._counters)
         self._tidy_at = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
-        self.packed = self._pack()
+        self._pack()
 
-    def _pack(self) -> Store:
-        return (
+    def _pack(self) -> None:
+        self.packed: Store = (
             self.near, self.links, self.far, self.marks, self.layers, self._buckets, self._grid, self._counters,
             self._settings,
         )  # fmt: skip
+        self.bundle: Bundle = STORE_TABLES.bundle(*self.packed)
 
 
 def moved(old: Table, order: Ints, capacity: int) -> Table:

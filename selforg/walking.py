@@ -27,8 +27,8 @@ def make_walk(formula: Formula) -> Walk:
 
     @lean_kernel
     def walk(
-        begin: int, now: float, see: int, rows: Ints, channels: Ints, parameters: Floats, poses: Poses, store: Store,
-        drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
+        begin: int, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats, poses: Poses,
+        store: Store, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
     ) -> tuple[int, bool]:  # fmt: skip
         own, known = poses[0], poses[1]
         view, total, low = parameters[VIEW], parameters[PARAMETERS:], False
@@ -48,9 +48,9 @@ def make_walk(formula: Formula) -> Walk:
                 )  # fmt: skip
                 add(total, pairs, i, length, full_length(pairs, i), row, drawn, cursor)
             limit(total, parameters[MIN_SPEED], parameters[MAX_SPEED])
-            active[index] = found > 0
+            active[places[index]] = found > 0
             for axis in range(vectors.shape[1]):
-                vectors[index, axis] = total[axis]
+                vectors[places[index], axis] = total[axis]
             low |= 2 * cursor[row] >= drawn.shape[1]
         return len(rows), low
 

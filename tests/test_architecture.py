@@ -14,7 +14,12 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 BORDERS = {
     "pymunk": {"clean_swarm_env/physics.py"},
-    "numba": {"selforg/compiled.py", "selforg/prefetching.py"},  # prefetching needs what extends the compiler
+    "numba": {  # all but the first need what extends the compiler
+        "selforg/compiled.py",
+        "selforg/prefetching.py",
+        "selforg/bundles.py",
+        "clean_swarm_env/contact_calls.py",
+    },
 }
 """Libraries and the only files that may import them."""
 

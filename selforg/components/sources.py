@@ -10,7 +10,6 @@ import numpy as np
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
 from selforg.columns import DISTANCE, DX, GOAL, PAIR_GOAL
-from selforg.compiled import kernel
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.queries import Filter, Queries
@@ -61,17 +60,7 @@ class MovementSource(Source):
             if not len(rows):
                 return
             self._asked[rows] = now
-        vectors, active = self.mechanism.move(now, rows)
-        write_movements(rows, vectors, active, self.vectors, self.active)
-
-
-@kernel
-def write_movements(rows: Ints, vectors: Floats, active: Flags, to_vectors: Floats, to_active: Flags) -> None:
-    """Write movements (K, D) and whether there is one (K,) into `rows` (K,) of (N, D) and (N,)."""
-    for k in range(rows.shape[0]):
-        for axis in range(vectors.shape[1]):
-            to_vectors[rows[k], axis] = vectors[k, axis]
-        to_active[rows[k]] = active[k]
+        self.mechanism.move_into(now, rows, self.vectors, self.active)
 
 
 class GoalSource(Source):

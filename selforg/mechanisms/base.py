@@ -13,9 +13,10 @@ import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
+from selforg.bundles import Bundle
 from selforg.columns import PAIR_COLUMNS, SEE_MOVING, SEE_STATIC
 from selforg.mechanisms.options import LookOptions, MoveOptions
-from selforg.moving import move_rows
+from selforg.moving import WORKING_TABLES, move_rows
 from selforg.poses import OwnPoses
 from selforg.randomness import DirectionStream
 from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW
@@ -95,6 +96,10 @@ class MovementMechanism(Mechanism):
         self._move(float(now), chosen, vectors, active)
         return vectors, active
 
+    def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        """Write the movement of `rows` (R,) into those rows of `vectors` (N, D) and `active` (N,), all robots'."""
+        vectors[rows], active[rows] = self.move(now, rows)
+
     @abstractmethod
     def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """Write the movement of `rows` (R,) into `vectors` (R, D) and `active` (R,); called by `move` only."""
@@ -109,25 +114,36 @@ class CompiledMechanism(MovementMechanism):
     def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
         super().__init__(buffer, **options)
         self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
+        self._working: Bundle = ()
+        self._working_with: Floats | None = None  # the table of pairs that is bundled
 
     def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        self._write(now, rows, self._all_rows, vectors, active)
+
+    def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        """As `MovementMechanism.move_into` does it, but written by the kernel."""
+        self._write(now, rows, rows, vectors, active)
+
+    def _write(self, now: float, rows: Ints, places: Ints, vectors: Floats, active: Flags) -> None:
+        """Write the movement of `rows` (R,) into the rows `places` (R,) of `vectors` and `active`."""
         buffer, directions = self.buffer, self.directions
         if buffer.settings.whole_seconds:
             buffer.evaporate(now)
-        directions.refill()
-        channels, done = self._channels_now(), 0
-        while done < len(rows):
-            done, low = self._run(done, now, rows, channels, vectors, active)
+        if directions.low:
+            directions.refill()
+        channels, done, all_of = self._channels_now(), 0, len(rows)
+        while done < all_of:
+            done, low = self._run(done, now, rows, places, channels, vectors, active)
             if low:
                 directions.low = True
-            if done < len(rows):
+            if done < all_of:
                 self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
 
     @abstractmethod
     def _run(
-        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
     ) -> tuple[int, bool]:
-        """Write the movement of rows[begin:] as `_move` does.
+        """Write the movement of rows[begin:] as `_write` does.
 
         Returns how many rows are done, fewer than all if `_pairs` is too short, and whether some row's directions run
         low.
@@ -158,12 +174,16 @@ class RuleMechanism(LimitedMechanism):
     rule: int
 
     def _run(
-        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
     ) -> tuple[int, bool]:
-        directions = self.directions
+        if self._working_with is not self._pairs:
+            self._working_with = self._pairs
+            self._working = WORKING_TABLES.bundle(
+                self._parameters, self.directions.vectors, self.directions.cursor, self._pairs
+            )
         return move_rows(
-            begin, self.rule, now, self._see, rows, channels, self._parameters, self.poses.tables, self.buffer.tables,
-            directions.vectors, directions.cursor, self._pairs, vectors, active,
+            begin, self.rule, now, self._see, rows, places, channels, self._working, self.poses.bundle,
+            self.buffer.table.bundle, vectors, active,
         )  # fmt: skip
 
 

@@ -42,13 +42,13 @@ class FlockMechanism(CompiledMechanism):
         self._boids: Floats = np.empty((0, BOID_COLUMNS))
 
     def _run(
-        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
     ) -> tuple[int, bool]:
         directions = self.directions
         if len(self._boids) < len(self._pairs):
             self._boids = np.empty((len(self._pairs), BOID_COLUMNS))
         return flock_rows(
-            begin, self.reynolds, now, self._see, rows, channels, self._parameters, self.poses.tables,
+            begin, self.reynolds, now, self._see, rows, places, channels, self._parameters, self.poses.tables,
             self.buffer.tables, directions.vectors, directions.cursor, self._pairs, self._boids, vectors, active,
         )  # fmt: skip
 

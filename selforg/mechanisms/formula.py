@@ -40,10 +40,10 @@ class FormulaMechanism(LimitedMechanism):
         self._walk = make_walk(type(self).formula)
 
     def _run(
-        self, begin: int, now: float, rows: Ints, channels: Ints, vectors: Floats, active: Flags
+        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
     ) -> tuple[int, bool]:
         directions = self.directions
         return self._walk(
-            begin, now, self._see, rows, channels, self._parameters, self.poses.tables, self.buffer.tables,
+            begin, now, self._see, rows, places, channels, self._parameters, self.poses.tables, self.buffer.tables,
             directions.vectors, directions.cursor, self._pairs, vectors, active,
         )  # fmt: skip

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from selforg.bundles import Bundle
 from selforg.compiled import lean_kernel
 from selforg.network import plan_watch as pw
 from selforg.network import state as st
@@ -17,7 +18,7 @@ from selforg.network.plan_watch import PlanState
 from selforg.network.planning import Planner
 from selforg.network.readings import reading_of, refuse
 from selforg.network.state import NetworkState
-from selforg.network.stepping import DECIDE, SENSE_AND_DECIDE, scratch_of, step_rows
+from selforg.network.stepping import DECIDE, SENSE_AND_DECIDE, STEP_TABLES, scratch_of, step_rows
 from selforg.network.tables import Floats, Ints, ints_of
 
 
@@ -41,6 +42,7 @@ class BehaviourNetwork:
         self._keys: NDArray[np.int64] = np.zeros((rows, self._memory.key_words), dtype=np.int64)
         self._priorities = np.array([b.priority for b in model.behaviours], dtype=np.int64)
         self._scratch = scratch_of(model.ints)
+        self._bundled, self._tables = self._memory.entries, self._bundle()
         self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
         self._runs: NDArray[np.int64] = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
@@ -195,11 +197,17 @@ class BehaviourNetwork:
             self.plans.marks[pw.NEEDED, row] = 0
 
     def _run(self, rows: NDArray[np.int64], phase: int, guarantee: bool) -> int:
+        if self._bundled is not self._memory.entries:  # another table whenever it grows
+            self._bundled = self._memory.entries
+            self._tables = self._bundle()
+        return step_rows(rows, self._tables, phase, self.planner is not None, guarantee)
+
+    def _bundle(self) -> Bundle:
         s, p, memory = self.state, self.plans, self._memory
-        return step_rows(
-            rows, self.model.ints, self.model.floats, self.readings, s.value_table, s.mark_table, s.row_table,
+        return STEP_TABLES.bundle(
+            self.model.ints, self.model.floats, self.readings, s.value_table, s.mark_table, s.row_table,
             s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.mark_table, p.readings,
-            memory.layout, memory.entries, self._keys, *self._scratch, phase, self.planner is not None, guarantee,
+            memory.layout, memory.entries, self._keys, *self._scratch,
         )  # fmt: skip
 
 

@@ -1,7 +1,10 @@
 """One decision of some rows, compiled as a whole: evaluate, follow the plan, activate, arbitrate."""
 
+from collections.abc import Callable
+
 import numpy as np
 
+from selforg.bundles import Bundle, Layout
 from selforg.compiled import inlined, lean_kernel
 from selforg.network import plan_watch as pw
 from selforg.network import state as st
@@ -26,18 +29,30 @@ def scratch_of(ints: Ints) -> tuple[Floats, Ints, Floats, Ints]:
     return np.empty((2, leaves)), np.empty((COUNTS, sensors), np.int64), np.empty(nodes + goals), whole
 
 
+# ints, floats of the model; readings (R, S); value, mark and row table, goal satisfaction and enabled, wishes and kept
+# of the state; steps, mark table and readings of the plans; layout and entries of the plan memory, keys (R, K); what
+# `scratch_of` returns
+Tables = tuple[
+    Ints, Floats, Floats, Floats, Ints, Floats, Floats, Ints, Floats, Ints, Ints, Ints, Floats, Ints, Ints, Ints,
+    Floats, Ints, Floats, Ints,
+]  # fmt: skip
+STEP_TABLES = Layout(
+    "i1", "f1", "f2", "f3", "i3", "f2", "f2", "i2", "f2", "i2", "i2", "i2", "f3", "i1", "i2", "i2", "f2", "i2", "f1",
+    "i1",
+)  # fmt: skip
+tables_of: Callable[[Bundle], Tables] = STEP_TABLES.unbundle
+
+
 @lean_kernel
-def step_rows(
-    rows: Ints, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints, row_values: Floats,
-    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan: Ints, plan_marks: Ints,
-    plan_readings: Floats, key_layout: Ints, remembered: Ints, keys: Ints, leaves: Floats, counts: Ints,
-    numbers: Floats, whole: Ints, phase: int, planning: bool, guarantee: bool,
-) -> int:  # fmt: skip
+def step_rows(rows: Ints, tables: Bundle, phase: int, planning: bool, guarantee: bool) -> int:
     """Step `rows` (K,); return how many of them need a plan that is not remembered and have not decided yet.
 
-    leaves, counts, numbers and whole are overwritten, see `scratch_of`.
     For a wrong reading return -1 - (what `find_wrong` says), with nothing changed.
     """
+    (
+        ints, floats, readings, values, marks, row_values, goal_satisfaction, goal_enabled, wishes, kept, plan,
+        plan_marks, plan_readings, key_layout, remembered, keys, leaves, counts, numbers, whole,
+    ) = tables_of(tables)  # fmt: skip
     if phase == SENSE_AND_DECIDE:
         wrong = find_wrong(rows, ints, readings)
         if wrong >= 0:
