@@ -5,6 +5,7 @@ and was not at the count before. The paper's collisions are samples; events do n
 Shapes: W worlds, N robots a world, R = W * N rows (world w has the rows w*N .. (w+1)*N - 1), K distances.
 """
 
+from collections.abc import Callable
 from math import ceil, isfinite, sqrt
 from typing import Final, TypeAlias
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import shorter_way
+from selforg.bundles import Bundle, Layout
 from selforg.compiled import inlined, lean_kernel
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -23,6 +25,16 @@ NOBODY: Final = -1  # end of a cell's list
 UNLISTED: Final = -1  # number of listed pairs where there is no list
 PAIRS_A_ROBOT: Final = 8  # room in the list; where it does not do, every count walks the cells
 
+# before (R, 2), counted (R,), squares (K,), samples (W, K), events (W, K), in contact (R,), entered (R,), near (N,),
+# following (N,), cells (lines, columns), listed (W,), pairs (W, P, 2), origins (R, 2), width, height, furthest square
+Counts: TypeAlias = tuple[
+    Floats, Flags, Floats, Ints, Ints, Flags, Ints, Ints, Ints, Ints, Ints, Ints, Floats, float, float, float
+]  # fmt: skip
+COUNT_TABLES = Layout(
+    "f2", "b1", "f1", "i2", "i2", "b1", "i1", "i1", "i1", "i2", "i1", "i3", "f2", "number", "number", "number"
+)  # fmt: skip
+counts_of: Callable[[Bundle], Counts] = COUNT_TABLES.unbundle
+
 
 class CollisionCounter:
     """Collision samples and events of W worlds of N robots, for K distances at once.
@@ -33,6 +45,7 @@ class CollisionCounter:
     entered: (R,) int64, of the last count: events of the first distance in which the robot took part.
     All four are the same arrays all the time.
     tables: what `count_world` takes after the robots that are present.
+    bundle: the same as one argument.
 
     Raises ValueError for sizes below 1, a torus without extent and distances that are not positive.
 
@@ -80,6 +93,7 @@ class CollisionCounter:
             self._listed, np.empty((worlds, PAIRS_A_ROBOT * robots, 2), np.int64), np.empty((worlds * robots, 2)),
             self._width, self._height, self._furthest,
         )  # fmt: skip
+        self.bundle: Bundle = COUNT_TABLES.bundle(*self.tables)
 
     def reset(self, world: int) -> None:
         """Forget what this world has counted; a pair that is close at its next count is an event again."""

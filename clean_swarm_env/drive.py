@@ -1,6 +1,7 @@
 """Differential drive: a movement vector becomes a speed along the heading and a turn rate towards the vector."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import astuple, dataclass
 from math import isfinite, pi
 from typing import Final
 
@@ -8,7 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import wrapped_angle
+from selforg.bundles import Bundle, Layout
 from selforg.compiled import lean_kernel
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 CLOCK_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
 
@@ -29,11 +34,17 @@ class DriveSettings:
                 raise ValueError(f"{name}: expected a positive number, got {getattr(self, name)}")
 
 
+# speed (R,) [m/s], turn rate (R,) [rad/s], time of the last command (R,) [s], fields of DriveSettings (5,)
+DRIVE_TABLES = Layout("f1", "f1", "f1", "f1")
+drive_of: Callable[[Bundle], tuple[Floats, Floats, Floats, Floats]] = DRIVE_TABLES.unbundle
+
+
 class DifferentialDrive:
     """Drives of R robots; a command holds until the next one, or until the robot has waited too long for it.
 
     speed: (R,) float64 [m/s] along the heading; the same array all the time, as Physics.substep takes it.
     turn_rate: (R,) float64 [rad/s]; the same array all the time.
+    bundle: what `steer` takes of the drive.
 
     Impossible settings raise ValueError (see DriveSettings).
 
@@ -59,6 +70,9 @@ class DifferentialDrive:
         self.turn_rate = np.zeros(rows)
         self._nowhere = np.zeros(rows, np.bool_)
         self._commanded = np.zeros(rows)  # (R,) [s] time of the last command; of no meaning for a robot at rest
+        self.bundle: Bundle = DRIVE_TABLES.bundle(
+            self.speed, self.turn_rate, self._commanded, np.array(astuple(self.settings))
+        )  # fmt: skip
 
     def command(
         self,
@@ -74,22 +88,9 @@ class DifferentialDrive:
         A zero vector is a command to stand still. A robot whose last command is `command_timeout` old stops. Where
         `in_place` (R,) is set, a robot turns without driving.
         """
-        settings = self.settings
         steer(
-            vectors,
-            has_command,
-            self._nowhere if in_place is None else in_place,
-            headings,
-            self.speed,
-            self.turn_rate,
-            self._commanded,
-            now,
-            settings.max_speed,
-            settings.max_turn_rate,
-            settings.turn_gain,
-            settings.turn_in_place_beyond,
-            settings.command_timeout,
-        )
+            vectors, has_command, self._nowhere if in_place is None else in_place, headings, now, self.bundle
+        )  # fmt: skip
 
     def reset(self, rows: NDArray[np.intp] | slice) -> None:
         """Stop these rows, as at the beginning."""
@@ -99,22 +100,11 @@ class DifferentialDrive:
 
 
 @lean_kernel
-def steer(
-    vectors: NDArray[np.float64],
-    has_command: NDArray[np.bool_],
-    in_place: NDArray[np.bool_],
-    headings: NDArray[np.float64],
-    speed: NDArray[np.float64],
-    turn_rate: NDArray[np.float64],
-    commanded: NDArray[np.float64],
-    now: float,
-    max_speed: float,
-    max_turn_rate: float,
-    turn_gain: float,
-    turn_in_place_beyond: float,
-    command_timeout: float,
-) -> None:
-    """Update speed (R,), turn_rate (R,) and the time of the last command (R,) in place; see DifferentialDrive."""
+def steer(vectors: Floats, has_command: Flags, in_place: Flags, headings: Floats, now: float, drive: Bundle) -> None:
+    """Update what the drives do; see `DifferentialDrive.command`."""
+    speed, turn_rate, commanded, settings = drive_of(drive)
+    max_speed, max_turn_rate, turn_gain = settings[0], settings[1], settings[2]
+    turn_in_place_beyond, command_timeout = settings[3], settings[4]
     for row in range(speed.shape[0]):
         if has_command[row]:
             x, y = vectors[row, 0], vectors[row, 1]

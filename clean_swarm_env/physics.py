@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 from clean_swarm_env import contact_calls as calls
 from clean_swarm_env import physics_motion as motion
 from clean_swarm_env import physics_tick as ticking
-from clean_swarm_env.collisions import CollisionCounter
+from clean_swarm_env.collisions import CollisionCounter, Flags, Floats, Ints
+from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.physics_settings import Contacts, PhysicsSettings
+from selforg.bundles import Bundle
 from selforg.compiled import COMPILED
 
 try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
@@ -213,7 +215,8 @@ class Physics:
         self._sizes: ticking.Sizes = (
             search, float(width), float(height), reach, zone, float(timestep), PERSISTENCE + 1, mass / timestep
         )  # fmt: skip
-        self._motion: ticking.Motion = (
+        self._size_table: Bundle = ticking.SIZE_TABLE.bundle(*self._sizes)
+        self._motion: Bundle = ticking.MOTION_TABLES.bundle(
             self.positions, self.headings, self._bodies, self._wanted, self._forces, self._copies, self.present,
             self._patience, self._handles, self._copied, self._current,
         )  # fmt: skip
@@ -296,14 +299,39 @@ class Physics:
 
         entered (R,) int64 gets the events of the counter's first distance in which each robot took part.
         """
-        rest = (self._motion, self._sizes, speed, turn_rate, counter.tables, entered)
-        if not ticking.begin_tick(substeps, *rest, self._left):
-            return
+        counts = counter.bundle
+        if ticking.begin_tick(
+            substeps, self._motion, self._size_table, speed, turn_rate, counts, entered, self._left
+        ):  # fmt: skip
+            self._finish_tick(speed, turn_rate, counts, entered)
+
+    def obey(
+        self,
+        substeps: int,
+        commands: tuple[Floats, Flags, Flags, float],
+        drive: DifferentialDrive,
+        counter: CollisionCounter,
+        entered: Ints,
+    ) -> None:
+        """Let `drive` take commands, and advance as `tick` does with what it makes of them; the same in one call.
+
+        commands: vectors (R, 2), has_command (R,), in_place (R,) and now, see `DifferentialDrive.command`.
+        """
+        counts = counter.bundle
+        if ticking.drive_and_begin_tick(
+            *commands, drive.bundle, substeps, self._motion, self._size_table, counts, entered, self._left
+        ):  # fmt: skip
+            self._finish_tick(drive.speed, drive.turn_rate, counts, entered)
+
+    def _finish_tick(self, speed: Floats, turn_rate: Floats, counts: Bundle, entered: Ints) -> None:
+        """Let worlds that have been handed back go through the rest of their tick."""
         for world in np.flatnonzero(self._left).tolist():
             left = int(self._left[world])
             while left:
                 self._touch(world)
-                left = ticking.settle_and_go_on(world, left, *rest)
+                left = ticking.settle_and_go_on(
+                    world, left, self._motion, self._size_table, speed, turn_rate, counts, entered
+                )
 
     def _touch(self, world: int) -> None:
         """Let pymunk do a substep of a world whose forces and copies are set."""

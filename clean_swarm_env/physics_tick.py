@@ -8,11 +8,15 @@ other seam copies, or the world has no space yet, it is handed back: pymunk is t
 Shapes: W worlds, N robots a world, R = W * N rows, K collision distances.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
-from clean_swarm_env.collisions import Flags, Floats, Ints, count_world
+from clean_swarm_env.collisions import Counts, Flags, Floats, Ints, count_world, counts_of
 from clean_swarm_env.contact_calls import SPACE, touch
+from clean_swarm_env.drive import drive_of, steer
 from clean_swarm_env.physics_motion import land, push, search_contacts, steer_world
+from selforg.bundles import Bundle, Layout
 from selforg.compiled import inlined, lean_kernel
 
 # positions (R, 2), headings (R,), bodies (R, 4), wanted (R, 2), forces (R, 2), seam copies needed (R,), present (R,),
@@ -21,10 +25,10 @@ Motion = tuple[Floats, Floats, Floats, Floats, Floats, np.ndarray, Flags, Ints, 
 # contact search, width, height [m], reach of a touch [m], zone of seam copies [m], timestep [s], settling [substeps],
 # stiffness [kg/s]
 Sizes = tuple[int, float, float, float, float, float, int, float]
-# see CollisionCounter.tables
-Counts = tuple[
-    Floats, Flags, Floats, Ints, Ints, Flags, Ints, Ints, Ints, Ints, Ints, Ints, Floats, float, float, float
-]  # fmt: skip
+MOTION_TABLES = Layout("f2", "f1", "f2", "f2", "f2", "u1", "b1", "i1", "i2", "u1", "b1")
+SIZE_TABLE = Layout("whole", "number", "number", "number", "number", "number", "whole", "number")
+motion_of: Callable[[Bundle], Motion] = MOTION_TABLES.unbundle
+sizes_of: Callable[[Bundle], Sizes] = SIZE_TABLE.unbundle
 
 
 @inlined
@@ -93,10 +97,11 @@ def go_on(
 
 @lean_kernel
 def begin_tick(
-    substeps: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts, entered: Ints,
-    left: Ints,
+    substeps: int, motion_tables: Bundle, size_table: Bundle, speed: Floats, turn_rate: Floats, count_tables: Bundle,
+    entered: Ints, left: Ints,
 ) -> int:  # fmt: skip
     """Begin a tick of every world; fills `left` (W,) and returns how many worlds have substeps left."""
+    motion, sizes, counts = motion_of(motion_tables), sizes_of(size_table), counts_of(count_tables)
     waiting = 0
     for row in range(entered.shape[0]):
         entered[row] = 0
@@ -107,11 +112,23 @@ def begin_tick(
 
 
 @lean_kernel
+def drive_and_begin_tick(
+    vectors: Floats, has_command: Flags, in_place: Flags, now: float, drive: Bundle, substeps: int,
+    motion_tables: Bundle, size_table: Bundle, count_tables: Bundle, entered: Ints, left: Ints,
+) -> int:  # fmt: skip
+    """Let the drives take their commands, see `DifferentialDrive.command`, and begin a tick with what they do."""
+    steer(vectors, has_command, in_place, motion_of(motion_tables)[1], now, drive)
+    speed, turn_rate, _, _ = drive_of(drive)
+    return begin_tick(substeps, motion_tables, size_table, speed, turn_rate, count_tables, entered, left)
+
+
+@lean_kernel
 def settle_and_go_on(
-    world: int, left: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts,
-    entered: Ints,
+    world: int, left: int, motion_tables: Bundle, size_table: Bundle, speed: Floats, turn_rate: Floats,
+    count_tables: Bundle, entered: Ints,
 ) -> int:  # fmt: skip
     """Take a world up again after a substep that Python has had pymunk do; see `go_on`."""
+    motion, sizes, counts = motion_of(motion_tables), sizes_of(size_table), counts_of(count_tables)
     settle(world, motion, sizes)
     count(world, motion, counts, entered)
     return go_on(world, left - 1, motion, sizes, speed, turn_rate, counts, entered)

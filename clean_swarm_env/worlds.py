@@ -19,18 +19,18 @@ from clean_swarm_env.drive import DifferentialDrive
 from clean_swarm_env.frames import check_frame
 from clean_swarm_env.garbage import NOTHING, Garbage, handle_cargo
 from clean_swarm_env.littering import ITEMS, store_items
-from clean_swarm_env.movement import begin_acting
 from clean_swarm_env.physics import Physics
 from clean_swarm_env.reception import Reception, pose_history
-from clean_swarm_env.robot_model import cargo_in_reach, read_sensors, robot_model
+from clean_swarm_env.robot_model import cargo_in_reach, robot_model
 from clean_swarm_env.team import Team
+from clean_swarm_env.world_tables import WORLD_TABLES, begin_to_act, sense
 from selector.coordinator import Coordinator
 from selector.coordinator_model import CoordinatorModel
 from selector.host import Host, host_knowledge
 from selector.robots import hold_options
 from selforg.buffer import SoBuffer
 from selforg.components import Commands
-from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
+from selforg.mechanisms import ChemotaxisBalch, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planner_names import planner_named
 from selforg.poses import OwnPoses
@@ -96,6 +96,13 @@ class Worlds:
         self._picked: Ints = np.zeros((self.rows, 2), dtype=np.int64)
         self._running: Ints = np.zeros((len(self._movers), self.rows), dtype=np.int64)
         self._counts: Ints = np.zeros(len(self._movers), dtype=np.int64)
+        garbage, network, commands = self.garbage, self.network, self._commands
+        self._tables = WORLD_TABLES.bundle(
+            self.physics.positions, self.extent, self.stations, self._limits, garbage.positions, garbage.stage,
+            garbage.leftover, garbage.cargo, garbage.recycled, garbage.done, self._nearest, self._picked,
+            network.readings, network.state.mark_table, self._cargo, self._transport, self._movers, commands.vectors,
+            commands.commanded, commands.in_place, self._running, self._counts,
+        )  # fmt: skip
 
     def _build_world(self) -> None:
         mission, world, robots = self.mission, self.mission.world, self.mission.robots
@@ -236,33 +243,24 @@ class Worlds:
         """
         if self._now_ticks >= self.agendas.due:
             self.agendas.let_happen(self._now_ticks)
-        self.poses.update(self.physics.positions, self.physics.headings, self.now)
+        now = self.now
+        self.poses.update(self.physics.positions, self.physics.headings, now)
         self.reception.listen()
         if self._steered is None:
-            self._sense()
+            for coordinator in self.coordinators:
+                coordinator.sense(now)
+            sense(self._tables)
             self.network.step(self.team.at_work)
-            self._act()
-            self._move(self._vectors, self._commanded)
+            self._act(now)
+            self._move(self._vectors, self._commanded, now)
         else:
-            self._read_sensors()
+            sense(self._tables)
             cargo_in_reach(self.network.readings, self.team.working, self._in_reach)
             self._handle_cargo(self._in_reach, np.arange(3))
-            self._move(self._steered, self.team.working)
+            self._move(self._steered, self.team.working, now)
         self._now_ticks += 1
         self.ticks += 1
         return self._entered
-
-    def _sense(self) -> None:
-        for coordinator in self.coordinators:
-            coordinator.sense(self.now)
-        self._read_sensors()
-
-    def _read_sensors(self) -> None:
-        garbage = self.garbage
-        read_sensors(
-            self.physics.positions, self.extent, self.stations, self._limits, garbage.positions, garbage.stage,
-            garbage.cargo, garbage.recycled, self.network.readings, self._nearest,
-        )  # fmt: skip
 
     def _handle_cargo(self, started: Ints, columns: Ints) -> None:
         """Let robots pick, recycle and dump that start to; `columns` (3,) of `started` (R, B)."""
@@ -272,34 +270,31 @@ class Worlds:
             garbage.positions, garbage.stage, garbage.leftover, garbage.cargo, garbage.recycled, garbage.done,
             self._picked,
         )  # fmt: skip
+        self._put_out(picked)
+
+    def _put_out(self, picked: int) -> None:
+        """Let the first `picked` items of the list be garbage no more that robots see."""
         if picked:
             rows, items = self._picked[:picked].T
             worlds = rows // self.robots
-            self.items.extinguish(worlds, ITEMS, garbage.positions[worlds, items], self.now)
+            self.items.extinguish(worlds, ITEMS, self.garbage.positions[worlds, items], self.now)
 
-    def _act(self) -> None:
+    def _act(self, now: float) -> None:
         """Let what runs act: handle cargo, and give every robot that moves a vector."""
-        network = self.network
-        self._handle_cargo(network.started, self._cargo)
-        begin_acting(
-            network.state.mark_table, self._transport, self._movers, self.physics.positions, self.extent,
-            self.stations, self._vectors, self._commanded, self._commands.in_place, self._running, self._counts,
-        )  # fmt: skip
-        self._follow(self.to_garbage, self._running[0, : self._counts[0]])
-        patrolling = self._running[1, : self._counts[1]] if len(self._movers) > 1 else self._running[0, :0]
-        self._follow(self.patrol, patrolling)
+        self._put_out(begin_to_act(self._tables, self.mission.garbage.pick_distance))
+        to_garbage, *patrol = self._counts.tolist()
+        if to_garbage:
+            self.to_garbage.move_into(now, self._running[0, :to_garbage], self._vectors, self._commanded)
+        patrolling = self._running[-1, : sum(patrol)]
+        if patrol and patrol[0]:
+            self.patrol.move_into(now, patrolling, self._vectors, self._commanded)
         for coordinator in self.coordinators:
-            coordinator.act(self.now, self._commands)
-        if len(patrolling):
-            self.patrol.deposit(self.now, patrolling)
+            coordinator.act(now, self._commands)
+        if patrol and patrol[0]:
+            self.patrol.deposit(now, patrolling)
         for coordinator in self.coordinators:
-            coordinator.leave(self.now)
+            coordinator.leave(now)
 
-    def _follow(self, mechanism: MovementMechanism, rows: Ints) -> None:
-        if len(rows):
-            mechanism.move_into(self.now, rows, self._vectors, self._commanded)
-
-    def _move(self, vectors: Floats, commanded: Flags) -> None:
-        physics, drive = self.physics, self.drive
-        drive.command(vectors, commanded, physics.headings, self.now, self._commands.in_place)
-        physics.tick(self._substeps, drive.speed, drive.turn_rate, self.collisions, self._entered)
+    def _move(self, vectors: Floats, commanded: Flags, now: float) -> None:
+        commands = (vectors, commanded, self._commands.in_place, now)
+        self.physics.obey(self._substeps, commands, self.drive, self.collisions, self._entered)

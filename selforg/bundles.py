@@ -13,6 +13,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from selforg.arrays import Ints
 from selforg.compiled import COMPILED
 
 Compiler: TypeAlias = Any  # Numba and LLVM are not typed
@@ -40,7 +41,7 @@ def words_of(kind: Kind, value: Any, where: str) -> list[int]:  # noqa: ANN401  
     if not fits or value.ndim != kind.ndim or value.dtype.name != kind.dtype.name.replace("bool_", "bool"):
         got = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else repr(value)
         raise TypeError(f"{where}: expected a C-contiguous {kind.dtype} array of {kind.ndim} axes, got {got}")
-    # memory owner and parent (none: the owner of the bundle keeps the array), items, their size, data, shape, strides
+    # memory owner and parent (none: the bundle keeps the array), items, their size, data, shape, strides
     return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
 
 
@@ -64,7 +65,7 @@ class Layout:
             self.unbundle = unbundling(kind)
 
     def bundle(self, *entries: Any) -> Bundle:  # noqa: ANN401  (arrays and numbers)
-        """Return a bundle of the entries; arrays must outlive it, and stay where they are."""
+        """Return a bundle of the entries; it keeps arrays alive, which must stay where they are."""
         if not COMPILED:
             return entries
         if len(entries) != len(self._kinds):
@@ -72,7 +73,15 @@ class Layout:
         words = []
         for number, (kind, entry) in enumerate(zip(self._kinds, entries, strict=True)):
             words += words_of(kind, entry, f"bundle, entry {number}")
-        return np.array(words, dtype=np.int64)
+        return np.asarray(Kept(np.array(words, dtype=np.int64), entries))
+
+
+class Kept:
+    """Words that keep the arrays alive to which they point: NumPy keeps the owner of the memory that it shows."""
+
+    def __init__(self, words: Ints, entries: tuple[Any, ...]) -> None:
+        self.words, self.entries = words, entries
+        self.__array_interface__ = words.__array_interface__
 
 
 def same(bundle: Bundle) -> Any:  # noqa: ANN401  (a tuple of anything)

@@ -138,8 +138,8 @@ def test_a_movement_is_held_as_long_as_it_says(model):
     host.knowledge.write("ready", [0, 1, 2], True)
     asked = []
     mechanism = robots.coordinators[0].contents[0].mechanisms["go"]
-    move = mechanism.move
-    mechanism.move = lambda now, rows=None: (asked.append(round(now, 1)), move(now, rows))[1]
+    move_into = mechanism.move_into
+    mechanism.move_into = lambda now, *rest: (asked.append(round(now, 1)), move_into(now, *rest))[1]
     for step in range(1, 13):
         host.poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]), np.zeros(3), 0.2 * step)
         robots.tick(0.2 * step)

@@ -37,12 +37,12 @@ class Fixed:
 
     def __init__(self, mechanism, vectors):
         self.vectors, self.asked = vectors, []
-        mechanism.move = self.move
+        mechanism.move_into = self.move_into
 
-    def move(self, now=0.0, rows=None):
+    def move_into(self, now, rows, vectors, active):
         self.asked.append(np.asarray(rows).tolist())
-        vectors = self.vectors[rows]
-        return vectors, np.hypot(*vectors.T) > 0.0
+        vectors[rows] = self.vectors[rows]
+        active[rows] = np.hypot(*self.vectors[rows].T) > 0.0
 
 
 @pytest.fixture

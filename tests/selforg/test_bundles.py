@@ -1,5 +1,7 @@
 """Bundles: compiled code gets the arrays and numbers that were put in, and writes into the same memory."""
 
+import weakref
+
 import numpy as np
 import pytest
 
@@ -50,3 +52,15 @@ def test_what_compiled_code_would_misread_is_refused(number, wrong):
 def test_a_bundle_has_all_entries():
     with pytest.raises(TypeError, match="expected 6 entries, got 5"):
         LAYOUT.bundle(*entries()[:5])
+
+
+def test_a_bundle_keeps_its_arrays():
+    kept = weakref.ref(counts := np.arange(3))
+    given = list(entries())
+    given[1] = counts
+    bundle = LAYOUT.bundle(*given)
+    del counts, given
+    assert kept() is not None
+    assert look_and_write(bundle, 2) == 6
+    del bundle
+    assert kept() is None
