@@ -77,8 +77,8 @@ class Worlds:
         # On a grid that floats hold exactly, times are sums without rounding: how long ago something was does not
         # depend on when its world was reset. Rounded up, so that a period of whole ticks is over with the last one.
         self._clock_period = float(np.ceil(self.period / CLOCK_GRID) * CLOCK_GRID)
-        self.ticks: Ints = np.zeros(worlds, dtype=np.int64)
         self._now_ticks = 0
+        self._begun: Ints = np.zeros(worlds, dtype=np.int64)  # (W,) tick of the batch at which each world was reset
         self.missions = [mission] * worlds
         self.extent = np.array([mission.world.width, mission.world.height])
         self._build_world()
@@ -174,6 +174,11 @@ class Worlds:
         return self.coordinators[0]
 
     @property
+    def ticks(self) -> Ints:
+        """Control periods (W,) since the reset of each world."""
+        return self._now_ticks - self._begun
+
+    @property
     def now(self) -> float:
         """Time of the buffers [s]; it goes on through resets."""
         return self._now_ticks * self._clock_period
@@ -196,7 +201,7 @@ class Worlds:
             expected = f"{mission.robots.count} robots and {mission.garbage.count} items"
             raise ValueError(f"start {start.id!r}: expected {expected}, got {len(start.robots)} and {len(items)}")
         self.missions[world] = mission
-        self.ticks[world] = 0
+        self._begun[world] = self._now_ticks
         self.stations[world] = mission.stations.recycling, mission.stations.dump
         self.garbage.place(world, items % self.extent)
         self.collisions.reset(world)
@@ -259,7 +264,6 @@ class Worlds:
             self._handle_cargo(self._in_reach, np.arange(3))
             self._move(self._steered, self.team.working, now)
         self._now_ticks += 1
-        self.ticks += 1
         return self._entered
 
     def _handle_cargo(self, started: Ints, columns: Ints) -> None:

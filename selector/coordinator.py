@@ -12,9 +12,10 @@ import numpy as np
 from selector.content import Content
 from selector.coordinator_model import CoordinatorModel
 from selector.host import Host
-from selforg.arrays import Floats, Ints
-from selforg.compiled import kernel
+from selforg.arrays import Ints
+from selforg.compiled import kernel, lean_kernel
 from selforg.components import Commands
+from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
 
 
@@ -40,10 +41,12 @@ class Coordinator:
             Content(configuration, host, f"goal {model.goal}: option {name}", explained=explained)
             for name, configuration in zip(model.options, model.configurations, strict=True)
         )
-        self._columns = [
-            np.array([parent.model.sensor_index[sensor.name] for sensor in content.network.model.sensors], int)
-            for content in self.contents
-        ]
+        for content in self.contents:
+            sensors = content.network.model.sensors
+            content.robots.show_in(
+                parent.readings,
+                np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
+            )
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
         shape = (len(self.contents), parent.rows)
         self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts` of them
@@ -51,7 +54,7 @@ class Coordinator:
         self._new: Ints = np.zeros(shape, dtype=np.int64)  # rows that take up each option, the first `_new_counts`
         self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
         self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to begin anew
-        self._renewed: Ints = np.zeros(parent.rows, dtype=np.int64)
+        self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those that begin anew
         self._in_use: list[tuple[int, Ints]] = []
         self._acted: list[Content] = []
         self.reset(np.arange(parent.rows))
@@ -91,25 +94,22 @@ class Coordinator:
     def sense(self, now: float) -> None:
         """Ask what is in use at `now` [s] and write its sensors into the parent's readings."""
         for k, rows in self._in_use:
-            robots, columns = self.contents[k].robots, self._columns[k]
-            if len(columns):
-                robots.sense(now, rows)
-                show(rows, robots.network.readings, self.parent.readings, columns)
+            self.contents[k].robots.sense(now, rows)
 
     def act(self, now: float, commands: Commands) -> None:
         """Run the content where the parent runs the coordinator; its movement goes into `commands`."""
         for k, rows in self._in_use:
-            acting, started = self.parent.running(self.index, rows)
-            if not len(acting):
-                continue
             content = self.contents[k]
             network = content.network
-            stale = take_stale(acting, self._stale, self._renewed)
+            number, stale = take_turns(
+                rows, self.parent.state.mark_table, self.index, network.state.mark_table, self._stale, self._turns
+            )
+            if not number:
+                continue
             if stale:
-                network.begin(self._renewed[:stale])
-            if len(started):
-                network.halt(started)
-            network.step(acting, guarantee=True)
+                network.begin(self._turns[1, :stale])
+            acting = self._turns[0, :number]
+            network.step(acting, True)
             content.robots.act(now, acting, commands)
             self._acted.append(content)
 
@@ -118,14 +118,6 @@ class Coordinator:
         for content in self._acted:
             content.robots.leave(now)
         self._acted.clear()
-
-
-@kernel
-def show(rows: Ints, inner: Floats, outer: Floats, columns: Ints) -> None:
-    """Copy the readings of `rows` (K,) from `inner` (R, C) into `columns` (C,) of `outer` (R, S)."""
-    for row in rows:
-        for k in range(columns.shape[0]):
-            outer[row, columns[k]] = inner[row, k]
 
 
 @kernel
@@ -164,13 +156,27 @@ def take_up(
     return changed
 
 
-@kernel
-def take_stale(rows: Ints, stale: Ints, found: Ints) -> int:
-    """Write those of `rows` (K,) that are `stale` (R,) into `found` (R,), stale no longer; return how many."""
-    count = 0
+@lean_kernel
+def take_turns(
+    rows: Ints, outer_marks: Ints, behaviour: int, inner_marks: Ints, stale: Ints, turns: Ints
+) -> tuple[int, int]:
+    """List in `turns` (2, R) in which of `rows` (K,) a behaviour runs, and which of those were `stale` (R,).
+
+    Those are stale no longer. Where the behaviour was just started, all that runs inside stops. Returns how many are in
+    either list; marks are the mark tables of the networks outside and inside.
+    """
+    acting, renewed = 0, 0
     for row in rows:
+        if not outer_marks[row, st.EXECUTING, behaviour]:
+            continue
+        turns[0, acting] = row
+        acting += 1
         if stale[row]:
             stale[row] = 0
-            found[count] = row
-            count += 1
-    return count
+            turns[1, renewed] = row
+            renewed += 1
+        if outer_marks[row, st.STARTED, behaviour]:
+            for b in range(inner_marks.shape[2]):
+                inner_marks[row, st.EXECUTING, b] = 0
+                inner_marks[row, st.EXECUTION_TIME, b] = -1
+    return acting, renewed

@@ -156,8 +156,9 @@ class SoBuffer:
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
         """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
         if self.shared:
-            self.table.reserve(len(rows))
-            deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.table.bundle)
+            if not deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.table.bundle):
+                self.table.reserve(len(rows))
+                deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.table.bundle)
             return
         rows = rows[self.poses.known[rows]]
         messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)

@@ -61,7 +61,8 @@ GRID_COLUMNS = 7
 
 # Counters of the store, int64
 FREE, USED, HIGH, LAST_SERIAL, SPACES, CHANNELS, PER_ROW = 0, 1, 2, 3, 4, 5, 6  # PER_ROW: 1 if rows do not share
-COUNTERS = 7
+TIDY_AT = 7  # serial number from which on neighbours are moved together again
+COUNTERS = 8
 
 # Settings of the store, float64
 AGGREGATION_DISTANCE, MIN_DIFFUSION, WHOLE_SECONDS, HISTORY = 0, 1, 2, 3

@@ -46,6 +46,7 @@ from selforg.columns import (
     TAG_SIGN,
     TAG_SOURCE,
     TAG_SPACE,
+    TIDY_AT,
     USED,
     WHOLE_SECONDS,
     X,
@@ -72,9 +73,15 @@ def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Sto
 @lean_kernel
 def deposit_rows(
     rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float, pose_tables: Bundle, store_tables: Bundle
-) -> None:
-    """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,)."""
+) -> bool:
+    """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,).
+
+    False, and nothing is stored, where the tables have to be made larger or tidied first.
+    """
     poses, store = poses_of(pose_tables), store_of(store_tables)
+    counters = store[7]
+    if counters[USED] + len(rows) > len(store[1]) or counters[LAST_SERIAL] >= counters[TIDY_AT]:
+        return False
     own, row_table = poses[0], poses[1]
     for index in range(len(rows)):
         row = int(rows[index])
@@ -84,6 +91,7 @@ def deposit_rows(
         message[FAR + STAMP] = message[FAR + CLOCK] = now
         tag[TAG_SPACE], tag[TAG_SOURCE] = space_of(row, row_table, store[7]), row
         store_one(message, tag, rules, now, store)
+    return True
 
 
 @part

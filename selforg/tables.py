@@ -36,6 +36,7 @@ from selforg.columns import (
     SPACES,
     SWEEP,
     TAIL,
+    TIDY_AT,
     USED,
     WHOLE_SECONDS,
 )
@@ -77,7 +78,7 @@ class Tables:
         self._settings[[WHOLE_SECONDS, HISTORY]] = settings.whole_seconds, settings.moving_storage_size
         self._settings[EXTENT : EXTENT + 3] = space.padded_extent
         self._grid = make_grid(space.padded_extent, space.dim, settings.smallest_cell)
-        self._tidy_at = SMALLEST_MESS  # serial number from which on neighbours are moved together again
+        self._counters[TIDY_AT] = SMALLEST_MESS
         self._pack()
 
     @property
@@ -118,7 +119,7 @@ class Tables:
         needed, capacity = self.used + more, len(self.links)
         while capacity < needed:
             capacity *= 2
-        if capacity > len(self.links) or self._counters[LAST_SERIAL] >= self._tidy_at:
+        if capacity > len(self.links) or self._counters[LAST_SERIAL] >= self._counters[TIDY_AT]:
             self._move_to(capacity)
 
     def _move_to(self, capacity: int) -> None:
@@ -140,7 +141,7 @@ class Tables:
         self._counters[[FREE, HIGH]] = -1, len(order)
         self._buckets = np.empty(capacity, dtype=np.int32)
         rebuild(self.links, self.marks, self.layers, self._buckets, self._counters)
-        self._tidy_at = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
+        self._counters[TIDY_AT] = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
         self._pack()
 
     def _pack(self) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
+from selforg.compiled import lean_kernel
 from selforg.components.actions import Action, Commands
-from selforg.components.sensors import SensorComponent
+from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
 from selforg.components.sources import Source
 from selforg.network.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
@@ -53,6 +54,9 @@ class OrganisedRobots:
         self._actions = [(model.behaviour_index[name], action) for name, all_of in each for action in all_of]
         self._sensed = _each_once([], [component for _, component in self._sensors])
         self._asked_late = [_each_once(self._sensed, [action]) for _, action in self._actions]
+        self._vector_readings = _by_source(self._sensors, self.network.readings)
+        self._others = [(column, one) for column, one in self._sensors if not isinstance(one, VectorSensor)]
+        self._shown: tuple[Floats, Ints, Ints] | None = None
         self._acted: list[tuple[Action, Ints]] = []
         self._all, self._dim = np.arange(rows), dim
 
@@ -70,8 +74,20 @@ class OrganisedRobots:
         """Renew the readings of `rows` (K,) at `now` [s]."""
         for source in self._sensed:
             source.ask(now, rows)
-        for column, component in self._sensors:
-            component.write(rows, self.network.readings, column)
+        for vectors in self._vector_readings:
+            vectors.write(rows)
+        readings = self.network.readings
+        for column, component in self._others:
+            readings[rows, column] = component.read(rows)
+        if self._shown is not None:
+            show(rows, readings, *self._shown)
+
+    def show_in(self, readings: Floats, columns: Ints) -> None:
+        """Write what is sensed from now on also into `readings` (N, T): sensor k of the model into columns[k]."""
+        for vectors in self._vector_readings:
+            vectors.show_in(readings, columns[vectors.columns])
+        others: Ints = np.array([column for column, _ in self._others], dtype=np.int64)
+        self._shown = (readings, others, columns[others]) if len(others) else None
 
     def act(self, now: float, rows: Ints, commands: Commands) -> None:
         """Let act in `rows` (K,) what runs after the network's step; movements go into `commands`."""
@@ -98,3 +114,20 @@ def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | A
     for component in components:
         found += [source for source in component.sources if not any(source is one for one in (*known, *found))]
     return found
+
+
+def _by_source(sensors: Sequence[tuple[int, SensorComponent]], readings: Floats) -> list[VectorReadings]:
+    """Return what writes the vector sensors among `sensors`, those of one source together."""
+    found: dict[int, dict[int, VectorSensor]] = {}
+    for column, component in sensors:
+        if isinstance(component, VectorSensor):
+            found.setdefault(id(component.source), {})[column] = component
+    return [VectorReadings(next(iter(those.values())).source, those, readings) for those in found.values()]
+
+
+@lean_kernel
+def show(rows: Ints, inner: Floats, outer: Floats, columns: Ints, outer_columns: Ints) -> None:
+    """Copy `columns` (C,) of the readings `inner` (N, S) of `rows` (K,) into columns of `outer` (N, T)."""
+    for row in rows:
+        for k in range(columns.shape[0]):
+            outer[row, outer_columns[k]] = inner[row, columns[k]]

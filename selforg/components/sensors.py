@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import final
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiled import kernel
+from selforg.bundles import Bundle, Layout
+from selforg.compiled import lean_kernel
 from selforg.components.knowledge import Knowledge
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
 from selforg.network.behaviours import SensorKind
@@ -36,15 +37,6 @@ class SensorComponent(ABC):
         """Return the readings (K,) of `rows` (K,); facts are 1 or 0."""
         return np.asarray(self._read(rows), dtype=np.float64)
 
-    @final
-    def write(self, rows: Ints, readings: Floats, column: int) -> None:
-        """Write the readings of `rows` (K,) into a column of `readings` (N, S)."""
-        self._write(rows, readings, column)
-
-    def _write(self, rows: Ints, readings: Floats, column: int) -> None:
-        """Write the readings; for sensors that are so frequent that they do it compiled."""
-        readings[rows, column] = self._read(rows)
-
     @abstractmethod
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         """Return what `rows` (K,) sense: bool or number (K,)."""
@@ -62,12 +54,9 @@ class VectorSensor(SensorComponent):
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         readings = np.zeros((len(self.source.vectors), 1))
-        self._write(rows, readings, 0)
+        VectorReadings(self.source, {0: self}, readings).write(rows)
         read: Floats = readings[rows, 0]
         return read
-
-    def _write(self, rows: Ints, readings: Floats, column: int) -> None:
-        read_vectors(rows, self.source.vectors, self.source.active, self.longest_absent, readings, column)
 
 
 class VectorPresent(VectorSensor):
@@ -190,20 +179,55 @@ class Known(SensorComponent):
         return self._values[rows]
 
 
-@kernel
-def read_vectors(
-    rows: Ints, vectors: Floats, active: Flags, longest_absent: float, readings: Floats, column: int
-) -> None:
-    """Write of `rows` (K,) the length of the vector in `vectors` (N, D) into a column of `readings` (N, S).
+class VectorReadings:
+    """Writes what the vector sensors over one source read, all in one call.
 
-    From `longest_absent` >= 0 on: 1 where it is longer than that, else 0. Without an `active` (N,) vector always 0.
+    Args:
+        source: theirs.
+        sensors: the column of the readings of each.
+        readings: (N, S) of the network that has the sensors.
+
     """
+
+    def __init__(self, source: MovementSource, sensors: Mapping[int, VectorSensor], readings: Floats) -> None:
+        self._source, self._readings = source, readings
+        self._longest = np.array([sensor.longest_absent for sensor in sensors.values()])
+        self.columns: Ints = np.array(list(sensors), dtype=np.int64)
+        self.show_in(readings, self.columns)
+
+    def show_in(self, readings: Floats, columns: Ints) -> None:
+        """Write them into `columns` (C,) of other `readings` (N, T) too."""
+        self._bundle = READING_TABLES.bundle(
+            self._source.vectors, self._source.active, self._longest, self._readings, self.columns, readings, columns
+        )
+
+    def write(self, rows: Ints) -> None:
+        """Write the readings of `rows` (K,)."""
+        read_vectors(rows, self._bundle)
+
+
+# vectors (N, D) and active (N,) of the source, longest absent (C,) [m/s]; twice readings (N, S) and columns (C,)
+READING_TABLES = Layout("f2", "b1", "f1", "f2", "i1", "f2", "i1")
+ReadingTables = tuple[Floats, Flags, Floats, Floats, Ints, Floats, Ints]
+reading_tables_of: Callable[[Bundle], ReadingTables] = READING_TABLES.unbundle
+
+
+@lean_kernel
+def read_vectors(rows: Ints, tables: Bundle) -> None:
+    """Write of `rows` (K,) the length of the vector, 0 without one.
+
+    From a longest absent >= 0 on: 1 where it is longer than that, else 0.
+    """
+    vectors, active, longest, readings, columns, others, other_columns = reading_tables_of(tables)
     for row in rows:
         length = 0.0
         if active[row]:
             for axis in range(vectors.shape[1]):
                 length += vectors[row, axis] * vectors[row, axis]
             length = np.sqrt(length)
-        if longest_absent >= 0.0:
-            length = 1.0 if length > longest_absent else 0.0
-        readings[row, column] = length
+        for k in range(columns.shape[0]):
+            reading = length
+            if longest[k] >= 0.0:
+                reading = 1.0 if length > longest[k] else 0.0
+            readings[row, columns[k]] = reading
+            others[row, other_columns[k]] = reading

@@ -48,8 +48,8 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
 
     def _channels_now(self) -> Ints:
         """Return the channel table, made anew when the buffer has heard of new channels."""
-        if self._table_for != len(self.buffer.channels):
-            self._table_for = len(self.buffer.channels)
+        if self._table_for != len(self.buffer.rules):  # one of each channel
+            self._table_for = len(self.buffer.rules)
             self._channel_table = self.buffer.channel_table(self.channels)
         return self._channel_table
 
