@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.physics_motion import wrapped_angle
 from selforg.bundles import Bundle, Layout
-from selforg.compiled import lean_kernel
+from selforg.compiled import inlined, lean_kernel
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -102,6 +102,14 @@ class DifferentialDrive:
 @lean_kernel
 def steer(vectors: Floats, has_command: Flags, in_place: Flags, headings: Floats, now: float, drive: Bundle) -> None:
     """Update what the drives do; see `DifferentialDrive.command`."""
+    steer_rows(vectors, has_command, in_place, headings, now, drive)
+
+
+@inlined
+def steer_rows(
+    vectors: Floats, has_command: Flags, in_place: Flags, headings: Floats, now: float, drive: Bundle
+) -> None:
+    """Do what `steer` does, in a kernel that does more."""
     speed, turn_rate, commanded, settings = drive_of(drive)
     max_speed, max_turn_rate, turn_gain = settings[0], settings[1], settings[2]
     turn_in_place_beyond, command_timeout = settings[3], settings[4]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.compiled import kernel
+from selforg.compiled import inlined, lean_kernel
 from selforg.space import nearest_image
 
 Floats = NDArray[np.float64]
@@ -80,14 +80,14 @@ class Garbage:
         return True
 
 
-@kernel
+@inlined
 def distance(ax: float, ay: float, bx: float, by: float, extent: Floats) -> float:
     """Distance [m] of two points on the torus `extent` (2,)."""
     x, y = nearest_image(bx - ax, extent[0]), nearest_image(by - ay, extent[1])
     return float(np.sqrt(x * x + y * y))
 
 
-@kernel
+@lean_kernel
 def nearest_lying(x: float, y: float, positions: Floats, stage: Ints, extent: Floats) -> tuple[int, float]:
     """Return the nearest lying item of one world and its distance [m]; (NOTHING, inf) if none lies."""
     best, shortest = NOTHING, np.inf
@@ -99,7 +99,7 @@ def nearest_lying(x: float, y: float, positions: Floats, stage: Ints, extent: Fl
     return best, shortest
 
 
-@kernel
+@lean_kernel
 def handle_cargo(
     started: Ints, columns: Ints, robots: Floats, extent: Floats, pick_distance: float, nearest: Ints,
     positions: Floats, stage: Ints, leftover: Ints, cargo: Ints, recycled: Ints, done: Ints, picked: Ints,

@@ -12,9 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from clean_swarm_env.collisions import Counts, Flags, Floats, Ints, count_world, counts_of
+from clean_swarm_env.collisions import Flags, Floats, Ints, count_world, counts_of
 from clean_swarm_env.contact_calls import SPACE, touch
-from clean_swarm_env.drive import drive_of, steer
+from clean_swarm_env.drive import drive_of, steer_rows
 from clean_swarm_env.physics_motion import land, push, search_contacts, steer_world
 from selforg.bundles import Bundle, Layout
 from selforg.compiled import inlined, lean_kernel
@@ -32,13 +32,13 @@ sizes_of: Callable[[Bundle], Sizes] = SIZE_TABLE.unbundle
 
 
 @inlined
-def count(world: int, motion: Motion, counts: Counts, entered: Ints) -> None:
+def count(world: int, motion: Bundle, counts: Bundle, entered: Ints) -> None:
     """Count one world and add what was entered to `entered` (R,)."""
-    positions, present, patience = motion[0], motion[6], motion[7]
+    positions, _, _, _, _, _, present, patience, _, _, _ = motion_of(motion)
     (
         before, counted, squares, samples, events, in_contact, now, near, following, cells, listed, pairs, origins,
         width, height, furthest,
-    ) = counts  # fmt: skip
+    ) = counts_of(counts)  # fmt: skip
     count_world(
         world, positions, present, before, counted, squares, samples, events, in_contact, now, near, following, cells,
         listed, pairs, origins, width, height, furthest,
@@ -49,9 +49,9 @@ def count(world: int, motion: Motion, counts: Counts, entered: Ints) -> None:
 
 
 @inlined
-def can_touch(world: int, motion: Motion) -> bool:
+def can_touch(world: int, motion: Bundle) -> bool:
     """Tell whether Chipmunk can be called for the next substep of a world: it has a space, with the right copies."""
-    copies, handles, copied = motion[5], motion[8], motion[9]
+    _, _, _, _, _, copies, _, _, handles, copied, _ = motion_of(motion)
     robots = copies.shape[0] // handles.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         if copies[row] != copied[row]:
@@ -60,22 +60,30 @@ def can_touch(world: int, motion: Motion) -> bool:
 
 
 @inlined
-def settle(world: int, motion: Motion, sizes: Sizes) -> None:
+def settle(world: int, motion: Bundle, sizes: Bundle) -> None:
     """Take over what a substep of pymunk came to."""
-    positions, bodies, patience, current = motion[0], motion[2], motion[7], motion[10]
+    positions, _, bodies, _, _, _, _, patience, _, _, current = motion_of(motion)
+    _, width, height, _, _, timestep, _, _ = sizes_of(sizes)
     robots = positions.shape[0] // patience.shape[0]
-    crossed = land(positions, bodies, world * robots, (world + 1) * robots, sizes[1], sizes[2], sizes[5])
+    crossed = land(positions, bodies, world * robots, (world + 1) * robots, width, height, timestep)
     # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
     current[world] = not crossed and patience[world] > 1
 
 
 @lean_kernel
 def go_on(
-    world: int, left: int, motion: Motion, sizes: Sizes, speed: Floats, turn_rate: Floats, counts: Counts, entered: Ints
+    world: int,
+    left: int,
+    motion: Bundle,
+    sizes: Bundle,
+    speed: Floats,
+    turn_rate: Floats,
+    counts: Bundle,
+    entered: Ints,
 ) -> int:
     """Run a world through its `left` substeps; returns the substeps left if the next one is for Python to do."""
-    positions, headings, bodies, wanted, forces, copies, present, patience, handles, _, current = motion
-    search, width, height, reach, zone, timestep, settling, stiffness = sizes
+    positions, headings, bodies, wanted, forces, copies, present, patience, handles, _, current = motion_of(motion)
+    search, width, height, reach, zone, timestep, settling, stiffness = sizes_of(sizes)
     robots = positions.shape[0] // patience.shape[0]
     first, end = world * robots, (world + 1) * robots
     while left > 0:
@@ -97,11 +105,10 @@ def go_on(
 
 @lean_kernel
 def begin_tick(
-    substeps: int, motion_tables: Bundle, size_table: Bundle, speed: Floats, turn_rate: Floats, count_tables: Bundle,
-    entered: Ints, left: Ints,
+    substeps: int, motion: Bundle, sizes: Bundle, speed: Floats, turn_rate: Floats, counts: Bundle, entered: Ints,
+    left: Ints,
 ) -> int:  # fmt: skip
     """Begin a tick of every world; fills `left` (W,) and returns how many worlds have substeps left."""
-    motion, sizes, counts = motion_of(motion_tables), sizes_of(size_table), counts_of(count_tables)
     waiting = 0
     for row in range(entered.shape[0]):
         entered[row] = 0
@@ -113,22 +120,27 @@ def begin_tick(
 
 @lean_kernel
 def drive_and_begin_tick(
-    vectors: Floats, has_command: Flags, in_place: Flags, now: float, drive: Bundle, substeps: int,
-    motion_tables: Bundle, size_table: Bundle, count_tables: Bundle, entered: Ints, left: Ints,
+    vectors: Floats, has_command: Flags, in_place: Flags, now: float, drive: Bundle, substeps: int, motion: Bundle,
+    sizes: Bundle, counts: Bundle, entered: Ints, left: Ints,
 ) -> int:  # fmt: skip
     """Let the drives take their commands, see `DifferentialDrive.command`, and begin a tick with what they do."""
-    steer(vectors, has_command, in_place, motion_of(motion_tables)[1], now, drive)
+    steer_rows(vectors, has_command, in_place, motion_of(motion)[1], now, drive)
     speed, turn_rate, _, _ = drive_of(drive)
-    return begin_tick(substeps, motion_tables, size_table, speed, turn_rate, count_tables, entered, left)
+    waiting = 0  # from here on `begin_tick`; called, it would be compiled twice
+    for row in range(entered.shape[0]):
+        entered[row] = 0
+    for world in range(left.shape[0]):
+        left[world] = go_on(world, substeps, motion, sizes, speed, turn_rate, counts, entered)
+        waiting += left[world] > 0
+    return waiting
 
 
 @lean_kernel
 def settle_and_go_on(
-    world: int, left: int, motion_tables: Bundle, size_table: Bundle, speed: Floats, turn_rate: Floats,
-    count_tables: Bundle, entered: Ints,
+    world: int, left: int, motion: Bundle, sizes: Bundle, speed: Floats, turn_rate: Floats, counts: Bundle,
+    entered: Ints,
 ) -> int:  # fmt: skip
     """Take a world up again after a substep that Python has had pymunk do; see `go_on`."""
-    motion, sizes, counts = motion_of(motion_tables), sizes_of(size_table), counts_of(count_tables)
     settle(world, motion, sizes)
     count(world, motion, counts, entered)
     return go_on(world, left - 1, motion, sizes, speed, turn_rate, counts, entered)

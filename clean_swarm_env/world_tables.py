@@ -9,7 +9,7 @@ from clean_swarm_env.garbage import handle_cargo
 from clean_swarm_env.movement import begin_acting
 from clean_swarm_env.robot_model import read_sensors
 from selforg.bundles import Bundle, Layout
-from selforg.compiled import kernel
+from selforg.compiled import kernel, lean_kernel
 from selforg.network import state as st
 
 Floats = NDArray[np.float64]
@@ -42,7 +42,7 @@ def sense(tables: Bundle) -> None:
     read_sensors(robots, extent, stations, limits, items, stage, cargo, recycled, readings, nearest)
 
 
-@kernel
+@lean_kernel
 def begin_to_act(tables: Bundle, pick_distance: float) -> int:
     """Handle cargo, forget the orders of the tick before and give those that need no mechanism.
 

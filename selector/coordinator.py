@@ -13,7 +13,7 @@ from selector.content import Content
 from selector.coordinator_model import CoordinatorModel
 from selector.host import Host
 from selforg.arrays import Ints
-from selforg.compiled import kernel, lean_kernel
+from selforg.compiled import lean_kernel
 from selforg.components import Commands
 from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
@@ -120,7 +120,7 @@ class Coordinator:
         self._acted.clear()
 
 
-@kernel
+@lean_kernel
 def group(held: Ints, members: Ints, counts: Ints) -> None:
     """Fill `members` (O, R) and `counts` (O,) with the rows that hold each option; held (R,)."""
     counts[:] = 0
@@ -130,7 +130,7 @@ def group(held: Ints, members: Ints, counts: Ints) -> None:
         counts[option] += 1
 
 
-@kernel
+@lean_kernel
 def take_up(
     rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, new_counts: Ints, members: Ints, counts: Ints
 ) -> int:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from selforg.candidates import Store
-from selforg.cells import bucket_of, remove
+from selforg.bundles import Bundle
+from selforg.candidates import store_of
+from selforg.cells import bucket_of, remove, whole
 from selforg.columns import (
     AFTER,
     AGGREGATION_DISTANCE,
@@ -44,7 +45,7 @@ from selforg.windows import MOST_CELLS, near_cells
 
 
 @part
-def aggregate(slot: int, first: int, rule: int, now: float, store: Store) -> bool:
+def aggregate(slot: int, first: int, rule: int, now: float, store: Bundle) -> bool:
     """Apply `rule` for the gradient in `slot` (not linked yet); False if it is not to be stored.
 
     first: first layer of its channel and space. The stored gradient that it replaces is removed.
@@ -56,7 +57,7 @@ def aggregate(slot: int, first: int, rule: int, now: float, store: Store) -> boo
     nearest = find_nearest(slot, first, now, store)
     if nearest < 0:
         return True
-    near, far = store[0], store[2]
+    near, links, far, marks, layers, buckets, _, counters, _ = store_of(store)
     if rule == AVERAGE:
         kept = merge(slot, nearest, store)
     elif rule == NEW:
@@ -66,19 +67,19 @@ def aggregate(slot: int, first: int, rule: int, now: float, store: Store) -> boo
         stored = near[nearest, DIFFUSION] + near[nearest, GOAL]
         kept = reach >= stored if rule == MAX else reach <= stored
     if kept or rule == AVERAGE:
-        remove(nearest, store[1], store[3], store[4], store[5], store[7])
+        remove(nearest, links, marks, layers, buckets, counters)
     return kept
 
 
 @part
-def replace_older(slot: int, first: int, rule: int, now: float, store: Store) -> bool:
+def replace_older(slot: int, first: int, rule: int, now: float, store: Bundle) -> bool:
     """Remove the gradients of the same source (or of the whole channel); False if one of them is newer."""
-    _, links, far, marks, layers, buckets, _, counters, _ = store
+    _, links, far, marks, layers, buckets, _, counters, _ = store_of(store)
     for removing in (False, True):
         for layer in range(first, first + UNBOUNDED + 1):
-            other = int(layers[layer, HEAD])
+            other = whole(layers[layer, HEAD])
             while other >= 0:
-                following = int(marks[other, AFTER])
+                following = whole(marks[other, AFTER])
                 alive = still_there(other, now, store)
                 if alive and (rule != NEW_SOURCE or marks[other, SOURCE] == marks[slot, SOURCE]):
                     if removing:
@@ -90,43 +91,43 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Store) ->
 
 
 @part
-def still_there(slot: int, now: float, store: Store) -> bool:
+def still_there(slot: int, now: float, store: Bundle) -> bool:
     """Bring a stored gradient to `now` [s]; False if it evaporated away, it is removed then."""
-    near = store[0]
+    near, links, far, marks, layers, buckets, _, counters, settings = store_of(store)
     if now >= near[slot, DUE]:
-        evaporate(near, store[2], slot, now)
-        if evaporated_away(near, slot, store[8][MIN_DIFFUSION]):
-            remove(slot, store[1], store[3], store[4], store[5], store[7])
+        evaporate(near, far, slot, now)
+        if evaporated_away(near, slot, settings[MIN_DIFFUSION]):
+            remove(slot, links, marks, layers, buckets, counters)
             return False
     return True
 
 
 @part
-def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
+def find_nearest(slot: int, first: int, now: float, store: Bundle) -> int:
     """Return the stored static gradient nearest to the one in `slot` within the aggregation distance, or -1.
 
     Among equally near ones the one stored first, so that the order of the walk does not matter.
     """
-    near, links, _, marks, layers, buckets, grid, counters, settings = store
+    near, links, _, marks, layers, buckets, grid, counters, settings = store_of(store)
     window = counters[COUNTERS : COUNTERS + MOST_CELLS]
     radius = settings[AGGREGATION_DISTANCE]
     best, nearest = radius, -1
     for level in range(UNBOUNDED + 1):
         layer = first + level
-        members = int(layers[layer, COUNT])
+        members = whole(layers[layer, COUNT])
         if members == 0:
             continue
         cells = -1
         if level < UNBOUNDED:
             cells = near_cells(near[slot, X], near[slot, Y], near[slot, Z], radius, grid, level, float(members), window)
         for index in range(max(cells, 1)):
-            other = int(layers[layer, HEAD])
+            other = whole(layers[layer, HEAD])
             if cells == 0:
                 break
             if cells > 0:
-                other = int(buckets[bucket_of(layer, int(window[index]), buckets)])
+                other = whole(buckets[bucket_of(layer, int(window[index]), buckets)])
             while other >= 0:
-                following = int(marks[other, AFTER] if cells < 0 else links[other, NEXT])
+                following = whole(marks[other, AFTER] if cells < 0 else links[other, NEXT])
                 here = cells < 0 or (links[other, LAYER] == layer and links[other, CELL] == window[index])
                 # most are alive: the tables are handed over only for those that may not be
                 if here and (now < near[other, DUE] or still_there(other, now, store)):
@@ -136,7 +137,7 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
                     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
                     older = (
                         nearest >= 0
-                        and (int(marks[other, SERIAL]) - int(marks[nearest, SERIAL])) % SERIALS > SERIALS // 2
+                        and (whole(marks[other, SERIAL]) - whole(marks[nearest, SERIAL])) % SERIALS > SERIALS // 2
                     )
                     if distance < best or (distance == best and (nearest < 0 or older)):
                         best, nearest = distance, other
@@ -145,12 +146,12 @@ def find_nearest(slot: int, first: int, now: float, store: Store) -> int:
 
 
 @part
-def merge(slot: int, other: int, store: Store) -> bool:
+def merge(slot: int, other: int, store: Bundle) -> bool:
     """Average the gradient in `slot` with the stored `other`; False if nothing is left of them.
 
     Same sign: mean radii. Opposite signs weaken each other: differences of the radii, the sign of the larger reach.
     """
-    near, links, far, settings = store[0], store[1], store[2], store[8]
+    near, links, far, _, _, _, _, _, settings = store_of(store)
     for axis in range(3):
         delta = nearest_image(near[other, X + axis] - near[slot, X + axis], settings[EXTENT + axis])
         near[slot, X + axis] = wrapped(near[slot, X + axis] + 0.5 * delta, settings[EXTENT + axis])

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.candidates import Store
+from selforg.bundles import Bundle
 from selforg.codes import Codes
 from selforg.columns import (
     CLOCK,
@@ -73,9 +73,9 @@ class SoBuffer:
         return self.table.used
 
     @property
-    def tables(self) -> Store:
-        """What compiled code needs of the buffer."""
-        return self.table.packed
+    def tables(self) -> Bundle:
+        """What compiled code needs of the buffer; see `selforg.candidates.Store`."""
+        return self.table.bundle
 
     def store_static(
         self,
@@ -156,9 +156,9 @@ class SoBuffer:
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
         """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
         if self.shared:
-            if not deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.table.bundle):
+            if not deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.tables):
                 self.table.reserve(len(rows))
-                deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.table.bundle)
+                deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.tables)
             return
         rows = rows[self.poses.known[rows]]
         messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)

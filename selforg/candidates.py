@@ -69,9 +69,9 @@ def keep_moving(count: int, newest_only: bool, skipped: int, marks: Links, candi
 
 
 @part
-def renew(count: int, now: float, store: Store) -> int:
+def renew(count: int, now: float, store: Bundle) -> int:
     """Bring the first `count` candidates to `now` [s]; returns how many have not evaporated away."""
-    near, links, far, marks, layers, buckets, _, counters, settings = store
+    near, links, far, marks, layers, buckets, _, counters, settings = store_of(store)
     candidates, due = counters[COUNTERS + MOST_CELLS :], counters[COUNTERS + MOST_CELLS + MOST_CANDIDATES :]
     number, gone = 0, 0
     for index in range(count):

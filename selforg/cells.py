@@ -39,7 +39,7 @@ from selforg.columns import (
     Y,
     Z,
 )
-from selforg.compiled import lean_kernel, part
+from selforg.compiled import inlined, lean_kernel, part
 
 CELL_BITS = 30  # a cell number fits 32 bits with its sign; the axes share them
 SLACK = 1e-9  # [m], covers the rounding of cell borders
@@ -65,6 +65,12 @@ def make_grid(extent: Floats, dim: int, smallest: float) -> Floats:
             grid[level, CELLS + 2 * axis : CELLS + 2 * axis + 2] = number, width
     grid[BOUNDED:, BOUND] = np.inf
     return grid
+
+
+@inlined
+def whole(number: int) -> int:
+    """Return a number of the int32 tables as Numba's usual integer, so that what takes it is compiled once only."""
+    return number + 0
 
 
 @part
@@ -118,8 +124,8 @@ def bucket_of(layer: int, cell: int, buckets: Links) -> int:
 @part
 def link(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -> None:
     """Put `slot`, whose LAYER and CELL are set, at the front of its bucket and at the end of its layer's list."""
-    layer = int(links[slot, LAYER])
-    bucket = bucket_of(layer, int(links[slot, CELL]), buckets)
+    layer = whole(links[slot, LAYER])
+    bucket = bucket_of(layer, whole(links[slot, CELL]), buckets)
     links[slot, NEXT] = buckets[bucket]
     buckets[bucket] = slot
     tail = layers[layer, TAIL]
@@ -136,8 +142,8 @@ def link(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -
 @part
 def unlink(slot: int, links: Links, marks: Links, layers: Links, buckets: Links) -> None:
     """Take `slot` out of its bucket and its layer's list."""
-    layer = int(links[slot, LAYER])
-    bucket = bucket_of(layer, int(links[slot, CELL]), buckets)
+    layer = whole(links[slot, LAYER])
+    bucket = bucket_of(layer, whole(links[slot, CELL]), buckets)
     after, before = marks[slot, AFTER], marks[slot, BEFORE]
     if buckets[bucket] == slot:
         buckets[bucket] = links[slot, NEXT]
@@ -175,15 +181,15 @@ def take_slot(links: Links, counters: Ints) -> int:
 @part
 def remove(slot: int, links: Links, marks: Links, layers: Links, buckets: Links, counters: Ints) -> None:
     """Delete the gradient in `slot`; older moving gradients of its source move up one rank."""
-    layer = int(links[slot, LAYER])
+    layer = whole(links[slot, LAYER])
     unlink(slot, links, marks, layers, buckets)
     if layer % LEVELS == MOVING:
         cell, rank = links[slot, CELL], marks[slot, RANK]
-        other = int(buckets[bucket_of(layer, int(cell), buckets)])
+        other = whole(buckets[bucket_of(layer, whole(cell), buckets)])
         while other >= 0:
             if links[other, LAYER] == layer and links[other, CELL] == cell and marks[other, RANK] > rank:
                 marks[other, RANK] -= 1
-            other = int(links[other, NEXT])
+            other = whole(links[other, NEXT])
     links[slot, LAYER] = -1
     links[slot, NEXT] = counters[FREE]
     counters[FREE] = slot
@@ -215,9 +221,9 @@ def rebuild(links: Links, marks: Links, layers: Links, buckets: Links, counters:
     """Fill empty `buckets` anew from the lists of the layers: in their order, so that each cell keeps its own."""
     buckets[:] = -1
     for layer in range(int(counters[SPACES] * counters[CHANNELS]) * LEVELS):
-        slot = int(layers[layer, HEAD])
+        slot = whole(layers[layer, HEAD])
         while slot >= 0:
-            bucket = bucket_of(layer, int(links[slot, CELL]), buckets)
+            bucket = bucket_of(layer, whole(links[slot, CELL]), buckets)
             links[slot, NEXT] = buckets[bucket]
             buckets[bucket] = slot
-            slot = int(marks[slot, AFTER])
+            slot = whole(marks[slot, AFTER])

@@ -1,11 +1,12 @@
 """Decision rules: what one row makes of its neighbours' spread values. Compiled, chosen by an integer."""
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.candidates import Store
+from selforg.bundles import Bundle
+from selforg.candidates import store_of
 from selforg.columns import DISTANCE, KEY, POSES, SLOT, VALUE
 from selforg.compiled import lean_kernel, part
 from selforg.gathering import gather
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 
 QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2
 
@@ -13,7 +14,7 @@ QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2
 @lean_kernel
 def decide_rows(
     begin: int, rule: int, now: float, see: int, view: float, threshold: float, key: int, rows: Ints, channels: Ints,
-    poses: Poses, store: Store, pairs: Floats, before: Floats, values: Floats, states: Ints, decided: Flags,
+    poses: Bundle, store: Bundle, pairs: Floats, before: Floats, values: Floats, states: Ints, decided: Flags,
 ) -> int:  # fmt: skip
     """Write value, state and whether there is a decision for rows[begin:] (R,) into `values`, `states`, `decided` (R,).
 
@@ -23,7 +24,7 @@ def decide_rows(
     for index in range(begin, len(rows)):
         row = int(rows[index])
         values[index] = before[row]
-        decided[index] = poses[1][row, POSES] > 0
+        decided[index] = poses_of(poses)[1][row, POSES] > 0
         if not decided[index]:
             continue
         found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
@@ -43,9 +44,9 @@ def decide_rows(
 
 
 @part
-def highest(own: float, pairs: Floats, found: int, key: int, store: Store) -> float:
+def highest(own: float, pairs: Floats, found: int, key: int, store: Bundle) -> float:
     """Return the maximum of the own value and those that the first `found` pairs carry under `key`."""
-    far, marks = store[2], store[3]
+    _, _, far, marks, _, _, _, _, _ = store_of(store)
     for index in range(found):
         slot = int(pairs[index, SLOT])
         if slot >= 0 and marks[slot, KEY] == key:
@@ -54,9 +55,9 @@ def highest(own: float, pairs: Floats, found: int, key: int, store: Store) -> fl
 
 
 @part
-def all_above(own: float, pairs: Floats, found: int, key: int, store: Store) -> bool:
+def all_above(own: float, pairs: Floats, found: int, key: int, store: Bundle) -> bool:
     """Tell whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
-    far, marks = store[2], store[3]
+    _, _, far, marks, _, _, _, _, _ = store_of(store)
     for index in range(found):
         slot = int(pairs[index, SLOT])
         if slot < 0 or marks[slot, KEY] != key or not far[slot, VALUE] > own:

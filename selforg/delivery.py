@@ -10,10 +10,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.bundles import Bundle
 from selforg.candidates import half, shortest
 from selforg.columns import POSES, TAG_MOVING, TAG_SOURCE, TAG_SPACE, TEAM, X, Y, Z
 from selforg.compiled import kernel
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 from selforg.poses import OwnPoses
 
 
@@ -106,7 +107,7 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.tables, which, receivers)
+    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.bundle, which, receivers)
     copies = tags[which[:found]]
     copies[:, TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies
@@ -114,14 +115,14 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
 
 @kernel
 def find_receivers(
-    messages: Floats, tags: Ints, reaches: Floats, losses: Floats, draws: Floats, poses: Poses, which: Ints,
+    messages: Floats, tags: Ints, reaches: Floats, losses: Floats, draws: Floats, poses: Bundle, which: Ints,
     receivers: Ints,
 ) -> int:  # fmt: skip
     """List which message goes to which row, message by message, and return how many there are.
 
     reaches (M,) [m], losses (M,), draws (M, most members) of each message; see `address`.
     """
-    own, rows, first, members, _, extent, _, _, _ = poses
+    own, rows, first, members, _, extent, _, _, _ = poses_of(poses)
     ex, ey, ez = extent[0], extent[1], extent[2]
     found = 0
     for message in range(len(messages)):

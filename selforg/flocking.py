@@ -7,7 +7,8 @@ or unit heading (Reynolds), its goal radius [m].
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints, Links
-from selforg.candidates import Store
+from selforg.bundles import Bundle
+from selforg.candidates import store_of
 from selforg.columns import (
     DIFFUSION,
     DX,
@@ -25,7 +26,7 @@ from selforg.columns import (
 )
 from selforg.compiled import kernel, part
 from selforg.gathering import gather
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 from selforg.randomness import take_direction
 from selforg.rules import limit
 from selforg.space import nearest_image
@@ -133,7 +134,7 @@ def mean_difference(boids: Floats, count: int, column: int, own: Floats, total: 
 @kernel
 def flock_rows(
     begin: int, reynolds: bool, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats,
-    poses: Poses, store: Store, drawn: Floats, cursor: Ints, pairs: Floats, boids: Floats, vectors: Floats,
+    poses: Bundle, store: Bundle, drawn: Floats, cursor: Ints, pairs: Floats, boids: Floats, vectors: Floats,
     active: Flags,
 ) -> tuple[int, bool]:  # fmt: skip
     """Write the flocking movement of rows[begin:] (R,) into the rows `places` (R,) of `vectors` and `active`.
@@ -141,7 +142,9 @@ def flock_rows(
     boids: room for as many as `pairs`. Returns how many rows are done, fewer than R if `pairs` is too short, and
     whether some row's directions run low.
     """
-    own, known = poses[0], poses[1]
+    pose_tables, tables = poses_of(poses), store_of(store)
+    own, known, extent = pose_tables[0], pose_tables[1], pose_tables[5]
+    links, far, marks = tables[1], tables[2], tables[3]
     view, low = parameters[VIEW], False
     for index in range(begin, len(rows)):
         row = int(rows[index])
@@ -153,11 +156,11 @@ def flock_rows(
             if found > len(pairs):
                 return index, low
             if reynolds:
-                count = note_headings(pairs, found, own, store[2], boids)
+                count = note_headings(pairs, found, own, far, boids)
                 move_reynolds(row, boids, count, parameters, own, drawn, cursor, total)
             else:
-                count = note_velocities(pairs, found, own, store[1], store[2], store[3], poses[5], boids)
-                move_olfati_saber(row, boids, count, parameters, own, poses[5], total)
+                count = note_velocities(pairs, found, own, links, far, marks, extent, boids)
+                move_olfati_saber(row, boids, count, parameters, own, extent, total)
             limit(total, 0.0, parameters[MAX_SPEED])
         for axis in range(vectors.shape[1]):
             vectors[place, axis] = total[axis]

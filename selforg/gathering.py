@@ -9,10 +9,10 @@ The inner loops pass near, not tables: every table handed to a function that is 
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
+from selforg.bundles import Bundle
 from selforg.candidates import (
     MOST_CANDIDATES,
     Margins,
-    Store,
     approach,
     half,
     keep_moving,
@@ -20,8 +20,9 @@ from selforg.candidates import (
     measure,
     renew,
     shortest,
+    store_of,
 )
-from selforg.cells import bucket_of, layer_of, space_of
+from selforg.cells import bucket_of, layer_of, space_of, whole
 from selforg.columns import (
     AFTER,
     BOUND,
@@ -58,7 +59,7 @@ from selforg.columns import (
     Z,
 )
 from selforg.compiled import part
-from selforg.pose_cells import CROWD, Poses
+from selforg.pose_cells import CROWD, poses_of
 from selforg.prefetching import prefetch
 from selforg.windows import MOST_CELLS, near_cells
 
@@ -67,7 +68,7 @@ IN_CACHE = 4096  # gradients: so few are not worth asking for ahead
 
 @part
 def gather(
-    row: int, margins: Margins, see: int, limit: int, now: float, channels: Ints, poses: Poses, store: Store,
+    row: int, margins: Margins, see: int, limit: int, now: float, channels: Ints, poses: Bundle, store: Bundle,
     pairs: Floats,
 ) -> int:  # fmt: skip
     """Write what `row` sees into `pairs` (P, PAIR_COLUMNS) and return how many there are.
@@ -76,19 +77,20 @@ def gather(
     poses is among them, then the others. Beyond P pairs are counted, not written: the caller comes again with a longer
     table.
     """
+    _, _, _, _, layers, _, grid, counters, _ = store_of(store)
+    window = counters[COUNTERS : COUNTERS + MOST_CELLS]
     found = 0
     if see & SEE_MOVING and channels[0] == 1:
-        found = gather_poses(row, margins, see, limit, poses, store[7][COUNTERS : COUNTERS + MOST_CELLS], pairs)
-    counters = store[7]
+        found = gather_poses(row, margins, see, limit, poses, window, pairs)
     if counters[USED] == 0:
         return found
     radius = max(margins[0], margins[1], margins[2])
-    grid, layers, window = store[6], store[4], counters[COUNTERS : COUNTERS + MOST_CELLS]
-    x, y, z = poses[0][row, 0, X], poses[0][row, 0, Y], poses[0][row, 0, Z]
+    own, rows, _, _, _, _, _, _, _ = poses_of(poses)
+    x, y, z = own[row, 0, X], own[row, 0, Y], own[row, 0, Z]
     for index in range(1, len(channels)):
-        first = layer_of(int(channels[index]), space_of(row, poses[1], counters), 0, counters)
+        first = layer_of(int(channels[index]), space_of(row, rows, counters), 0, counters)
         for level in range(LEVELS):
-            members = int(layers[first + level, COUNT])
+            members = whole(layers[first + level, COUNT])
             if members == 0 or found >= limit or see & (SEE_MOVING if level == MOVING else SEE_STATIC) == 0:
                 continue
             cells = -1
@@ -101,14 +103,14 @@ def gather(
 @part
 def gather_layer(
     row: int, layer: int, cells: int, margins: Margins, see: int, limit: int, now: float, x: float, y: float,
-    z: float, store: Store, pairs: Floats, found: int,
+    z: float, store: Bundle, pairs: Floats, found: int,
 ) -> int:  # fmt: skip
     """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative.
 
     First only the links are followed: where the next cell begins is then known without waiting for what lies in the
     last one, and the rows of all candidates are fetched at the same time.
     """
-    near, links, _, marks, layers, buckets, _, counters, settings = store
+    near, links, _, marks, layers, buckets, _, counters, settings = store_of(store)
     window, candidates = counters[COUNTERS:], counters[COUNTERS + MOST_CELLS :]
     newest_only = layer % LEVELS == MOVING and see & SEE_HISTORY == 0
     skipped = row if layer % LEVELS == MOVING and see & SKIP_OWN else -1  # rows are sources from 0 up
@@ -125,10 +127,10 @@ def gather_layer(
                 if ahead:
                     prefetch(near, slot)
                 count += 1 if cells < 0 or (links[slot, CELL] == cell and links[slot, LAYER] == layer) else 0
-                slot = int(marks[slot, AFTER] if cells < 0 else links[slot, NEXT])
+                slot = whole(marks[slot, AFTER] if cells < 0 else links[slot, NEXT])
             elif visited < number:
                 cell = int(window[visited])
-                slot = int(layers[layer, HEAD]) if cells < 0 else int(buckets[bucket_of(layer, cell, buckets)])
+                slot = whole(layers[layer, HEAD]) if cells < 0 else whole(buckets[bucket_of(layer, cell, buckets)])
                 visited += 1
             else:
                 break
@@ -145,16 +147,16 @@ def gather_layer(
 def look_ahead(layer: int, cells: int, near: Floats, links: Links, buckets: Links, window: Ints) -> None:
     """Ask for the first gradient of each of the first `cells` of a window; most of a cell lies next to its first."""
     for index in range(cells):
-        slot = int(buckets[bucket_of(layer, int(window[index]), buckets)])
+        slot = whole(buckets[bucket_of(layer, int(window[index]), buckets)])
         if slot >= 0:
             prefetch(links, slot)
             prefetch(near, slot)
 
 
 @part
-def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses, window: Ints, pairs: Floats) -> int:
+def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Bundle, window: Ints, pairs: Floats) -> int:
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
-    own, rows, first, members, reach, extent, grid, buckets, links = poses
+    own, rows, first, members, reach, extent, grid, buckets, links = poses_of(poses)
     team = int(rows[row, TEAM])
     begin, end = int(first[team]), int(first[team + 1])
     x, y, z = own[row, 0, X], own[row, 0, Y], own[row, 0, Z]
@@ -167,9 +169,9 @@ def gather_poses(row: int, margins: Margins, see: int, limit: int, poses: Poses,
         cells = near_cells(x, y, z, radius, grid, min(team, 0), float(end - begin), window)
     for index in range(end - begin if cells < 0 else cells):
         cell = int(window[index]) if cells >= 0 else 0
-        other = int(members[begin + index]) if cells < 0 else int(buckets[bucket_of(team, cell, buckets)])
+        other = int(members[begin + index]) if cells < 0 else whole(buckets[bucket_of(team, cell, buckets)])
         while other >= 0 and found < limit:
-            here, other = other, (-1 if cells < 0 else int(links[other, 0]))
+            here, other = other, (-1 if cells < 0 else whole(links[other, 0]))
             if here == row or (cells >= 0 and (links[here, 1] != cell or rows[here, TEAM] != team)):
                 continue
             newest = int(rows[row, HEARD + index]) if hearing else 0

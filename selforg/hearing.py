@@ -9,10 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from selforg.arrays import Floats
+from selforg.bundles import Bundle
 from selforg.candidates import half, shortest
 from selforg.columns import HEARD, POSES, X, Y, Z
 from selforg.compiled import kernel
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 from selforg.poses import OwnPoses
 
 
@@ -44,16 +45,16 @@ class Hearing:
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        hear(self.poses.tables, self.reaches, self.losses, self._draws)
+        hear(self.poses.bundle, self.reaches, self.losses, self._draws)
 
 
 @kernel
-def hear(poses: Poses, reaches: Floats, losses: Floats, draws: Floats) -> None:
+def hear(poses: Bundle, reaches: Floats, losses: Floats, draws: Floats) -> None:
     """Note for each pair of a team the age of the last pose received, -1 for none that is still remembered.
 
     reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
     """
-    own, rows, first, members, _, extent, _, _, _ = poses
+    own, rows, first, members, _, extent, _, _, _ = poses_of(poses)
     ex, ey, ez = extent[0], extent[1], extent[2]
     for team in range(len(reaches)):
         begin, count = int(first[team]), int(first[team + 1] - first[team])

@@ -6,7 +6,7 @@ import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.bundles import Bundle, Layout
-from selforg.candidates import Margins, store_of
+from selforg.candidates import Margins
 from selforg.choosing import STRONGEST
 from selforg.columns import (
     DIFFUSION,
@@ -63,7 +63,7 @@ working_of: Callable[[Bundle], Working] = WORKING_TABLES.unbundle
 @lean_kernel
 def move_rows(
     begin: int, rule: int, now: float, see: int, rows: Ints, places: Ints, channels: Ints, working: Bundle,
-    pose_tables: Bundle, store_tables: Bundle, vectors: Floats, active: Flags,
+    poses: Bundle, store: Bundle, vectors: Floats, active: Flags,
 ) -> tuple[int, bool]:  # fmt: skip
     """Write the movement of rows[begin:] (R,) into the rows `places` (R,) of `vectors` (K, D) and `active` (K,).
 
@@ -71,11 +71,10 @@ def move_rows(
     row's directions run low.
     """
     parameters, drawn, cursor, pairs = working_of(working)
-    poses, store = poses_of(pose_tables), store_of(store_tables)
     low = False
     any_one = min(1, len(pairs))  # not a constant: Numba would compile all it is handed to once more
     total = parameters[PARAMETERS:]
-    own, known = poses[0], poses[1]
+    own, known, _, _, _, _, _, _, _ = poses_of(poses)
     for index in range(begin, len(rows)):
         row, place = int(rows[index]), places[index]
         total[:] = 0.0

@@ -18,9 +18,9 @@ poses_of: Callable[[Bundle], Poses] = POSE_TABLES.unbundle
 
 
 @lean_kernel
-def index_poses(poses: Poses) -> None:
+def index_poses(poses: Bundle) -> None:
     """Note the largest reach of every team and put the rows of crowds into cells."""
-    own, rows, first, members, reach, _, grid, buckets, links = poses
+    own, rows, first, members, reach, _, grid, buckets, links = poses_of(poses)
     crowded = False
     for team in range(len(reach)):
         reach[team] = 0.0
@@ -32,11 +32,12 @@ def index_poses(poses: Poses) -> None:
     if not crowded:
         return
     buckets[:] = -1
+    only = min(0, len(grid))  # not a constant: Numba would compile all it is handed to once more
     for row in range(len(rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
         team = int(rows[row, TEAM])
         if rows[row, POSES] == 0 or first[team + 1] - first[team] <= CROWD:
             continue
-        cell = cell_of(own[row, 0, X], own[row, 0, Y], own[row, 0, Z], grid, 0)
+        cell = cell_of(own[row, 0, X], own[row, 0, Y], own[row, 0, Z], grid, only)
         bucket = bucket_of(team, cell, buckets)
         links[row, 0] = buckets[bucket]
         links[row, 1] = cell

@@ -125,7 +125,7 @@ class OwnPoses:
         newest[POSE_SIGN] = self._look[2] if attraction is None else attraction
         newest[POSE_STAMP] = now
         self.row_table[row, POSES] = min(self.row_table[row, POSES] + 1, self.history)
-        index_poses(self.tables)
+        index_poses(self.bundle)
         return True
 
     def gradient(self, row: int, age: int = 0) -> Gradient:
@@ -203,15 +203,14 @@ class OwnPoses:
 
 @lean_kernel
 def update_poses(
-    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, tables: Bundle
+    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, poses: Bundle
 ) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
     look: (3,) diffusion [m], goal radius [m], attraction. A row whose last pose is not older than `now` keeps it; one
     that is silent spreads none. Returns -1, or the first row with a number that is not finite: nothing is changed then.
     """
-    poses = poses_of(tables)
-    own, rows, extent = poses[0], poses[1], poses[5]
+    own, rows, _, _, _, extent, _, _, _ = poses_of(poses)
     dim = positions.shape[1]
     for row in range(len(rows)):
         finite = np.isfinite(headings[row])

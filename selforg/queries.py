@@ -13,14 +13,15 @@ import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.buffer import SoBuffer
-from selforg.candidates import Margins, Store
+from selforg.bundles import Bundle
+from selforg.candidates import Margins
 from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose_rows
 from selforg.columns import GOAL, PAIR_COLUMNS, POSES, SEE_HISTORY, SEE_MOVING, SEE_STATIC, SKIP_OWN
 from selforg.compiled import lean_kernel
 from selforg.gathering import gather
 from selforg.gradient import Gradient
 from selforg.moving import keep_ahead
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 from selforg.reading import gradient_of
 
 Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
@@ -104,7 +105,7 @@ class Queries:
         while done < len(chosen):
             done = see_rows(
                 done, chosen, (minus, zero, plus), see, float(now), channels, xy, yz, without_pose,
-                buffer.poses.tables, buffer.tables, self._pairs, start,
+                buffer.poses.bundle, buffer.tables, self._pairs, start,
             )  # fmt: skip
             if done < len(chosen):
                 self._pairs = np.concatenate([self._pairs, np.empty_like(self._pairs)])
@@ -192,14 +193,14 @@ class Queries:
 @lean_kernel
 def see_rows(
     begin: int, rows: Ints, margins: Margins, see: int, now: float, channels: Ints, angle_xy: float, angle_yz: float,
-    without_pose: bool, poses: Poses, store: Store, pairs: Floats, start: Ints,
+    without_pose: bool, poses: Bundle, store: Bundle, pairs: Floats, start: Ints,
 ) -> int:  # fmt: skip
     """Write the pairs of rows[begin:] (R,) one after the other and where each row's end in `start` (R + 1,).
 
     Returns how many rows are done, fewer than R if `pairs` is too short for the next one. A row without a pose sees
     nothing, unless it may do `without_pose` and the view is infinite.
     """
-    own, known = poses[0], poses[1]
+    own, known, _, _, _, _, _, _, _ = poses_of(poses)
     everything = without_pose and np.isinf(max(margins[0], margins[1], margins[2]))
     for index in range(begin, len(rows)):
         row, here = int(rows[index]), int(start[index])

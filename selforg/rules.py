@@ -134,7 +134,8 @@ def chemotaxis(
 
     Potentials of Ge & Cui if `ge`, of Balch & Hybinette otherwise and where there is no goal.
     """
-    goal = choose(NEAREST, pairs, found, own_goal)
+    nearest = min(NEAREST, found)  # not a constant: Numba would compile all it is handed to once more
+    goal = choose(nearest, pairs, found, own_goal)
     goal_clearance, contributions = 0.0, 0
     if goal >= 0:
         contributions, diffusion = 1, pairs[goal, PAIR_DIFFUSION]

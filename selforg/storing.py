@@ -3,7 +3,7 @@
 from selforg.aggregating import aggregate
 from selforg.arrays import Floats, Ints
 from selforg.bundles import Bundle
-from selforg.candidates import Store, store_of
+from selforg.candidates import store_of
 from selforg.cells import (
     bucket_of,
     insert,
@@ -13,6 +13,7 @@ from selforg.cells import (
     remove,
     space_of,
     take_slot,
+    whole,
 )
 from selforg.columns import (
     AFTER,
@@ -61,7 +62,7 @@ SWEPT_PER_STORE = 2  # looked at for each one stored: what evaporates unseen is 
 
 
 @lean_kernel
-def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Store) -> None:
+def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Bundle) -> None:
     """Store messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) in their order; there is room for all.
 
     rules: (channels,) aggregation rule of each channel. SERIAL of the first is LAST_SERIAL + 1, and so on.
@@ -71,33 +72,30 @@ def store_rows(messages: Floats, tags: Ints, rules: Ints, now: float, store: Sto
 
 
 @lean_kernel
-def deposit_rows(
-    rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float, pose_tables: Bundle, store_tables: Bundle
-) -> bool:
+def deposit_rows(rows: Ints, message: Floats, tag: Ints, rules: Ints, now: float, poses: Bundle, store: Bundle) -> bool:
     """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,).
 
     False, and nothing is stored, where the tables have to be made larger or tidied first.
     """
-    poses, store = poses_of(pose_tables), store_of(store_tables)
-    counters = store[7]
-    if counters[USED] + len(rows) > len(store[1]) or counters[LAST_SERIAL] >= counters[TIDY_AT]:
+    _, links, _, _, _, _, _, counters, _ = store_of(store)
+    if counters[USED] + len(rows) > len(links) or counters[LAST_SERIAL] >= counters[TIDY_AT]:
         return False
-    own, row_table = poses[0], poses[1]
+    own, row_table, _, _, _, _, _, _, _ = poses_of(poses)
     for index in range(len(rows)):
         row = int(rows[index])
         if row_table[row, POSES] == 0:
             continue
         message[X], message[Y], message[Z] = own[row, 0, X], own[row, 0, Y], own[row, 0, Z]
         message[FAR + STAMP] = message[FAR + CLOCK] = now
-        tag[TAG_SPACE], tag[TAG_SOURCE] = space_of(row, row_table, store[7]), row
+        tag[TAG_SPACE], tag[TAG_SOURCE] = space_of(row, row_table, counters), row
         store_one(message, tag, rules, now, store)
     return True
 
 
 @part
-def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Store) -> None:
+def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Bundle) -> None:
     """Store one message by the rules of its channel, or drop it."""
-    near, links, far, marks, layers, buckets, grid, counters, settings = store
+    near, links, far, marks, layers, buckets, grid, counters, settings = store_of(store)
     whole_seconds = settings[WHOLE_SECONDS] > 0.0
     if whole_seconds:
         evaporate_space(int(tag[TAG_SPACE]), now, store)
@@ -129,24 +127,24 @@ def store_one(message: Floats, tag: Ints, rules: Ints, now: float, store: Store)
 
 
 @part
-def store_moving(slot: int, layer: int, store: Store) -> bool:
+def store_moving(slot: int, layer: int, store: Bundle) -> bool:
     """Link a moving gradient as the newest of its source; False if it is not newer than the last one."""
-    _, links, far, marks, layers, buckets, _, counters, settings = store
+    _, links, far, marks, layers, buckets, _, counters, settings = store_of(store)
     history = int(settings[HISTORY])
-    source = int(marks[slot, SOURCE])
+    source = whole(marks[slot, SOURCE])
     bucket = bucket_of(layer, source, buckets)
-    other = int(buckets[bucket])
+    other = whole(buckets[bucket])
     while other >= 0:
         if links[other, LAYER] == layer and links[other, CELL] == source and marks[other, RANK] == 0:
             if far[slot, STAMP] <= far[other, STAMP]:
                 return False
             break
-        other = int(links[other, NEXT])
+        other = whole(links[other, NEXT])
     if history == 0:
         return False
-    other = int(buckets[bucket])
+    other = whole(buckets[bucket])
     while other >= 0:
-        following = int(links[other, NEXT])
+        following = whole(links[other, NEXT])
         if links[other, LAYER] == layer and links[other, CELL] == source:
             marks[other, RANK] += 1
             if marks[other, RANK] >= history:
@@ -158,13 +156,13 @@ def store_moving(slot: int, layer: int, store: Store) -> bool:
 
 
 @part
-def sweep(layer: int, amount: int, now: float, store: Store) -> None:
+def sweep(layer: int, amount: int, now: float, store: Bundle) -> None:
     """Look at the next `amount` gradients of a layer and free those that evaporated unseen."""
-    near, links, far, marks, layers, buckets, _, counters, settings = store
+    near, links, far, marks, layers, buckets, _, counters, settings = store_of(store)
     for _ in range(amount):
-        slot = int(layers[layer, SWEEP])
+        slot = whole(layers[layer, SWEEP])
         if slot < 0:
-            slot = int(layers[layer, HEAD])
+            slot = whole(layers[layer, HEAD])
             if slot < 0:
                 return
         layers[layer, SWEEP] = marks[slot, AFTER]
@@ -175,16 +173,16 @@ def sweep(layer: int, amount: int, now: float, store: Store) -> None:
 
 
 @lean_kernel
-def evaporate_space(space: int, now: float, store: Store) -> None:
+def evaporate_space(space: int, now: float, store: Bundle) -> None:
     """Bring everything in one space to `now` [s] and delete what evaporated away."""
-    near, links, far, marks, layers, buckets, _, counters, settings = store
+    near, links, far, marks, layers, buckets, _, counters, settings = store_of(store)
     channels = len(layers) // (LEVELS * int(counters[SPACES]))
     for channel in range(channels):
         first = layer_of(channel, space, 0, counters)
         for layer in range(first, first + LEVELS):
-            slot = int(layers[layer, HEAD])
+            slot = whole(layers[layer, HEAD])
             while slot >= 0:
-                following = int(marks[slot, AFTER])
+                following = whole(marks[slot, AFTER])
                 if settings[WHOLE_SECONDS] > 0.0:
                     evaporate_whole_seconds(near, far, slot, now)
                 elif now >= near[slot, DUE]:
@@ -195,13 +193,13 @@ def evaporate_space(space: int, now: float, store: Store) -> None:
 
 
 @lean_kernel
-def clear_space(space: int, store: Store) -> None:
+def clear_space(space: int, store: Bundle) -> None:
     """Delete everything in one space and bring its lists to where they were at the beginning."""
-    _, links, _, marks, layers, buckets, _, counters, _ = store
+    _, links, _, marks, layers, buckets, _, counters, _ = store_of(store)
     channels = len(layers) // (LEVELS * int(counters[SPACES]))
     for channel in range(channels):
         first = layer_of(channel, space, 0, counters)
         for layer in range(first, first + LEVELS):
             while layers[layer, HEAD] >= 0:
-                remove(int(layers[layer, HEAD]), links, marks, layers, buckets, counters)
+                remove(whole(layers[layer, HEAD]), links, marks, layers, buckets, counters)
             layers[layer, SWEEP] = -1

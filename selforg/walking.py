@@ -5,11 +5,11 @@ from functools import cache
 from typing import TypeAlias
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.candidates import Store
+from selforg.bundles import Bundle
 from selforg.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
 from selforg.compiled import lean_kernel
 from selforg.gathering import gather
-from selforg.pose_cells import Poses
+from selforg.pose_cells import poses_of
 from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW, add, full_length, limit
 
 # (distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
@@ -27,10 +27,10 @@ def make_walk(formula: Formula) -> Walk:
 
     @lean_kernel
     def walk(
-        begin: int, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats, poses: Poses,
-        store: Store, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
+        begin: int, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats, poses: Bundle,
+        store: Bundle, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
     ) -> tuple[int, bool]:  # fmt: skip
-        own, known = poses[0], poses[1]
+        own, known, _, _, _, _, _, _, _ = poses_of(poses)
         view, total, low = parameters[VIEW], parameters[PARAMETERS:], False
         for index in range(begin, len(rows)):
             row = int(rows[index])

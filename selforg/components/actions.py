@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiled import kernel
+from selforg.compiled import lean_kernel
 from selforg.components.knowledge import Knowledge
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
@@ -96,7 +96,7 @@ class Move(Action):
             self.source.mechanism.deposit(now, rows)
 
 
-@kernel
+@lean_kernel
 def command_movements(
     rows: Ints, vectors: Floats, active: Flags, to_vectors: Floats, commanded: Flags, in_place: Flags
 ) -> None:

@@ -183,7 +183,7 @@ class RuleMechanism(LimitedMechanism):
             )
         return move_rows(
             begin, self.rule, now, self._see, rows, places, channels, self._working, self.poses.bundle,
-            self.buffer.table.bundle, vectors, active,
+            self.buffer.tables, vectors, active,
         )  # fmt: skip
 
 

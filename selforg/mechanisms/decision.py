@@ -48,7 +48,7 @@ class NeighbourDecision(DecisionMechanism):
         while done < len(rows):
             done = decide_rows(
                 done, self.rule, now, self._see, self.view_distance, self.threshold, self._key, rows,
-                self._channels_now(), self.poses.tables, self.buffer.tables, self._pairs, self.values, values, states,
+                self._channels_now(), self.poses.bundle, self.buffer.tables, self._pairs, self.values, values, states,
                 decided,
             )  # fmt: skip
             if done < len(rows):

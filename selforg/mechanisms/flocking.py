@@ -48,7 +48,7 @@ class FlockMechanism(CompiledMechanism):
         if len(self._boids) < len(self._pairs):
             self._boids = np.empty((len(self._pairs), BOID_COLUMNS))
         return flock_rows(
-            begin, self.reynolds, now, self._see, rows, places, channels, self._parameters, self.poses.tables,
+            begin, self.reynolds, now, self._see, rows, places, channels, self._parameters, self.poses.bundle,
             self.buffer.tables, directions.vectors, directions.cursor, self._pairs, self._boids, vectors, active,
         )  # fmt: skip
 

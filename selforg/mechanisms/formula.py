@@ -44,6 +44,6 @@ class FormulaMechanism(LimitedMechanism):
     ) -> tuple[int, bool]:
         directions = self.directions
         return self._walk(
-            begin, now, self._see, rows, places, channels, self._parameters, self.poses.tables, self.buffer.tables,
+            begin, now, self._see, rows, places, channels, self._parameters, self.poses.bundle, self.buffer.tables,
             directions.vectors, directions.cursor, self._pairs, vectors, active,
         )  # fmt: skip
