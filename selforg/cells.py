@@ -70,7 +70,7 @@ def make_grid(extent: Floats, dim: int, smallest: float) -> Floats:
 @inlined
 def whole(number: int) -> int:
     """Return a number of the int32 tables as Numba's usual integer, so that what takes it is compiled once only."""
-    return number + 0
+    return int(number) + 0
 
 
 @part
