@@ -15,7 +15,7 @@ from selector.decisions import Problem
 from selector.knowledge import load_knowledge
 from selector.policy_file import find_policy, load_policy, save_policy
 from selector.registry import create
-from selector.strategy_file import save_strategy
+from selector.strategy_file import find_strategy, save_strategy, spec_of
 from selector.streams import row_keys
 from train import cli, trials
 from train.entrants import member_pilot
@@ -146,3 +146,21 @@ def test_the_policy_that_ships_fits_the_families(family):
     (result,) = run_trials([scenario], lambda problem, teams: member_pilot("policy:general", problem, teams))
     assert result.completed
     assert result.duration_s < 200.0
+
+
+@pytest.mark.parametrize("name", ["rules", "careful"])
+def test_the_learned_strategies_that_ship_fit_the_families_and_explore_no_more(name):
+    assert spec_of(find_strategy(name)).parameters["exploration"] == 0.0
+    scenario = load_family("random").scenario(0, 0, "test")
+
+    def trial(offset):
+        def pilot(problem, teams):
+            made = member_pilot(f"learned:{name}", problem, teams)
+            begin = made.begin
+            made.begin = lambda rows, seed: begin(rows, seed + offset)
+            return made
+
+        return run_trials([scenario], pilot)
+
+    assert trial(0) == trial(1)
+    assert trial(0)[0].completed
