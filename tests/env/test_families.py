@@ -16,7 +16,7 @@ FAMILIES = names("families")
 
 
 def test_all_families_are_shipped():
-    assert FAMILIES == ["continuous", "crowded", "random", "shifting", "sparse", "table1", "unseen"]
+    assert FAMILIES == ["careful", "continuous", "crowded", "random", "shifting", "sparse", "table1", "unseen"]
 
 
 @pytest.mark.parametrize("name", FAMILIES)
