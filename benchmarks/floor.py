@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from clean_swarm_env import physics_motion as motion
 from clean_swarm_env.collisions import CollisionCounter
-from clean_swarm_env.physics import ContactSpace, Physics
+from clean_swarm_env.contact_space import ContactSpace
+from clean_swarm_env.physics import Physics
 from clean_swarm_env.physics_settings import PhysicsSettings
 
 SUBSTEPS = 4  # a tick

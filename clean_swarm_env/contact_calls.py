@@ -1,7 +1,7 @@
 """Calls of Chipmunk's C functions from compiled code, by their addresses: what a substep in contact needs.
 
-A call from Python costs about as much as the work of a small space. The addresses come from `physics.py`, world by
-world, as a table of handles; a world without handles is not for compiled code.
+A call from Python costs about as much as the work of a small space. The addresses come from `contact_space.py`, world
+by world, as a table of handles; a world without handles is not for compiled code.
 """
 
 from typing import Any, TypeAlias

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 BORDERS = {
-    "pymunk": {"clean_swarm_env/physics.py"},
+    "pymunk": {"clean_swarm_env/contact_space.py"},
     "numba": {  # all but the first need what extends the compiler
         "selforg/compiled.py",
         "selforg/prefetching.py",

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env import physics_motion as motion
-from clean_swarm_env.physics import SHARED_MEMORY, ContactSpace, Physics
+from clean_swarm_env.contact_space import SHARED_MEMORY, ContactSpace
+from clean_swarm_env.physics import Physics
 from clean_swarm_env.physics_settings import PhysicsSettings
 
 SIZE = 11.0
