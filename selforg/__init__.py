@@ -1,1 +1,6 @@
 """Self-organisation for robots: gradients, mechanisms and the behaviour network (knows NumPy and Numba only)."""
+
+import os
+
+# LLVM's third level compiles a tenth longer than its first, and no tick became faster by it. Whoever asks for it gets it.
+os.environ.setdefault("NUMBA_OPT", "1")
