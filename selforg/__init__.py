@@ -2,5 +2,5 @@
 
 import os
 
-# LLVM's third level compiles a tenth longer than its first, and no tick became faster by it. Whoever asks for it gets it.
+# LLVM's third level compiles a tenth longer than its first, and no tick was faster by it. Whoever asks for it gets it.
 os.environ.setdefault("NUMBA_OPT", "1")
