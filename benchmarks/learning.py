@@ -69,19 +69,19 @@ def watched(model: PPO, envs: RobotVecEnv) -> Clock:
     clock.watch(envs, "step_wait", "border")
     clock.watch(batch, "step", "batch: observation, reward, progress")
     clock.watch(batch, "_begin", "batch: new episodes")
-    clock.watch(worlds, "tick", "tick: sensors, cargo, movement")
+    clock.watch(worlds, "tick", "tick: sensors, cargo, poses")
     clock.watch(worlds.network, "step", "network")
     for name in ("poses", "pheromones", "items"):
         for method in ("update", "store_static", "extinguish"):
             if hasattr(getattr(worlds, name), method):
                 clock.watch(getattr(worlds, name), method, "buffer")
     for mechanism in (worlds.patrol, worlds.to_garbage):
-        clock.watch(mechanism, "move", "mechanisms and coordinators")
+        clock.watch(mechanism, "move_into", "mechanisms and coordinators")
     clock.watch(worlds.patrol, "deposit", "buffer")
     for coordinator in worlds.coordinators:
         for method in ("sense", "act", "leave", "hold"):
             clock.watch(coordinator, method, "mechanisms and coordinators")
-    clock.watch(worlds.physics, "tick", "physics and collisions")
+    clock.watch(worlds, "_move", "physics, drives and collisions")
     return clock
 
 
