@@ -7,7 +7,6 @@ one, and `clean-swarm evaluate` the split "test": no scenario is ever one of ano
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -59,14 +58,12 @@ class Curriculum:
     def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
         """Return the scenarios of each family that belong after a checkpoint, one after the other without end."""
         words = np.random.SeedSequence([self._seed, checkpoint, 4]).generate_state(len(self._families), np.uint32)
-        return [
-            map(partial(_trained_on, family, int(word) * 2 + 1), count())
-            for family, word in zip(self._families, words, strict=True)
-        ]
+        return [_drawn(family, int(word) * 2 + 1) for family, word in zip(self._families, words, strict=True)]
 
 
-def _trained_on(family: FamilyConfig, seed: int, number: int) -> Scenario:
-    return family.scenario(seed, number, "train")
+def _drawn(family: FamilyConfig, seed: int) -> Iterator[Scenario]:
+    for number in count():
+        yield family.scenario(seed, number, "train")
 
 
 def _sizes(family: FamilyConfig) -> list[Size]:
