@@ -20,10 +20,10 @@ golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden
 
 soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 2,000 killed processes, an hour of switching
-	$(BIN)python -m tests.selforg.fuzz
-	$(BIN)python -m tests.network.soak 10000
-	$(BIN)python -m tests.store.soak
-	$(BIN)python -m tests.selector.soak_switching
+	$(BIN)python -m tests.selforg.gradients.fuzz
+	$(BIN)python -m tests.selforg.network.soak 10000
+	$(BIN)python -m tests.selector.store.soak
+	$(BIN)python -m tests.selector.coordination.soak_switching
 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.config_files import load_mission
-from clean_swarm_env.config_network import NetworkConfig
-from clean_swarm_env.mission import run_mission
-from clean_swarm_env.robot_model import GOAL
-from clean_swarm_env.starts import random_start, run_seed
-from train.statistics import Floats, ratio_of_means, summarise
+from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.world.mission import run_mission
+from clean_swarm_env.world.robot import GOAL
+from train.analysis.statistics import Floats, ratio_of_means, summarise
 
 OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
 TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")

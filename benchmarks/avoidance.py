@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from clean_swarm_env.batch import Batch, Finished
-from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.config_files import laid_over, load_mission
-from clean_swarm_env.observation_terms import TERMS
-from clean_swarm_env.robot_model import GOAL
+from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.learning.batch import Batch, Finished
+from clean_swarm_env.learning.observation.terms import TERMS
+from clean_swarm_env.world.robot import GOAL
 
 SEED = 900
 TEAMS = (5, 10, 20)

@@ -17,7 +17,7 @@ from benchmarks.measuring import Figure, by_turns, ratio, seconds_per_call
 from benchmarks.record import record
 from benchmarks.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.clean_swarm_v0 import parallel_env
-from clean_swarm_env.config import MissionConfig
+from clean_swarm_env.config.mission import MissionConfig
 
 STEPS = 500
 AGENTS = 5

@@ -18,11 +18,11 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env import physics_motion as motion
-from clean_swarm_env.collisions import CollisionCounter
-from clean_swarm_env.contact_space import ContactSpace
-from clean_swarm_env.physics import Physics
-from clean_swarm_env.physics_settings import PhysicsSettings
+from clean_swarm_env.physics import motion as motion
+from clean_swarm_env.physics.collisions import CollisionCounter
+from clean_swarm_env.physics.contact_space import ContactSpace
+from clean_swarm_env.physics.physics import Physics
+from clean_swarm_env.physics.settings import PhysicsSettings
 
 SUBSTEPS = 4  # a tick
 WARM_UP = 20  # ticks before the measurement: spaces are built, robots have met

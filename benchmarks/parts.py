@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.worlds import Worlds
+from clean_swarm_env.world.worlds import Worlds
 from selforg.mechanisms import MovementMechanism
 
 PARTS = ("physics", "buffer", "mechanisms", "network", "selector", "sensors and cargo")

@@ -4,14 +4,14 @@ from math import sqrt
 
 import numpy as np
 
-from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.config_files import laid_over, load_mission
-from clean_swarm_env.robot_model import GOAL
-from clean_swarm_env.starts import random_start, run_seed
-from clean_swarm_env.worlds import Worlds
-from selector.coordinator import CoordinatorModel
+from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import Library
+from selector.coordination.coordinator import CoordinatorModel
 from selector.knowledge import load_knowledge
-from selector.library import Library
 
 SEED = 1
 

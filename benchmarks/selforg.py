@@ -11,11 +11,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from selforg.buffer import SoBuffer
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import ChemotaxisBalch, Patrol, RepulsionFernandez, RepulsionGradient
-from selforg.poses import OwnPoses
-from selforg.queries import Filter, Queries
-from selforg.settings import BufferSettings
 from selforg.space import Torus
 
 # The original on a 2.1 GHz Xeon core, ROS replaced by in-process calls [s]

@@ -13,10 +13,10 @@ from benchmarks.floor import floor_seconds_per_tick
 from benchmarks.measuring import REPEATS, by_turns, middle, seconds_per_call
 from benchmarks.record import record
 from benchmarks.scenes import SEED, mission_of, worlds_at_start
-from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.mission import run_mission
-from clean_swarm_env.robot_model import GOAL
-from clean_swarm_env.starts import random_start, run_seed
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.world.mission import run_mission
+from clean_swarm_env.world.robot import GOAL
 
 REQUIRED = 800.0  # simulated seconds for a CPU second
 OPTIONS = ("RepulsionFernandez", "RepulsionGradient")

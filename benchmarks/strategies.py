@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from selector.decisions import Problem
-from selector.registry import create, registered
-from selector.streams import row_keys
-from tests.selector.policies import exported
+from selector.strategies.problem import Problem
+from selector.strategies.registry import create, registered
+from selector.strategies.streams import row_keys
+from tests.selector.strategies.policies import exported
 
 ROWS, FEATURES, REPEATS = 320, 24, 100
 LIMIT = 8e-6

@@ -16,13 +16,13 @@ import numpy as np
 
 from benchmarks.measuring import by_turns, ratio
 from benchmarks.record import record
-from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.config_files import load_mission
-from clean_swarm_env.robot_model import coordinators_of
-from clean_swarm_env.starts import random_start
-from clean_swarm_env.worlds import Worlds
+from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.robot import coordinators_of
+from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-from selector.library import library_of
 from selforg.arrays import Ints
 
 LIMIT = 0.10  # of the tick

@@ -14,7 +14,7 @@ from benchmarks.measuring import Figure, by_turns, growth, middle, ratio, second
 from benchmarks.parts import parts_of_a_tick
 from benchmarks.record import record
 from benchmarks.scenes import mission_of, worlds_at_start
-from clean_swarm_env.worlds import Worlds
+from clean_swarm_env.world.worlds import Worlds
 
 SIZES = ((1, 5), (64, 5), (256, 5), (1, 50), (1, 200), (1, 1000))
 """(W, N): worlds and robots in each."""

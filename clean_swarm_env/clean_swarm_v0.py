@@ -24,13 +24,13 @@ from numpy.typing import NDArray
 from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils.conversions import parallel_to_aec
 
-from clean_swarm_env.actions import ActionConfig
-from clean_swarm_env.batch import Batch
-from clean_swarm_env.config import MissionConfig
-from clean_swarm_env.observation import Observations
-from clean_swarm_env.observation_terms import ObservationConfig
-from clean_swarm_env.reward import RewardConfig
-from clean_swarm_env.spaces import action_space, masks_of, observation_space, start_of
+from clean_swarm_env.borders.spaces import action_space, masks_of, observation_space, start_of
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.reward import RewardConfig
 
 Action = int | NDArray[np.int64] | NDArray[np.float32]
 Infos = dict[str, dict[str, Any]]
@@ -154,7 +154,7 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         """Return the world as a picture (height, width, 3), or None without a render mode."""
         if self.render_mode is None:
             return None
-        from clean_swarm_env.portrait import portrait  # drawing is slow to import and seldom wanted
+        from clean_swarm_env.drawing.world_picture import portrait  # drawing is slow to import and seldom wanted
 
         return portrait(self._batch.worlds, 0)
 

@@ -9,7 +9,17 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from selector.documents import Closed, DocumentError, Name, Number, find_file, read_mapping, shown, unknown, validated
+from selector.documents.yaml import (
+    Closed,
+    DocumentError,
+    Name,
+    Number,
+    find_file,
+    read_mapping,
+    shown,
+    unknown,
+    validated,
+)
 
 KIND = "knowledge"
 

@@ -7,7 +7,7 @@ vector (docs/decisions.md, Q2).
 
 import numpy as np
 
-from selforg.compiled import kernel
+from selforg.compiler.decorators import kernel
 
 
 @kernel

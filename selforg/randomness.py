@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.compiled import kernel
+from selforg.compiler.decorators import kernel
 
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from selforg.arrays import Floats
-from selforg.compiled import kernel
+from selforg.compiler.decorators import kernel
 
 
 class Space(ABC):

@@ -10,15 +10,16 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests.paths import ROOT
+
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 BORDERS = {
-    "pymunk": {"clean_swarm_env/contact_space.py"},
+    "pymunk": {"clean_swarm_env/physics/contact_space.py"},
     "numba": {  # all but the first need what extends the compiler
-        "selforg/compiled.py",
-        "selforg/prefetching.py",
-        "selforg/bundles.py",
-        "clean_swarm_env/contact_calls.py",
+        "selforg/compiler/decorators.py",
+        "selforg/compiler/prefetch.py",
+        "selforg/compiler/records.py",
+        "clean_swarm_env/physics/chipmunk_calls.py",
     },
 }
 """Libraries and the only files that may import them."""
@@ -69,7 +70,9 @@ def _loaded_after(statement: str) -> set[str]:
     return {name.partition(".")[0] for name in done.stdout.split()}
 
 
-@pytest.mark.parametrize("module", ["clean_swarm_env", "clean_swarm_env.mission", "train.cli", "train.evaluation"])
+@pytest.mark.parametrize(
+    "module", ["clean_swarm_env", "clean_swarm_env.world.mission", "train.cli.app", "train.evaluation.experiment"]
+)
 def test_importing_does_not_import_torch(module):
     loaded = _loaded_after(f"import {module}")
     assert module.partition(".")[0] in loaded
@@ -77,7 +80,7 @@ def test_importing_does_not_import_torch(module):
 
 
 def test_help_is_quick_because_heavy_libraries_wait():
-    assert not _loaded_after("import train.cli") & {"matplotlib", "scipy", "pymunk", "numba"}
+    assert not _loaded_after("import train.cli.app") & {"matplotlib", "scipy", "pymunk", "numba"}
 
 
 @pytest.fixture(scope="module")

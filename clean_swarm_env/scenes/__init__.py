@@ -3,8 +3,8 @@
 Importing this package registers them; `find(goal)` returns the scene of a goal, `goals()` lists them all.
 """
 
+from clean_swarm_env.scenes import agreement as agreement
 from clean_swarm_env.scenes import avoidance as avoidance
-from clean_swarm_env.scenes import decisions as decisions
 from clean_swarm_env.scenes import exploration as exploration
 from clean_swarm_env.scenes import foraging as foraging
 from clean_swarm_env.scenes import formation as formation

@@ -11,14 +11,14 @@ from typing import Final, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.collisions import CollisionCounter
-from clean_swarm_env.drive import DifferentialDrive
-from clean_swarm_env.physics import Physics
-from clean_swarm_env.physics_settings import Contacts
+from clean_swarm_env.physics.collisions import CollisionCounter
+from clean_swarm_env.physics.drive import DifferentialDrive
+from clean_swarm_env.physics.physics import Physics
+from clean_swarm_env.physics.settings import Contacts
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
 from selforg.components import Commands
-from selforg.poses import OwnPoses
+from selforg.gradients.poses import OwnPoses
 from selforg.randomness import DirectionStream
 
 T = TypeVar("T", bound=np.generic)

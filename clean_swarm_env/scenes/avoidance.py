@@ -7,9 +7,9 @@ ones would push against each other for ever, which would count as one.
 import numpy as np
 
 from clean_swarm_env.scenes.arena import PERIOD, Body
+from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill, Together
 from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.rivals import Controller, GoStraight, StandStill, Together
 from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
 from selforg.arrays import Floats
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.rivals import Controller
 from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
 from clean_swarm_env.scenes.served import ServedTeam, expertise
 from selforg.arrays import Floats

@@ -3,9 +3,9 @@
 import numpy as np
 
 from clean_swarm_env.scenes.arena import PERIOD, Body
+from clean_swarm_env.scenes.baselines import Controller, GoStraight, Instead, StandStill
 from clean_swarm_env.scenes.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.rivals import Controller, GoStraight, Instead, StandStill
 from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
 from selforg.arrays import Floats
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.exploration import PITCH, SIGHT
 from clean_swarm_env.scenes.measures.coverage import Coverage
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.rivals import Controller, Wander
 from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
 from selforg.arrays import Floats
 

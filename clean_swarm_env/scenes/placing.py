@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from clean_swarm_env.config_errors import ConfigurationError
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Floats
 

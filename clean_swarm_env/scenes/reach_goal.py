@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.rivals import Controller, Wander
 from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
 from selforg.arrays import Floats
 

@@ -9,15 +9,15 @@ from typing import ClassVar, Literal, TypeVar, final
 
 import numpy as np
 
-from clean_swarm_env.config_errors import ConfigurationError
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.arena import PERIOD, PLACES, THINGS, Arena, Body
+from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.ground import Ground, GroundKind
-from clean_swarm_env.scenes.rivals import Controller
-from selector.documents import unknown
+from selector.documents.yaml import unknown
 from selforg.arrays import Floats
-from selforg.buffer import SoBuffer
-from selforg.delivery import Delivery
-from selforg.settings import BufferSettings
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.delivery import Delivery
+from selforg.gradients.settings import BufferSettings
 
 LYING = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of everything but pheromones: what lies in one place is one thing."""

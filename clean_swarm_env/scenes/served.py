@@ -8,18 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config_errors import ConfigurationError
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.arena import DRAWS
-from clean_swarm_env.scenes.rivals import Controller
+from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.scene import Scene
-from selector.coordinator_model import CoordinatorModel
-from selector.decisions import Problem
-from selector.documents import unknown
-from selector.host import Host, host_knowledge
+from selector.configurations.host import Host, host_knowledge
+from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel
+from selector.coordination.robots import CoordinatedRobots
+from selector.documents.yaml import unknown
 from selector.knowledge import load_knowledge
-from selector.library import Library
-from selector.robots import CoordinatedRobots
 from selector.strategies.max_score import MaxScore
+from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.components import Commands
 from selforg.mechanisms import DecisionMechanism

@@ -3,9 +3,9 @@
 import numpy as np
 
 from clean_swarm_env.scenes.arena import Body
+from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.order import nearest_neighbours, unevenness
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.rivals import Controller, Wander
 from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
 from selforg.arrays import Floats
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selector.documents import unknown
-from selector.store.moments import NOTHING, Floats, Ints, Moments, on_grid, sums_by_cell
+from selector.documents.yaml import unknown
+from selector.store.exact_sums import NOTHING, Floats, Ints, Moments, on_grid, sums_by_cell
 
 
 class Batch:

@@ -9,9 +9,9 @@ from urllib.parse import quote
 from sqlalchemy import URL, Connection, Engine, create_engine, event, insert, inspect, make_url, select, text
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
-from selector.documents import shown
+from selector.documents.yaml import shown
 from selector.store.errors import StoreError
-from selector.store.origins import IDENTITY, new_identity
+from selector.store.lineage import IDENTITY, new_identity
 from selector.store.tables import learned, meta, metadata
 
 SCHEMA = 1

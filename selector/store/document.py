@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints
 
-from selector.documents import Closed, DocumentError, Name, as_yaml, read_mapping, shown, validated
+from selector.documents.yaml import Closed, DocumentError, Name, as_yaml, read_mapping, shown, validated
 from selector.knowledge import Option, knowledge_from
-from selector.store.contents import Contents, Entry, Key, Rated, contents_of
-from selector.store.moments import Moments
+from selector.store.exact_sums import Moments
+from selector.store.records import Contents, Entry, Key, Rated, contents_of
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 MICROSECOND = timedelta(microseconds=1)

@@ -5,8 +5,8 @@ from contextlib import contextmanager
 
 from sqlalchemy.exc import DBAPIError
 
-from selector.documents import DocumentError
-from selector.store.moments import COUNT_LIMIT
+from selector.documents.yaml import DocumentError
+from selector.store.exact_sums import COUNT_LIMIT
 
 FULL = "clean_swarm_learned_updates"
 """Name of the constraint on the number of updates; databases name it when it is violated."""

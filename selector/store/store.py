@@ -13,10 +13,10 @@ from selector.knowledge import Knowledge
 from selector.store import connection as connecting
 from selector.store import tables
 from selector.store.batch import Batch
-from selector.store.contents import Contents, Entry, Key, check, check_names, contents_of, microseconds
 from selector.store.errors import StoreError, reported
-from selector.store.moments import NOTHING, Floats, Ints, Moments
-from selector.store.origins import Origins, begin_anew, note_merged, read_origins
+from selector.store.exact_sums import NOTHING, Floats, Ints, Moments
+from selector.store.lineage import Origins, begin_anew, note_merged, read_origins
+from selector.store.records import Contents, Entry, Key, check, check_names, contents_of, microseconds
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from selector.decisions import Flags, Floats, Ints
+from selector.strategies.problem import Flags, Floats, Ints
 
 
 def best(values: Floats, allowed: Flags) -> Ints:

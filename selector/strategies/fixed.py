@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from selector.decisions import Decisions, Ints, Outcomes
-from selector.documents import Closed, DocumentError, Name, unknown
-from selector.registry import register
+from selector.documents.yaml import Closed, DocumentError, Name, unknown
 from selector.strategies.choosing import best
-from selector.strategy import DecisionStrategy
+from selector.strategies.problem import Decisions, Ints, Outcomes
+from selector.strategies.registry import register
+from selector.strategies.strategy import DecisionStrategy
 
 
 class FixedParameters(Closed):

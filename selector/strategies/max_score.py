@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from selector.decisions import Decisions, Ints, Outcomes
-from selector.registry import register
 from selector.strategies.choosing import best
-from selector.strategy import DecisionStrategy
+from selector.strategies.problem import Decisions, Ints, Outcomes
+from selector.strategies.registry import register
+from selector.strategies.strategy import DecisionStrategy
 
 
 @register

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from selector.decisions import Decisions, Floats, Ints, Outcomes
-from selector.documents import Closed, Flag, Name, shown
-from selector.policy_file import TrainedPolicy, Weights, find_policy, load_policy
-from selector.registry import register
+from selector.documents.yaml import Closed, Flag, Name, shown
 from selector.strategies.choosing import best, chance_of, drawn
-from selector.strategy import DecisionStrategy
-from selforg.compiled import kernel
+from selector.strategies.policy_file import TrainedPolicy, Weights, find_policy, load_policy
+from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
+from selector.strategies.registry import register
+from selector.strategies.strategy import DecisionStrategy
+from selforg.compiler.decorators import kernel
 
 ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
 

@@ -1,9 +1,9 @@
 """Any option, all alike: the other end of what learned strategies have to beat."""
 
-from selector.decisions import Decisions, Ints, Outcomes
-from selector.registry import register
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategy import DecisionStrategy
+from selector.strategies.problem import Decisions, Ints, Outcomes
+from selector.strategies.registry import register
+from selector.strategies.strategy import DecisionStrategy
 
 
 @register

@@ -12,7 +12,7 @@ from selforg.components.actions import Turn as Turn
 from selforg.components.drives import DriveLimits as DriveLimits
 from selforg.components.drives import differential as differential
 from selforg.components.drives import holonomic as holonomic
-from selforg.components.knowledge import Knowledge as Knowledge
+from selforg.components.memory import Knowledge as Knowledge
 from selforg.components.robot import OrganisedRobots as OrganisedRobots
 from selforg.components.sensors import Changed as Changed
 from selforg.components.sensors import FartherThan as FartherThan

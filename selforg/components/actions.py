@@ -10,8 +10,8 @@ from typing import final
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiled import lean_kernel
-from selforg.components.knowledge import Knowledge
+from selforg.compiler.decorators import lean_kernel
+from selforg.components.memory import Knowledge
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.compiled import lean_kernel
+from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action, Commands
 from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
 from selforg.components.sources import Source
-from selforg.network.model import NetworkModel
+from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning import Planner
+from selforg.network.planning.planner import Planner
 
 Actions = Mapping[str, Action | Sequence[Action]]
 

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.bundles import Bundle, Layout
-from selforg.compiled import lean_kernel
-from selforg.components.knowledge import Knowledge
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Bundle, Layout
+from selforg.components.memory import Knowledge
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
-from selforg.network.behaviours import SensorKind
+from selforg.network.model.behaviours import SensorKind
 
 
 class SensorComponent(ABC):

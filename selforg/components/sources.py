@@ -8,11 +8,11 @@ from typing import final
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.buffer import SoBuffer
-from selforg.columns import DISTANCE, DX, GOAL, PAIR_GOAL
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.store.columns import DISTANCE, DX, GOAL, PAIR_GOAL
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decision_base import DecisionMechanism
-from selforg.queries import Filter, Queries
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6

@@ -12,15 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.buffer import SoBuffer
-from selforg.bundles import Bundle
-from selforg.columns import PAIR_COLUMNS, SEE_MOVING, SEE_STATIC
+from selforg.compiler.records import Bundle
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+from selforg.gradients.store.columns import PAIR_COLUMNS, SEE_MOVING, SEE_STATIC
+from selforg.mechanisms.kernels.moving import WORKING_TABLES, move_rows
+from selforg.mechanisms.kernels.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW
 from selforg.mechanisms.options import LookOptions, MoveOptions
-from selforg.moving import WORKING_TABLES, move_rows
-from selforg.poses import OwnPoses
 from selforg.randomness import DirectionStream
-from selforg.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW
-from selforg.settings import BufferSettings
 
 
 class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract method of its own)
@@ -169,7 +169,7 @@ class LimitedMechanism(CompiledMechanism):
 
 
 class RuleMechanism(LimitedMechanism):
-    """A movement mechanism that runs one of the compiled rules of `selforg.rules`."""
+    """A movement mechanism that runs one of the compiled rules of `selforg.mechanisms.kernels.rules`."""
 
     rule: int
 

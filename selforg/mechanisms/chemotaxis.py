@@ -1,8 +1,8 @@
 """Chemotaxis: towards the nearest attractive gradient, away from the repulsive ones."""
 
 from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.kernels.rules import CHEMOTAXIS_BALCH, CHEMOTAXIS_GE
 from selforg.mechanisms.registry import register
-from selforg.rules import CHEMOTAXIS_BALCH, CHEMOTAXIS_GE
 
 
 @register

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.buffer import SoBuffer
+from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.options import LookOptions
 from selforg.mechanisms.spreading import Carried, Spreader

@@ -7,9 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.buffer import SoBuffer
-from selforg.choosing import LEAST_REACH
-from selforg.columns import (
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.choosing import LEAST_REACH
+from selforg.gradients.gradient import check_fields
+from selforg.gradients.store.columns import (
     DIFFUSION,
     FACTOR,
     FAR,
@@ -20,11 +21,10 @@ from selforg.columns import (
     TAG_KEY,
     TAG_SIGN,
 )
-from selforg.gradient import check_fields
 from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.kernels.rules import AVOID_ALL, CHEMOTAXIS_GE, CHOICE, FOLLOW_ONE, RANDOM_IF_ZERO, WANDER
 from selforg.mechanisms.options import SpeedOptions
 from selforg.mechanisms.registry import register
-from selforg.rules import AVOID_ALL, CHEMOTAXIS_GE, CHOICE, FOLLOW_ONE, RANDOM_IF_ZERO, WANDER
 
 
 @dataclass(frozen=True)

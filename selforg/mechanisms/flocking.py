@@ -5,9 +5,11 @@ from typing import Unpack
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.buffer import SoBuffer
-from selforg.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
-from selforg.flocking import (
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.store.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
+from selforg.mechanisms.base import CompiledMechanism, at_least
+from selforg.mechanisms.kernels.flocking import (
     BOID_COLUMNS,
     EPSILON,
     FLOCK_PARAMETERS,
@@ -20,10 +22,8 @@ from selforg.flocking import (
     H,
     flock_rows,
 )
-from selforg.mechanisms.base import CompiledMechanism, at_least
 from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import register
-from selforg.poses import OwnPoses
 
 
 class FlockMechanism(CompiledMechanism):

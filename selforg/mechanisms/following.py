@@ -2,13 +2,13 @@
 
 from typing import Unpack
 
-from selforg.buffer import SoBuffer
-from selforg.choosing import FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.choosing import FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST
+from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.kernels.rules import AVOID_ALL, CHOICE, COLLISION, FOLLOW_ALL, FOLLOW_ONE
 from selforg.mechanisms.options import SpeedOptions
 from selforg.mechanisms.registry import register
-from selforg.poses import OwnPoses
-from selforg.rules import AVOID_ALL, CHOICE, COLLISION, FOLLOW_ALL, FOLLOW_ONE
 
 
 @register
@@ -33,7 +33,7 @@ class AvoidAll(RuleMechanism):
 
 
 class FollowOne(RuleMechanism):
-    """What the mechanisms share that follow one chosen gradient; `choice` is a rule of `selforg.choosing`."""
+    """What the mechanisms share that follow one chosen gradient; `choice` is a rule of `selforg.gradients.choosing`."""
 
     rule = FOLLOW_ONE
     choice: int

@@ -3,18 +3,18 @@
 from typing import ClassVar, Unpack
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.buffer import SoBuffer
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import LimitedMechanism
+from selforg.mechanisms.kernels.formula import Formula, make_walk
 from selforg.mechanisms.options import MoveOptions
-from selforg.poses import OwnPoses
-from selforg.walking import Formula, make_walk
 
 
 class FormulaMechanism(LimitedMechanism):
     """A movement mechanism that sums one formula of one pair; subclasses set `formula`.
 
     `formula` is a function of (distance, own goal radius, own reach, diffusion, goal radius [m], attraction), compiled
-    with `selforg.compiled.kernel`; see `selforg.walking`. It must not return NaN.
+    with `selforg.compiler.decorators.kernel`; see `selforg.mechanisms.kernels.formula`. It must not return NaN.
 
     Example:
         >>> @kernel

@@ -2,13 +2,13 @@
 
 from typing import Unpack
 
-from selforg.buffer import SoBuffer
-from selforg.columns import SKIP_OWN
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.store.columns import SKIP_OWN
 from selforg.mechanisms.base import RuleMechanism
+from selforg.mechanisms.kernels.rules import FERNANDEZ, REPULSION
 from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import register
-from selforg.poses import OwnPoses
-from selforg.rules import FERNANDEZ, REPULSION
 
 
 class Repulsion(RuleMechanism):

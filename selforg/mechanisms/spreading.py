@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.buffer import SoBuffer
-from selforg.columns import (
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import check_fields
+from selforg.gradients.store.columns import (
     CLOCK,
     DIFFUSION,
     FACTOR,
@@ -22,7 +23,6 @@ from selforg.columns import (
     VALUE,
     X,
 )
-from selforg.gradient import check_fields
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.registry import register
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from selforg.network import state as st
-from selforg.network.model import NetworkModel
+from selforg.network.model.model import NetworkModel
+from selforg.network.model.packed import Ints
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning import BuiltInPlanner, Planner
-from selforg.network.tables import Ints
+from selforg.network.planning.planner import BuiltInPlanner, Planner
+from selforg.network.state import state as st
 
 
 @dataclass(frozen=True)

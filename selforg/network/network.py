@@ -7,19 +7,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.bundles import Bundle
-from selforg.compiled import lean_kernel
-from selforg.network import plan_watch as pw
-from selforg.network import state as st
-from selforg.network import tables as t
-from selforg.network.model import NetworkModel
-from selforg.network.plan_memory import PlanMemory
-from selforg.network.plan_watch import PlanState
-from selforg.network.planning import Planner
-from selforg.network.readings import reading_of, refuse
-from selforg.network.state import NetworkState
-from selforg.network.stepping import DECIDE, SENSE_AND_DECIDE, STEP_TABLES, scratch_of, step_rows
-from selforg.network.tables import Floats, Ints, ints_of
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Bundle
+from selforg.network.model import packed as t
+from selforg.network.model.model import NetworkModel
+from selforg.network.model.packed import Floats, Ints, ints_of
+from selforg.network.planning.memory import PlanMemory
+from selforg.network.planning.planner import Planner
+from selforg.network.state import state as st
+from selforg.network.state.state import NetworkState
+from selforg.network.step import plan_monitoring as pw
+from selforg.network.step.plan_monitoring import PlanState
+from selforg.network.step.readings import reading_of, refuse
+from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, STEP_TABLES, scratch_of, step_rows
 
 
 class BehaviourNetwork:

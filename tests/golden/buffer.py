@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from selforg.gradient import Gradient
-from selforg.queries import ATTRACTIVE, EVERYTHING, REPULSIVE, Filter, Queries
+from selforg.gradients.gradient import Gradient
+from selforg.gradients.queries import ATTRACTIVE, EVERYTHING, REPULSIVE, Filter, Queries
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.scene import Scene, channel_of
 

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from selforg.network.behaviours import Goal, Sensor
-from selforg.network.conditions import leaves
-from selforg.network.inspection import goal_wishes
-from selforg.network.model import NetworkModel
+from selforg.network.explain.inspection import goal_wishes
+from selforg.network.model.behaviours import Goal, Sensor
+from selforg.network.model.conditions import leaves
+from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.readings import ReadingError
+from selforg.network.step.readings import ReadingError
 from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from selforg import mechanisms
+from selforg.gradients.queries import Filter, Queries
 from selforg.mechanisms import Carried
-from selforg.queries import Filter, Queries
 from tests.golden.case import Case, difference
 from tests.golden.scene import Scene, channel_of
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from selforg.flocking import (
+from selforg.mechanisms.kernels.flocking import (
     BOID_COLUMNS,
     BOID_GOAL,
     EPSILON,

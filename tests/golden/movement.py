@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from selforg import mechanisms
+from selforg.gradients.queries import Filter, Queries
 from selforg.mechanisms import Pheromone
 from selforg.mechanisms.depositing import DepositingMechanism
-from selforg.queries import Filter, Queries
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.flocking import replay_term
 from tests.golden.scene import Scene, channel_of

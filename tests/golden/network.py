@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.network import plan_watch as pw
-from selforg.network import state as st
-from selforg.network.inspection import behaviour_wishes, goal_wishes
+from selforg.network.explain.inspection import behaviour_wishes, goal_wishes
 from selforg.network.network import BehaviourNetwork
-from selforg.network.plan_memory import PlanMemory
-from selforg.network.planning import Planner
+from selforg.network.planning.memory import PlanMemory
+from selforg.network.planning.planner import Planner
+from selforg.network.state import state as st
+from selforg.network.step import plan_monitoring as pw
 from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
 

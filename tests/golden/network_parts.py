@@ -3,10 +3,10 @@
 import warnings
 from typing import Any
 
-from selforg.network.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
-from selforg.network.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor, Weights
-from selforg.network.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
-from selforg.network.model import NetworkModel
+from selforg.network.model.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
+from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor, Weights
+from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
+from selforg.network.model.model import NetworkModel
 
 CODES: dict[str, float] = {}  # texts as numbers: the network knows no other readings
 

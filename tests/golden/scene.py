@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from selforg.buffer import SoBuffer
-from selforg.gradient import Gradient
-from selforg.poses import OwnPoses
-from selforg.settings import BufferSettings
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import Gradient
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
 from selforg.space import Euclidean
 
 

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from selector.decisions import Problem
-from selector.documents import DocumentError
+from selector.documents.yaml import DocumentError
 from selector.knowledge import knowledge_from
-from selector.registry import create
+from selector.strategies.problem import Problem
+from selector.strategies.registry import create
 from tests.golden.case import Case, difference
 
 

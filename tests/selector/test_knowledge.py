@@ -1,8 +1,8 @@
 import pytest
 
-from selector.documents import DocumentError
+from selector.configurations.library import Library
+from selector.documents.yaml import DocumentError
 from selector.knowledge import Option, knowledge_from, load_knowledge
-from selector.library import Library
 
 OPTIONS = [
     {"configuration": "A", "score": 1},

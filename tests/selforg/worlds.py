@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from selforg.buffer import SoBuffer
-from selforg.poses import OwnPoses
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
 from selforg.randomness import DirectionStream
-from selforg.settings import BufferSettings
 from selforg.space import Euclidean, Space, Torus
 
 SPACES = {"torus": Torus(11.0, 7.0), "plane": Euclidean(2), "volume": Euclidean(3)}

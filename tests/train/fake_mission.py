@@ -57,7 +57,7 @@ def run_mission_but_not_2(mission, start, seed, scores, *_):
 if __name__ == "__main__":
     # spawned workers find the function by this module's name, not by __main__
     from tests.train import fake_mission
-    from train import cli
+    from train.cli import app as cli
 
     cli.mission_runner = lambda: fake_mission.run_mission
     cli.main()

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from clean_swarm_env.config import StartConfiguration
-from clean_swarm_env.experiment import ExperimentConfig
-from train.runs import RunRecord
+from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.mission import StartConfiguration
+from train.running.runs import RunRecord
 
 
 def record(scenario: str = "1", condition: str = "a", duration: float = 10.0, **changes) -> RunRecord:

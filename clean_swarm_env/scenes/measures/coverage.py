@@ -7,7 +7,7 @@ G x G cells.
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.compiled import kernel
+from selforg.compiler.decorators import kernel
 
 NEVER = -1.0
 """Time at which a cell was seen that never was."""

@@ -1,0 +1,202 @@
+"""Many worlds as a vectorised environment of Stable-Baselines3, with one set of parameters for all robots.
+
+    envs = RobotVecEnv(worlds=64)
+    PPO("MlpPolicy", envs).learn(100_000)
+
+    mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
+
+Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
+mission is over begins anew in the same step. Infos are empty but for rows where something happened:
+
+- in the period: `own_picked`, `own_recycled`, `own_dumped`, `own_collision`, where they are not 0;
+- at the end of a mission: `terminal_observation`, `TimeLimit.truncated` (the time was over, garbage left), `episode`
+  (return, length and time, as `VecMonitor` writes them), and what the mission came to: `duration_s`, `garbage_done`,
+  `mission_collision_events`, `completed`, which `VecMonitor` keeps by `info_keywords`.
+
+World w of `seed(S)` has the seed S + w. Options of `set_options` may give a `start`; a world's first robot counts.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
+
+from clean_swarm_env.borders.spaces import action_space, observation_space, start_of
+from clean_swarm_env.learning.batch import Batch, Finished, Step
+from clean_swarm_env.learning.joined import Joined
+from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.learning.progress import COLLISION, EVENTS
+
+Info = dict[str, Any]
+
+
+class Robot:
+    """A row as others see it: what `get_attr`, `set_attr` and `env_method` of the environment reach.
+
+    Attributes:
+        row: its number among all rows.
+        world: its world, numbered over all batches.
+        robot: its number within the world.
+
+    """
+
+    spec = None
+    render_mode = None
+
+    def __init__(self, row: int, world: int, batch: Batch, own_row: int) -> None:
+        """`own_row` is the number of the row within its batch."""
+        self.row, self.world, self.robot = row, world, own_row % batch.robots
+        self._batch, self._own_row = batch, own_row
+
+    @property
+    def batch(self) -> Batch:
+        """The batch that its world belongs to."""
+        return self._batch
+
+    @property
+    def options(self) -> dict[str, tuple[str, ...]]:
+        """Coordinated goal -> names of its options."""
+        return dict(self._batch.options)
+
+    @property
+    def observation_space(self) -> gymnasium.spaces.Box:
+        """Space of the observations."""
+        return observation_space(self._batch)
+
+    @property
+    def action_space(self) -> gymnasium.Space[Any]:
+        """Space of the actions."""
+        return action_space(self._batch)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which options (O,) can serve next, those of all goals one after the other, as sb3-contrib asks."""
+        masks: NDArray[np.bool_] = self._batch.masks()[self._own_row]
+        return masks
+
+
+class RobotVecEnv(VecEnv):
+    """The robots of many worlds.
+
+    Args:
+        worlds: W worlds of one mission or family, or ...
+        batches: ... the worlds of these batches, whose settings count; see `clean_swarm_env.learning.joined`.
+        settings: further arguments of `Batch`.
+
+    Attributes:
+        batches: the batches, one unless told otherwise.
+        finished: the missions that came to their end in the last period.
+
+    """
+
+    def __init__(
+        self,
+        worlds: int = 1,
+        *,
+        batches: Sequence[Batch] = (),
+        **settings: Any,  # noqa: ANN401  (those of Batch)
+    ) -> None:
+        if batches and (settings or worlds != 1):
+            raise ValueError(
+                f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
+            )
+        self._joined = Joined(batches or [Batch(worlds=worlds, **settings)])
+        self.batches = self._joined.batches
+        self.finished: tuple[Finished, ...] = ()
+        own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
+        worlds_of = self._joined.world_of.tolist()
+        self._robots = [Robot(row, worlds_of[row], *of) for row, of in enumerate(own)]
+        self._actions: NDArray[Any] = np.zeros(0)
+        self._returns = np.zeros(self._joined.rows)
+        self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
+        self._began = time.time()
+        first = self.batches[0]
+        super().__init__(self._joined.rows, observation_space(first), action_space(first))
+
+    def reset(self) -> Observations:
+        """Begin an episode in every world; seeds and options given before count this once."""
+        firsts = self._joined.first_rows.tolist()
+        starts = [start_of(self._options[row]) for row in firsts]
+        observations = self._joined.reset([self._seeds[row] for row in firsts], starts)
+        self._reset_seeds()
+        self._reset_options()
+        self.finished = ()
+        self._returns[:], self._lengths[:] = 0.0, 0
+        return observations
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Give world w the seed `seed` + w from the next reset on; without one, seeds that nobody knows."""
+        first = int(np.random.default_rng().integers(2**32)) if seed is None else seed
+        self._seeds = [first + world for world in self._joined.world_of.tolist()]
+        return self._seeds
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Note the actions of the coming step."""
+        self._actions = np.asarray(actions)
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Let all robots act for one decision period."""
+        step = self._joined.step(self._actions)
+        self.finished = self._joined.finished
+        self._returns += step.rewards
+        self._lengths += 1
+        infos = self._infos()
+        for end in self.finished:
+            self._add_end(infos, end, step)
+        over = (step.terminated | step.truncated)[self._joined.world_of]
+        return step.observations, step.rewards.astype(np.float32), over, infos
+
+    def _infos(self) -> list[Info]:
+        """Return what happened in the period, for each row."""
+        infos: list[Info] = [{} for _ in range(self.num_envs)]
+        events = self._joined.events[: COLLISION + 1]
+        for kind, row in np.argwhere(events).tolist():
+            infos[row][f"own_{EVENTS[kind]}"] = int(events[kind, row])
+        return infos
+
+    def _add_end(self, infos: list[Info], end: Finished, step: Step) -> None:
+        """Add what a mission came to and begin the sums of the next one."""
+        elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
+        for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
+            infos[row] |= end.statistics
+            infos[row]["terminal_observation"] = step.final_observations[row].copy()
+            infos[row]["TimeLimit.truncated"] = bool(step.truncated[end.world])
+            infos[row]["episode"] = {"r": float(self._returns[row]), "l": length, "t": elapsed}
+            self._returns[row] = 0.0
+        self._lengths[end.world] = 0
+
+    def close(self) -> None:
+        """Nothing has to be closed."""
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Return an attribute of the rows; one that a row does not have raises AttributeError."""
+        return [getattr(robot, attr_name) for robot in self._chosen(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:  # noqa: ANN401
+        """Set an attribute of the rows; those that follow from the batch cannot be set."""
+        for robot in self._chosen(indices):
+            setattr(robot, attr_name, value)
+
+    def env_method(
+        self,
+        method_name: str,
+        *method_args: Any,  # noqa: ANN401
+        indices: VecEnvIndices = None,
+        **method_kwargs: Any,  # noqa: ANN401
+    ) -> list[Any]:
+        """Call a method of the rows, such as `action_masks`."""
+        return [getattr(robot, method_name)(*method_args, **method_kwargs) for robot in self._chosen(indices)]
+
+    def env_is_wrapped(
+        self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
+    ) -> list[bool]:
+        """Return that no row is wrapped by itself."""
+        return [False for _ in self._chosen(indices)]
+
+    def _chosen(self, indices: VecEnvIndices) -> list[Robot]:
+        return [self._robots[index] for index in self._get_indices(indices)]

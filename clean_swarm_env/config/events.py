@@ -1,0 +1,148 @@
+"""Typed configuration of what changes during a mission: the team, the garbage, the stations and the delivery.
+
+An event happens at the beginning of the first control period that begins at its time or later; events of one time
+happen in the order in which they are listed.
+"""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from clean_swarm_env.config.types import Count, Index, Point, Pose, impossible
+from selector.documents.yaml import Closed, Flag, NonNegative, Positive, Share
+
+EVERYWHERE = 1e9
+"""Range of a message that all robots receive [m]."""
+
+
+class DeliveryConfig(Closed):
+    """How well the messages of robots, their poses and pheromones, reach the others."""
+
+    reach: Positive = EVERYWHERE
+    """Farthest receiver of a message [m]."""
+    loss: Share = 0.0
+    """Probability that a receiver misses a message, drawn for each receiver [-]."""
+    pose_memory: NonNegative = 1.0
+    """Time for which a robot keeps the last pose it received from another one [s]."""
+    own_contents: Flag = False
+    """Whether each robot stores by itself what it receives even if nothing is ever lost; it costs time."""
+
+    @property
+    def ideal(self) -> bool:
+        """Whether every robot receives everything."""
+        return self.reach >= EVERYWHERE and self.loss == 0.0
+
+
+class At(Closed):
+    """What all events have: their time."""
+
+    at: NonNegative
+    """Time of the event in the mission [s]."""
+
+
+class Join(At):
+    """Robots join the team; they are numbered on, in the order in which they join."""
+
+    do: Literal["join"]
+    """What happens."""
+    robots: Count = 1
+    """Number of robots that join."""
+    places: tuple[Pose, ...] = ()
+    """x [m], y [m] and heading [rad] of the first of them; the others begin at random free places."""
+
+    @model_validator(mode="after")
+    def _no_more_places_than_robots(self) -> Self:
+        if len(self.places) > self.robots:
+            raise impossible("places", f"at most {self.robots}, one for each robot", len(self.places))
+        return self
+
+
+class Remove(At):
+    """Robots are taken away: they are gone; what they carried lies where they were."""
+
+    do: Literal["remove"]
+    """What happens."""
+    robots: Annotated[tuple[Index, ...], Field(min_length=1)]
+    """Numbers of the robots, from 0."""
+
+
+class Fail(At):
+    """Robots fail for good: their bodies stay, do nothing and can be pushed; what they carried lies beside them."""
+
+    do: Literal["fail"]
+    """What happens."""
+    robots: Annotated[tuple[Index, ...], Field(min_length=1)]
+    """Numbers of the robots, from 0."""
+
+
+class Land(At):
+    """Garbage arrives, all at once."""
+
+    do: Literal["land"]
+    """What happens."""
+    items: Count
+    """Number of items, at random places."""
+
+
+class Respawn(At):
+    """The rate at which garbage keeps coming changes."""
+
+    do: Literal["respawn"]
+    """What happens."""
+    rate: NonNegative
+    """Items that arrive in a minute from now on, at random times and places [1/min]."""
+
+
+class MoveStations(At):
+    """Stations move."""
+
+    do: Literal["move_stations"]
+    """What happens."""
+    recycling: Point
+    """Place of the recycling station from now on [m]."""
+    dump: Point
+    """Place of the dump station from now on [m]."""
+
+
+class SetDelivery(At):
+    """The quality of the delivery of messages changes."""
+
+    do: Literal["deliver"]
+    """What happens."""
+    reach: Positive = EVERYWHERE
+    """Farthest receiver of a message from now on [m]."""
+    loss: Share = 0.0
+    """Probability that a receiver misses a message from now on [-]."""
+
+
+Event = Annotated[Join | Remove | Fail | Land | Respawn | MoveStations | SetDelivery, Field(discriminator="do")]
+
+
+def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:
+    """Return the events in the order in which they happen, each with its place in the list."""
+    return sorted(enumerate(events), key=lambda numbered: numbered[1].at)
+
+
+def check_team(events: tuple[Event, ...], robots: int, fitting: int, room: str) -> None:
+    """Raise the error for the first event that the team, `robots` at the start, makes impossible.
+
+    fitting: the largest number of robots that find room at a time, in the `room` that the message names.
+    """
+    working, bodies, numbers = set(range(robots)), robots, robots
+    for place, event in in_order(events):
+        if isinstance(event, Join):
+            working |= set(range(numbers, numbers + event.robots))
+            numbers, bodies = numbers + event.robots, bodies + event.robots
+            if bodies > fitting:
+                raise impossible(
+                    f"events.{place}.robots", f"at most {fitting} solid robots {room}", f"{bodies} of them"
+                )
+        elif isinstance(event, Remove | Fail):
+            for robot in event.robots:
+                if robot not in working:
+                    known = ", ".join(map(str, sorted(working)))
+                    raise impossible(f"events.{place}.robots", f"robots at work then ({known})", robot)
+                working.remove(robot)
+            bodies -= len(event.robots) if isinstance(event, Remove) else 0
+            if not working:
+                raise impossible(f"events.{place}.robots", "a robot that stays at work", "none")

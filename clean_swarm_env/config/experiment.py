@@ -1,0 +1,65 @@
+"""Typed configuration of an experiment: a mission, the conditions to compare on it, and where it starts."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.types import Count, impossible
+from selector.coordination.selection import BY_SCORE
+from selector.documents.yaml import Closed, Number
+from selector.strategies.registry import StrategySpec
+
+Scores = dict[str, dict[str, Number]]
+
+
+class ConditionConfig(Closed):
+    """One way of running the missions of an experiment."""
+
+    name: str
+    """Name of the condition in all results."""
+    scores: Scores = Field(default={})
+    """Goal -> option -> score, laid over the expert knowledge (this is how a mechanism is forced)."""
+    strategy: StrategySpec = BY_SCORE
+    """What decides in every decision period which options serve the goals."""
+    measured: str | None = None
+    """Name under which a file of start configurations holds the figures measured for this condition."""
+
+
+class PublishedFigures(Closed):
+    """Figures published for the scenarios of an experiment, printed beside ours."""
+
+    source: str
+    """Where they come from."""
+    figures: dict[str, dict[str, tuple[Number, ...]]]
+    """Condition -> metric -> one figure per scenario, in the order of the start configurations."""
+
+
+class ExperimentConfig(Closed):
+    """A mission, the conditions to compare on it and the start configurations they share."""
+
+    name: str
+    """Name of the experiment."""
+    description: str = ""
+    """What the experiment shows, in one sentence."""
+    mission: MissionConfig = MissionConfig()
+    """The mission."""
+    conditions: Annotated[tuple[ConditionConfig, ...], Field(min_length=1)]
+    """The conditions; each one runs on every start configuration."""
+    starts: tuple[StartConfiguration, ...] = ()
+    """The start configurations; empty: random ones."""
+    scenarios: Count = 30
+    """Number of random start configurations when there are no given ones."""
+    reference: PublishedFigures | None = None
+    """Figures to print beside ours."""
+
+    @model_validator(mode="after")
+    def _unique_names(self) -> Self:
+        for key, names in (
+            ("conditions", [c.name for c in self.conditions]),
+            ("starts", [s.id for s in self.starts]),
+        ):
+            for name in names:
+                if names.count(name) > 1:
+                    raise impossible(key, "unique names", f"{name!r} twice")
+        return self

@@ -1,0 +1,143 @@
+"""Families of scenarios: from a seed, a split and a number to a mission, its start and its events.
+
+Everything of a scenario is drawn from one whole number, its seed. The seeds of the split "train" are even, those of
+"test" odd: no scenario of one split is ever one of the other, whatever the seeds and numbers. All scenarios of one
+family with the same torus have one frame (`frames`), so that one batch of worlds can hold them.
+"""
+
+import zlib
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from clean_swarm_env.config.events import Event
+from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_events, random_stations
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.starts import drawn_start
+from clean_swarm_env.config.types import Count, Index, impossible
+from selector.documents.yaml import Closed, Positive
+
+Split = Literal["train", "test"]
+SPLITS: Final = ("train", "test")
+SCENARIO: Final = 0xFFFFFFFE
+"""Spawn key of what is drawn for the scenario itself; the world draws from other keys of the same seed."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One mission of a family.
+
+    Attributes:
+        id: name within its family and split.
+        seed: seed of everything random in it, for `run_mission` and `Worlds.reset`.
+        mission: the mission, with its events.
+        start: where robots and items are at first.
+
+    """
+
+    id: str
+    seed: int
+    mission: MissionConfig
+    start: StartConfiguration
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What changes during the mission."""
+        return self.mission.events
+
+
+class FamilyConfig(Closed):
+    """A family of scenarios: a mission, and what is drawn anew for each scenario."""
+
+    name: str
+    """Name of the family."""
+    description: str
+    """What is particular about its scenarios, in one sentence."""
+    mission: MissionConfig = MissionConfig()
+    """The mission of which every scenario is a variety."""
+    sizes: tuple[tuple[Positive, Positive], ...] = ()
+    """Width and height of the torus, one of which is drawn; none: that of the mission [m]."""
+    robots: tuple[Count, Count] = (5, 5)
+    """Least and largest number of robots at the start."""
+    items: tuple[Index, Index] = (10, 10)
+    """Least and largest number of items at the start."""
+    respawn: Span = (0.0, 0.0)
+    """Least and largest rate at which garbage keeps coming [1/min]."""
+    stations: Literal["given", "random"] = "given"
+    """Whether the stations are where the mission has them, or at random places."""
+    changes: ChangesConfig = ChangesConfig()
+    """The events that are drawn."""
+    starts: tuple[StartConfiguration, ...] = ()
+    """Start configurations of the split "test", taken in turn; none: random ones, as in the split "train"."""
+    scenarios: Annotated[int, Field(strict=True, ge=1)] = 100
+    """Number of scenarios of an evaluation."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        for name in ("robots", "items", "respawn"):
+            least, most = getattr(self, name)
+            if least > most:
+                raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
+        for name in ("robots", "items"):
+            counts = {len(getattr(start, name)) for start in self.starts}
+            if counts and counts != set(getattr(self, name)):
+                raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
+        self.scenario(0, 0, "train")  # a family of which no scenario can be made is refused when it is read
+        return self
+
+    def scenario(self, seed: int, index: int, split: Split) -> Scenario:
+        """Return scenario `index` (from 0) of a split, the same for the same seed."""
+        if split not in SPLITS or seed < 0 or index < 0:
+            expected = f"a seed and an index from 0 up and a split of {SPLITS}"
+            raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {split!r}")
+        own = seed_of(self.name, seed, index, split)
+        sequence = np.random.SeedSequence(own, spawn_key=(SCENARIO,))
+        for_mission, for_start = sequence.spawn(2)
+        mission = self._mission(np.random.default_rng(for_mission))
+        if self.starts and split == "test":
+            start = self.starts[index % len(self.starts)]
+        else:
+            start = drawn_start(mission, for_start, str(index + 1))
+        return Scenario(f"{split}-{index + 1}", own, mission, start)
+
+    @property
+    def tori(self) -> tuple[tuple[float, float], ...]:
+        """Width and height of every torus that scenarios may have [m], each once."""
+        return tuple(dict.fromkeys(self.sizes or ((self.mission.world.width, self.mission.world.height),)))
+
+    def _mission(self, rng: np.random.Generator) -> MissionConfig:
+        base = self.mission
+        sizes = self.sizes or self.tori
+        width, height = sizes[int(rng.integers(len(sizes)))]
+        robots = int(rng.integers(self.robots[0], self.robots[1] + 1))
+        items = int(rng.integers(self.items[0], self.items[1] + 1))
+        respawn = float(rng.uniform(*self.respawn))
+        recycling, dump = base.stations.recycling, base.stations.dump
+        if self.stations == "random":
+            recycling, dump = random_stations((width, height), rng)
+        events = draw_events(self.changes, (width, height), robots, base.time_limit, rng)
+        parts: dict[str, dict[str, Any]] = {
+            "world": {"width": width, "height": height},
+            "robots": {"count": robots, "capacity": self.robots[1] + self.changes.most_joining},
+            "garbage": {"count": items, "respawn": respawn, "capacity": self._item_rows},
+            "stations": {"recycling": recycling, "dump": dump},
+        }
+        merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
+        own_contents = base.own_contents or "deliver" in self.changes.kinds
+        delivery = {**base.delivery.model_dump(), "own_contents": own_contents}
+        whole = {**base.model_dump(), **merged, "name": self.name, "events": events, "delivery": delivery}
+        return MissionConfig.model_validate(whole)
+
+    @property
+    def _item_rows(self) -> int:
+        continuous = self.respawn[1] > 0.0 or "respawn" in self.changes.kinds
+        return max(self.items[1], self.mission.garbage.capacity or (4 * self.items[1] if continuous else 0))
+
+
+def seed_of(family: str, seed: int, index: int, split: Split) -> int:
+    """Return the seed of a scenario, below 2^64: even in the split "train", odd in "test"."""
+    words = [SPLITS.index(split), zlib.crc32(family.encode()), index, seed]
+    drawn = int(np.random.SeedSequence(words).generate_state(1, np.uint64)[0])
+    return drawn // 2 * 2 + SPLITS.index(split)

@@ -1,0 +1,101 @@
+"""Events that a family of scenarios draws: when what changes, and how."""
+
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from clean_swarm_env.config.types import Index, Point, impossible
+from selector.documents.yaml import Closed, NonNegative, Positive, Share
+
+Kind = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
+Span = tuple[NonNegative, NonNegative]
+QUIET = 0.1
+"""Share of the mission at its beginning and its end in which nothing changes [-]."""
+STATION_GAP = 2.0
+"""Least distance of the stations from each other [m]."""
+
+
+class ChangesConfig(Closed):
+    """How many events a scenario has, of which kinds, and what they bring."""
+
+    number: tuple[Index, Index] = (0, 0)
+    """Least and largest number of events."""
+    kinds: tuple[Kind, ...] = ()
+    """What can happen; each event is one of these, all equally likely."""
+    items: tuple[Index, Index] = (5, 5)
+    """Least and largest number of items that land at a time."""
+    respawn: Span = (0.0, 6.0)
+    """Least and largest rate at which garbage keeps coming after a change [1/min]."""
+    reach: tuple[Positive, Positive] = (2.0, 6.0)
+    """Least and largest range of messages after a change of the delivery [m]."""
+    loss: tuple[Share, Share] = (0.0, 0.9)
+    """Least and largest probability of a loss after a change of the delivery [-]."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        for name in ("number", "items", "respawn", "reach", "loss"):
+            least, most = getattr(self, name)
+            if least > most:
+                raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
+        if self.number[1] > 0 and not self.kinds:
+            raise impossible("kinds", "at least one kind of event", "none")
+        return self
+
+    @property
+    def most_joining(self) -> int:
+        """Largest number of robots that can join."""
+        return self.number[1] if "join" in self.kinds else 0
+
+
+def draw_events(
+    changes: ChangesConfig, size: tuple[float, float], robots: int, time_limit: float, rng: np.random.Generator
+) -> list[dict[str, Any]]:
+    """Return the events of one scenario that begins with `robots`, in the order of their times.
+
+    Where the last robot but one would go, one joins instead if robots may join, else nothing happens.
+    """
+    number = int(rng.integers(changes.number[0], changes.number[1] + 1))
+    times = np.sort(rng.uniform(QUIET, 1.0 - QUIET, size=number)) * time_limit
+    working, numbered = list(range(robots)), robots
+    events: list[dict[str, Any]] = []
+    for time in times.tolist():
+        kind = changes.kinds[int(rng.integers(len(changes.kinds)))]
+        if kind in ("remove", "fail") and len(working) < 3:
+            if "join" not in changes.kinds:
+                continue
+            kind = "join"
+        event: dict[str, Any] = {"at": round(time, 3), "do": kind}
+        if kind == "join":
+            working.append(numbered)
+            numbered += 1
+        elif kind in ("remove", "fail"):
+            event["robots"] = (working.pop(int(rng.integers(len(working)))),)
+        else:
+            event |= _drawn(kind, changes, size, rng)
+        events.append(event)
+    return events
+
+
+def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np.random.Generator) -> dict[str, Any]:
+    """Return what an event brings that does not concern the team."""
+    if kind == "land":
+        return {"items": int(rng.integers(changes.items[0], changes.items[1] + 1))}
+    if kind == "respawn":
+        return {"rate": float(rng.uniform(*changes.respawn))}
+    if kind == "move_stations":
+        recycling, dump = random_stations(size, rng)
+        return {"recycling": recycling, "dump": dump}
+    return {"reach": float(rng.uniform(*changes.reach)), "loss": float(rng.uniform(*changes.loss))}
+
+
+def random_stations(size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, Point]:
+    """Return places of recycling and dump on the torus `size` [m], STATION_GAP or more apart where there is room."""
+    gap = min(STATION_GAP, 0.3 * min(size))
+    extent = np.array(size)
+    recycling = rng.uniform(size=2) * extent
+    while True:
+        dump = rng.uniform(size=2) * extent
+        offset = np.abs(dump - recycling)
+        if np.hypot(*np.minimum(offset, extent - offset)) >= gap:
+            return (float(recycling[0]), float(recycling[1])), (float(dump[0]), float(dump[1]))

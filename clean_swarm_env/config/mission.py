@@ -1,0 +1,228 @@
+"""Typed, closed and frozen configuration of a mission: one sentence and a unit per field.
+
+Every value that is impossible is refused here with the key, what was expected and what was given; unknown keys are
+errors. `clean_swarm_env.config.files` reads these models from YAML and adds the name of the file. The defaults are the
+settings of the reference experiment (see `configs/missions`), with solid robots.
+"""
+
+import math
+import sys
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from clean_swarm_env.config.events import (
+    DeliveryConfig,
+    Event,
+    Join,
+    Land,
+    MoveStations,
+    Respawn,
+    SetDelivery,
+    check_team,
+)
+from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.types import Count, Index, Point, Pose, impossible
+from clean_swarm_env.config.world import WorldConfig, robots_that_fit
+from selector.documents.yaml import Closed, NonNegative, Positive, Share
+
+RANDOM_ITEMS = 40
+"""Items that find room in a world in which garbage keeps coming, unless told otherwise."""
+
+
+class RobotConfig(Closed):
+    """Body, drive and pose gradient of each robot."""
+
+    count: Count = 5
+    """Number of robots at the start."""
+    capacity: Index = 0
+    """Number of robots for which there is room in memory, over the whole mission; 0: as many as the events need."""
+    radius: Positive = 0.25
+    """Radius of the disc [m]."""
+    mass: Positive = 1.0
+    """Mass of the disc [kg]."""
+    max_speed: Positive = 1.0
+    """Largest speed along the heading [m/s]."""
+    max_turn_rate: Positive = 2.0
+    """Largest turn rate [rad/s]."""
+    turn_gain: Positive = 2.0
+    """Turn rate commanded per radian of heading error [1/s]."""
+    turn_in_place_beyond: Annotated[float, Field(strict=True, gt=0.0, le=math.pi)] = 1.0471975511965976
+    """Heading error from which a robot turns without driving [rad]."""
+    command_timeout: Positive = 1.0
+    """Time without a drive command after which a robot stops [s]."""
+    pose_goal_radius: NonNegative = 0.5
+    """Goal radius of the repulsive gradient that each robot carries [m]."""
+    pose_diffusion: NonNegative = 1.0
+    """Diffusion of the repulsive gradient that each robot carries [m]."""
+    failed_pose: Literal["unseen", "seen"] = "unseen"
+    """Whether a robot that has failed still carries its gradient: others keep away from its body and its cargo."""
+
+
+class GarbageConfig(Closed):
+    """The items and how near a robot must be to see or take one."""
+
+    count: Annotated[int, Field(strict=True, ge=0)] = 10
+    """Number of items at the start."""
+    respawn: NonNegative = 0.0
+    """Items that arrive in a minute, at random times and places; with any, a mission lasts its time limit [1/min]."""
+    capacity: Index = 0
+    """Most items that lie or are carried at a time, further ones are lost; 0: as needed, with respawn at least 40."""
+    diffusion: NonNegative = 1.0
+    """Diffusion of an item's attractive gradient [m]."""
+    goal_radius: NonNegative = 0.0
+    """Goal radius of an item's attractive gradient [m]."""
+    view_distance: NonNegative = 1.0
+    """Distance added to the reach of an item within which it is seen [m]."""
+    at_distance: Positive = 0.55
+    """Distance within which a robot is at an item [m]."""
+    pick_distance: Positive = 0.6
+    """Distance within which the nearest item is taken [m]."""
+
+
+class StationsConfig(Closed):
+    """The two stations that each item passes."""
+
+    recycling: Point = (2.75, 5.5)
+    """Position of the recycling station [m]."""
+    dump: Point = (8.25, 5.5)
+    """Position of the dump station [m]."""
+    reach: Positive = 0.5
+    """Distance within which a robot is at a station [m]."""
+
+
+class PatrolConfig(Closed):
+    """The pheromones of the patrol and the speed of following them."""
+
+    diffusion: Positive = 1.0
+    """Diffusion of a fresh pheromone [m]."""
+    evaporation_factor: Share = 0.9
+    """Factor on a pheromone's diffusion after each evaporation period [-]."""
+    evaporation_period: NonNegative = 30.0
+    """Time between two evaporations of a pheromone [s]."""
+    min_diffusion: NonNegative = 0.3
+    """Diffusion below which a pheromone is gone [m]."""
+    aggregation_distance: NonNegative = 0.1
+    """Distance within which a new pheromone merges with a stored one [m]."""
+    view_distance: NonNegative = 4.0
+    """Distance added to the reach of a pheromone within which it is felt [m]."""
+    min_speed: NonNegative = 0.5
+    """Smallest length of the patrol's movement vector [m/s]."""
+    max_speed: Positive = 1.0
+    """Largest length of the patrol's movement vector [m/s]."""
+
+    @model_validator(mode="after")
+    def _ordered_speeds(self) -> Self:
+        if self.min_speed > self.max_speed:
+            raise impossible("min_speed", f"a speed up to max_speed {self.max_speed:g} m/s", self.min_speed)
+        return self
+
+
+class StartConfiguration(Closed):
+    """Where robots and items are when a mission starts."""
+
+    id: str
+    """Name of the scenario, unique among those of an experiment."""
+    robots: Annotated[tuple[Pose, ...], Field(min_length=1)]
+    """(N, 3) x [m], y [m] and heading [rad] of each robot."""
+    items: tuple[Point, ...]
+    """(M, 2) x [m] and y [m] of each item."""
+
+    @field_validator("id", mode="before")
+    @classmethod
+    def _numbers_are_names(cls, value: object) -> object:
+        return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+class MissionConfig(Closed):
+    """One cleaning mission: it ends when all items are dumped or the time is over."""
+
+    name: str = "cleaning"
+    """Name of the mission."""
+    world: WorldConfig = WorldConfig()
+    """The torus and its physics."""
+    robots: RobotConfig = RobotConfig()
+    """The robots."""
+    garbage: GarbageConfig = GarbageConfig()
+    """The items."""
+    stations: StationsConfig = StationsConfig()
+    """The recycling and the dump station."""
+    patrol: PatrolConfig = PatrolConfig()
+    """The patrol."""
+    network: NetworkConfig = NetworkConfig()
+    """The behaviour network."""
+    delivery: DeliveryConfig = DeliveryConfig()
+    """The delivery of messages among the robots."""
+    events: tuple[Event, ...] = ()
+    """What changes during the mission."""
+    time_limit: Positive = 3000.0
+    """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
+    collision_cost: NonNegative = 2.0
+    """Price of a collision event at the first distance in the cost of a mission [s]."""
+    collision_distances: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.55, 1.0)
+    """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
+    decision_period: Positive = 1.0
+    """Time between two decisions of the selector [s]; a whole multiple of the control period."""
+    knowledge: str = "cleaning"
+    """Name of the expert knowledge file."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        world, robots, stations = self.world, self.robots, self.stations
+        places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
+        for k, event in enumerate(self.events):
+            if isinstance(event, MoveStations):
+                places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
+        for key, (x, y) in places.items():
+            if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
+                expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
+                raise impossible(key, expected, f"[{x:g}, {y:g}]")
+        periods = self.decision_period * world.control_rate
+        if round(periods) < 1 or abs(periods - round(periods)) > 1e-9:
+            expected = f"a whole multiple of the control period {1.0 / world.control_rate:g} s"
+            raise impossible("decision_period", expected, self.decision_period)
+        fitting = robots_that_fit(world, robots.radius)
+        if world.contacts == "solid" and robots.count > fitting:
+            room = f"{world.width:g} m x {world.height:g} m"
+            expected = f"at most {fitting} solid robots of radius {robots.radius:g} m on {room}"
+            raise impossible("robots.count", expected, robots.count)
+        room = f"on {world.width:g} m x {world.height:g} m"
+        check_team(self.events, robots.count, fitting if world.contacts == "solid" else sys.maxsize, room)
+        if 0 < robots.capacity < self._robots_needed:
+            expected = f"0 or at least {self._robots_needed}, the robots at the start and those that join"
+            raise impossible("robots.capacity", expected, robots.capacity)
+        if 0 < self.garbage.capacity < self.items_expected:
+            expected = f"0 or at least {self.items_expected}, the items at the start and those that land"
+            raise impossible("garbage.capacity", expected, self.garbage.capacity)
+        return self
+
+    @property
+    def rows(self) -> int:
+        """Number of robots of the whole mission for which a world has rows."""
+        return self.robots.capacity or self._robots_needed
+
+    @property
+    def _robots_needed(self) -> int:
+        return self.robots.count + sum(event.robots for event in self.events if isinstance(event, Join))
+
+    @property
+    def continuous(self) -> bool:
+        """Whether garbage keeps coming at some time, so that only the time limit ends the mission."""
+        return self.garbage.respawn > 0.0 or any(e.rate > 0.0 for e in self.events if isinstance(e, Respawn))
+
+    @property
+    def items_expected(self) -> int:
+        """Number of items at the start and of those that land."""
+        return self.garbage.count + sum(event.items for event in self.events if isinstance(event, Land))
+
+    @property
+    def item_rows(self) -> int:
+        """Number of items for which a world has rows."""
+        least = RANDOM_ITEMS if self.continuous else 0
+        return self.garbage.capacity or max(self.items_expected, least)
+
+    @property
+    def own_contents(self) -> bool:
+        """Whether each robot stores by itself what it receives, because delivery is or becomes less than ideal."""
+        changes = any(isinstance(event, SetDelivery) for event in self.events)
+        return self.delivery.own_contents or not self.delivery.ideal or changes

@@ -1,0 +1,47 @@
+"""Typed configuration of the torus and its physics."""
+
+import math
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from clean_swarm_env.config.types import impossible
+from selector.documents.yaml import Closed, Positive
+
+MAX_COVERED_SHARE = 0.45
+"""Largest share of the torus that solid discs may cover [-]: random sequential placement jams at 0.547."""
+
+
+class WorldConfig(Closed):
+    """The torus and its physics."""
+
+    width: Positive = 11.0
+    """Length of the torus along x [m]."""
+    height: Positive = 11.0
+    """Length of the torus along y [m]."""
+    contacts: Literal["solid", "pass_through"] = "solid"
+    """Whether robots bump into each other or drive through each other, as in the paper's simulator."""
+    physics_rate: Positive = 20.0
+    """Physics steps per second, which is also the sampling rate of collisions [Hz]."""
+    control_rate: Positive = 5.0
+    """Decisions of every robot per second [Hz]; the physics rate is a whole multiple of it."""
+
+    @model_validator(mode="after")
+    def _whole_steps(self) -> Self:
+        ratio = self.physics_rate / self.control_rate
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
+            expected = f"a rate that divides physics_rate {self.physics_rate:g} Hz into whole steps"
+            raise impossible("control_rate", expected, self.control_rate)
+        return self
+
+    @property
+    def physics_steps_per_tick(self) -> int:
+        """Number of physics steps in one control period."""
+        return round(self.physics_rate / self.control_rate)
+
+
+def robots_that_fit(world: WorldConfig, radius: float) -> int:
+    """Return how many solid discs of `radius` [m] random sequential placement still finds room for."""
+    if min(world.width, world.height) < 4.0 * radius:  # a disc would touch its own image across the seam
+        return 0
+    return int(MAX_COVERED_SHARE * world.width * world.height / (math.pi * radius**2))

@@ -1,0 +1,125 @@
+"""What a learner decides: the option that serves each goal, or the robot's movement itself.
+
+Shapes: R rows (robots), C coordinated goals, O options of all goals one after the other.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from clean_swarm_env.learning.observation.terms import PHASES
+from clean_swarm_env.world.worlds import Worlds
+from selector.documents.yaml import Closed, DocumentError, Name, unknown
+from selforg.compiler.decorators import kernel
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+Phase = Literal["patrol", "approach", "to_recycling", "to_dump"]
+
+
+class ActionConfig(Closed):
+    """What a learner decides once a decision period."""
+
+    mode: Literal["option", "velocity"] = "option"
+    """The option that serves each goal; or the movement vector in the robot's frame, in place of the network."""
+    serves: dict[Name, tuple[Phase, ...]] = Field(default={})
+    """Option -> phases in which alone it can serve; the others serve always."""
+
+
+class OptionActions:
+    """Options as actions: one whole number for each coordinated goal.
+
+    An option that cannot serve gives way to the one of the highest expert score that can.
+
+    Attributes:
+        counts: (C,) number of options of each goal.
+        default: (C,) option of the highest expert score of each goal.
+
+    Raises:
+        DocumentError: an unknown option in `serves`, or a phase in which no option of a goal could serve.
+
+    """
+
+    def __init__(self, worlds: Worlds, config: ActionConfig) -> None:
+        models = [coordinator.model for coordinator in worlds.coordinators]
+        self.counts = tuple(len(model.options) for model in models)
+        self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
+        names = [name for model in models for name in model.options]
+        for name in config.serves:
+            if name not in names:
+                raise DocumentError(f"actions: serves: {unknown('option', name, names)}")
+        self._table: Flags = np.array([[p in config.serves.get(n, PHASES) for n in names] for p in PHASES])  # (P, O)
+        self._stand_in: Ints = np.zeros((len(PHASES), len(models)), dtype=np.int64)
+        for k, model in enumerate(models):
+            first = sum(self.counts[:k])
+            for phase, able in enumerate(self._table[:, first : first + self.counts[k]]):
+                if not able.any():
+                    expected = f"an option for goal {model.goal} in phase {PHASES[phase]!r}"
+                    raise DocumentError(f"actions: serves: expected {expected}, got none")
+                self._stand_in[phase, k] = int(np.argmax(np.where(able, model.scores, -np.inf)))
+        self.masked = not self._table.all()
+        self._limits = np.array(self.counts)
+        self._firsts = np.cumsum([0, *self.counts])[:-1]
+
+    def masks(self, phases: Ints) -> Flags:
+        """Return which options (R, O) can serve in the `phases` (R,)."""
+        masks: Flags = self._table.take(phases, axis=0)
+        return masks
+
+    def able(self, options: Ints, phases: Ints) -> Ints:
+        """Return `options` (R, C) with stand-ins for those that cannot serve in the `phases` (R,)."""
+        if not self.masked:
+            return options
+        able = self._table[phases[:, None], self._firsts + options]
+        return np.where(able, options, self._stand_in[phases])
+
+    def check(self, options: NDArray[Any], rows: int) -> Ints:
+        """Return `options` (R, C), or (R,) for one goal, as (R, C) whole numbers, or raise ValueError."""
+        given, expected = np.asarray(options), (rows, len(self.counts))
+        if given.shape != expected and (given.shape != expected[:1] or len(self.counts) > 1):
+            raise ValueError(f"options: expected shape {expected}, got {given.shape}")
+        if given.dtype.kind not in "iu":
+            raise ValueError(f"options: expected whole numbers, got {given.dtype}")
+        table = given.reshape(expected).astype(np.int64, copy=False)
+        wrong = (table < 0) | (table >= self._limits)
+        if wrong.any():
+            row, goal = (int(k) for k in np.argwhere(wrong)[0])
+            raise ValueError(f"options[{row}]: expected 0..{self.counts[goal] - 1}, got {table[row, goal]}")
+        return table
+
+
+class VelocityActions:
+    """Movement vectors as actions: ahead and left in the robot's frame, in shares of the largest speed.
+
+    The vector keeps its direction in the world through the decision period, and the drive follows it as it follows the
+    vectors of behaviours. The robot's network rests; cargo is picked, recycled and dumped wherever that is possible.
+    """
+
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
+        self._vectors: Floats = np.zeros((worlds.rows, 2))
+        self._max_speed = worlds.mission.robots.max_speed
+
+    def steer(self, actions: NDArray[Any]) -> None:
+        """Let every robot follow its vector of `actions` (R, 2), components within [-1, 1] (beyond: the bound)."""
+        given, expected = np.asarray(actions), (self._worlds.rows, 2)
+        if given.shape != expected or not np.isfinite(given).all():
+            raise ValueError(f"actions: expected finite numbers of shape {expected}, got {given.shape}")
+        turn_to_world(given.astype(np.float64), self._worlds.physics.headings, self._max_speed, self._vectors)
+        self._worlds.steer(self._vectors)
+
+
+@kernel
+def turn_to_world(actions: Floats, headings: Floats, max_speed: float, vectors: Floats) -> None:
+    """Write the vectors (R, 2) [m/s] in the world's frame of `actions` (R, 2) in the robots' frames."""
+    for row in range(actions.shape[0]):
+        ahead = max_speed * min(max(actions[row, 0], -1.0), 1.0)
+        left = max_speed * min(max(actions[row, 1], -1.0), 1.0)
+        cosine, sine = np.cos(headings[row]), np.sin(headings[row])
+        vectors[row, 0] = cosine * ahead - sine * left
+        vectors[row, 1] = sine * ahead + cosine * left

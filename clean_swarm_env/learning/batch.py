@@ -1,0 +1,248 @@
+"""The core of all learning borders: W worlds with one frame, decision period by decision period.
+
+Each world begins its next episode by itself when its mission is over. Rows are robots, R = W * N (world w has the rows
+w*N .. (w+1)*N - 1); a world of a batch takes, bit for bit, the course it takes alone with the same seed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.starts import for_start
+from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
+from clean_swarm_env.learning.episodes import Series, Size, Source, episodes_of
+from clean_swarm_env.learning.observation.observer import Observations, Observer
+from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.progress import COMPLETED, TIMED_OUT, Progress
+from clean_swarm_env.learning.reward import RewardConfig, Rewards
+from clean_swarm_env.world.mission import MissionResult, result_of
+from clean_swarm_env.world.robot import coordinators_of
+from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import library_of
+from selector.knowledge import load_knowledge
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+class Step(NamedTuple):
+    """What one decision period brought; the arrays are the batch's own, valid until the next call."""
+
+    observations: Observations
+    """(R, F) float32; of worlds that have begun anew, the first observations of the new episode."""
+    rewards: Floats
+    """(R,) float64."""
+    terminated: Flags
+    """(W,) whether all garbage of the world was dumped in this period."""
+    truncated: Flags
+    """(W,) whether the time of the world was over with this period, garbage left."""
+    final_observations: Observations
+    """(R, F) float32; what the robots saw when their mission ended, in rows of worlds that ended."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A mission that came to its end in the last period."""
+
+    world: int
+    """Which world of the batch."""
+    scenario: Scenario
+    """What the world did."""
+    result: MissionResult
+    """What the mission came to."""
+    collision_events: int
+    """How often a pair came closer than the first collision distance."""
+
+    @property
+    def statistics(self) -> dict[str, float | int | bool]:
+        """What borders report of a mission."""
+        return {
+            "duration_s": self.result.duration_s,
+            "garbage_done": self.result.garbage_done,
+            "mission_collision_events": self.collision_events,
+            "completed": self.result.completed,
+        }
+
+
+class Batch:
+    """W worlds with one frame, stepped one decision period at a time.
+
+    Args:
+        mission: a mission, or the name of one in `configs/missions`.
+        worlds: W.
+        family: a family of scenarios, or the name of one in `configs/families`, in place of the mission: the episodes
+            are its scenarios.
+        split: which scenarios of the family.
+        size: width and height of the torus [m], for a family that draws from several: its scenarios on that torus.
+        source: what each world does next, in place of episodes that follow from seeds; the mission, or a scenario of
+            the family, then shows the frame that all have (`frames`). A world that gets nothing stays as it is, and
+            counts no more, until `reset`.
+        knowledge: name of the expert knowledge, in place of that of the mission.
+        observation: terms of the observation.
+        reward: weights of the reward's terms.
+        action: what an action is.
+        begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
+            it stays as it is, and counts no more, until `reset`.
+        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
+
+    Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
+    on the torus of `size`).
+
+    Attributes:
+        options: coordinated goal -> names of its options.
+        observer: knows the names of the components of an observation.
+        choices: the options as actions.
+        progress: what happened in the last period.
+        observations: (R, F) float32, the last ones, always the same array.
+        doing: (W,) what each world does or did last; None where a source has given nothing yet.
+
+    >>> batch = Batch("table1", worlds=2)
+    >>> observations = batch.reset([5, 6])
+    >>> step = batch.step(np.zeros(batch.rows, dtype=np.int64))
+    >>> step.rewards.shape, step.terminated.tolist()
+    ((10,), [False, False])
+
+    """
+
+    def __init__(
+        self,
+        mission: MissionConfig | str = "table1",
+        worlds: int = 1,
+        *,
+        family: FamilyConfig | str | None = None,
+        split: Split = "train",
+        size: Size | None = None,
+        source: Source | None = None,
+        knowledge: str | None = None,
+        observation: ObservationConfig | None = None,
+        reward: RewardConfig | None = None,
+        action: ActionConfig | None = None,
+        begin_anew: bool = True,
+        directories: tuple[Path, ...] = (),
+    ) -> None:
+        episodes = episodes_of(mission, family, split, size, knowledge, directories)
+        self.mission = next(episodes(0, 0, 1)).mission
+        self._series = Series(episodes, worlds)
+        self._source: Source = self._series if source is None else source
+        self.action, self.begin_anew = action or ActionConfig(), begin_anew
+        known = load_knowledge(self.mission.knowledge, directories)
+        models = coordinators_of(self.mission.network, known, library_of(directories), directories)
+        self.worlds = Worlds(self.mission, models, worlds, directories=directories)
+        self.rows, self.robots = self.worlds.rows, self.worlds.robots
+        self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
+        self.choices = OptionActions(self.worlds, self.action)
+        self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
+        rate = self.mission.world.control_rate
+        self._ticks_per_step = round(self.mission.decision_period * rate)
+        self.progress = Progress(self.worlds)
+        self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
+        self.observer = Observer(self.worlds, self.progress, observation)
+        self.width = self.observer.width
+        self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
+        self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
+        self._gained: Floats = np.zeros(self.rows)
+        self._finished: list[Finished] = []
+        self.doing: list[Scenario | None] = [None] * worlds
+        self._begun = False
+
+    def reset(
+        self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
+    ) -> Observations:
+        """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
+
+        `seeds` (W,) begin the series of episodes anew; without one (None) a world goes on with its series, or begins
+        one nobody knows. `starts` (W,) take the place of random starts.
+        """
+        nothing = [None] * self.worlds.worlds
+        for name, given in (("seeds", seeds), ("starts", starts)):
+            if given is not None and len(given) != len(nothing):
+                raise ValueError(f"{name}: expected one for each of {len(nothing)} worlds, got {len(given)}")
+        if self._source is self._series:
+            self._series.begin(seeds or nothing)
+        elif seeds is not None and any(seed is not None for seed in seeds):
+            raise ValueError("seeds: expected none, because a source says what the worlds do")
+        for world, start in enumerate(starts or nothing):
+            self._begin(world, start)
+        self._begun = True
+        self._finished.clear()
+        self.progress.begin_period()
+        self.progress.elapsed[:] = 0
+        self.observer.observe(self.observations)
+        return self.observations
+
+    def share(self, seed: int) -> None:
+        """Deal the episodes of one seed out to the worlds, from the next reset on: world w does w, w + W, ... of it."""
+        self._series.share(seed)
+
+    @property
+    def finished(self) -> tuple[Finished, ...]:
+        """The missions that came to their end in the last period."""
+        return tuple(self._finished)
+
+    def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
+        """Begin the next episode of a world, robots holding what the expert rates highest."""
+        scenario = self._source(world)
+        if scenario is None:
+            self.progress.stay(world)
+            return
+        if start is not None:
+            for_start(self.mission, start)
+            scenario = replace(scenario, start=start, mission=self.mission)
+        self.doing[world] = scenario
+        self.worlds.reset(world, scenario.start, scenario.seed, scenario.mission)
+        rows = self.worlds.rows_of(world)
+        self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
+        self.progress.reset(world)
+
+    def masks(self) -> Flags:
+        """Return which options (R, O) can serve in the coming period, those of all goals one after the other."""
+        return self.choices.masks(self.observer.phases)
+
+    def step(self, actions: NDArray[Any]) -> Step:
+        """Let each robot act for one decision period; in a world whose mission ends the period ends early.
+
+        `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
+        """
+        if not self._begun:
+            raise RuntimeError("step: call reset first")
+        if self._steering is None:
+            options = self.choices.check(actions, self.rows)
+            self.worlds.hold(self.choices.able(options, self.observer.phases))
+        else:
+            self._steering.steer(actions)
+        self._finished.clear()
+        progress = self.progress
+        progress.begin_period()
+        for _ in range(self._ticks_per_step):
+            if progress.note(self.worlds.tick()):
+                self._keep_ends()
+                if progress.outcome.all():  # no world runs
+                    break
+        self.rewards.of(progress, self._gained)
+        terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIMED_OUT
+        if self.begin_anew:
+            for end in self._finished:
+                self._begin(end.world)
+        self.observer.observe(self.observations)
+        if not self.begin_anew and progress.outcome.any():
+            over = np.repeat(terminated | truncated, self.robots)
+            self.observations[over] = self._final[over]
+        return Step(self.observations, self._gained, terminated, truncated, self._final)
+
+    def _keep_ends(self) -> None:
+        """Keep what the missions came to that ended with the last tick, and what their robots see."""
+        ended, worlds = self.progress.ended, self.worlds
+        self.observer.observe(self._final, ended)
+        for world in ended.tolist():
+            scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
+            assert scenario is not None
+            self._finished.append(Finished(world, scenario, result_of(worlds, world), events))

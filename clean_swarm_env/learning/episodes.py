@@ -1,0 +1,119 @@
+"""What worlds do, episode after episode: a mission from random starts, scenarios of a family, or what a source gives.
+
+Every episode is a `Scenario`. Those of a series follow from a seed and their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
+from clean_swarm_env.config.files import load_family, load_mission
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start, run_seed
+
+Size = tuple[float, float]
+"""Width and height of a torus [m]."""
+Source = Callable[[int], Scenario | None]
+"""From a world of a batch to what it does next, None if there is nothing left for it."""
+Episodes = Callable[[int, int, int], Iterator[Scenario]]
+"""From a seed, the number of an episode and a step to that episode and every one a step further, without end."""
+
+
+class Series:
+    """A source for W worlds in which everything follows from seeds.
+
+    >>> series = Series(episodes_of("table1"), worlds=2)
+    >>> series.begin([5, 6])
+    >>> [series(0).id, series(0).id, series(1).id]
+    ['1', '2', '1']
+    >>> series.share(5)
+    >>> [series(0).id, series(0).id, series(1).id]
+    ['1', '3', '2']
+
+    """
+
+    def __init__(self, episodes: Episodes, worlds: int) -> None:
+        self._episodes = episodes
+        self._running: list[Iterator[Scenario] | None] = [None] * worlds
+
+    def __call__(self, world: int) -> Scenario:
+        """Return the next episode of a world."""
+        running = self._running[world]
+        assert running is not None
+        return next(running)
+
+    def begin(self, seeds: Sequence[int | None]) -> None:
+        """Give each world (W,) the episodes 0, 1, ... of its seed.
+
+        Without one (None) a world goes on with what it has, or begins with a seed that nobody knows.
+        """
+        for world, seed in enumerate(seeds):
+            if seed is not None or self._running[world] is None:
+                known = np.random.SeedSequence().entropy if seed is None else seed
+                self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
+
+    def share(self, seed: int) -> None:
+        """Deal the episodes of one seed out: world w of W gets the episodes w, w + W, ..."""
+        worlds = len(self._running)
+        self._running = [self._episodes(seed, world, worlds) for world in range(worlds)]
+
+
+def episodes_of(
+    mission: MissionConfig | str,
+    family: FamilyConfig | str | None = None,
+    split: Split = "train",
+    size: Size | None = None,
+    knowledge: str | None = None,
+    directories: tuple[Path, ...] = (),
+) -> Episodes:
+    """Return the episodes of a mission, or of a family if there is one; see `Batch` for the arguments."""
+    if family is None:
+        given = load_mission(mission, directories) if isinstance(mission, str) else mission
+        return _of_mission(_with_knowledge(given, knowledge))
+    drawn = load_family(family, directories) if isinstance(family, str) else family
+    _check_size(drawn, size)
+    return _of_family(drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)}), split, size)
+
+
+def _of_mission(mission: MissionConfig) -> Episodes:
+    def episodes(seed: int, first: int, step: int) -> Iterator[Scenario]:
+        return map(partial(episode, seed), count(first, step))
+
+    def episode(seed: int, number: int) -> Scenario:
+        start = random_start(mission, seed, number)
+        return Scenario(start.id, run_seed(seed, f"episode {number}"), mission, start)
+
+    return episodes
+
+
+def _of_family(family: FamilyConfig, split: Split, size: Size | None) -> Episodes:
+    def episodes(seed: int, first: int, step: int) -> Iterator[Scenario]:
+        drawn = map(partial(episode, seed), count(first, step))
+        return drawn if size is None or not family.sizes else filter(fits, drawn)
+
+    def episode(seed: int, number: int) -> Scenario:
+        return family.scenario(seed, number, split)
+
+    def fits(scenario: Scenario) -> bool:
+        world = scenario.mission.world
+        return (world.width, world.height) == size
+
+    return episodes
+
+
+def _check_size(family: FamilyConfig, size: Size | None) -> None:
+    """Raise ValueError unless the size says with which torus, of those of the family, the scenarios are meant."""
+    sizes = family.tori
+    if size not in sizes and (size is not None or len(sizes) > 1):
+        known = ", ".join(f"{own}" for own in sizes)
+        raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
+
+
+def _with_knowledge(mission: MissionConfig, knowledge: str | None) -> MissionConfig:
+    return mission if knowledge is None else mission.model_copy(update={"knowledge": knowledge})

@@ -1,0 +1,148 @@
+"""Batches side by side: worlds of different missions, families and sizes, whose robots one learner decides for.
+
+Rows are those of all batches, one after the other, and so are worlds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.learning.batch import Batch, Finished, Step
+from clean_swarm_env.learning.episodes import Size
+from clean_swarm_env.learning.observation.observer import Observations
+
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+
+class Joined:
+    """Some batches as if they were one; all arrays given are the caller's.
+
+    Args:
+        batches: B batches, at least one, with the same options, actions and observations.
+
+    Attributes:
+        rows: R, number of rows of all batches.
+        worlds: W, number of worlds of all batches.
+        world_of: (R,) int64, world of each row.
+        first_rows: (W,) int64, first row of each world.
+
+    >>> joined = Joined([Batch(worlds=2), *family_batches("random", 1, knowledge="cleaning")])
+    >>> joined.reset([5, 6, 7]).shape == (joined.rows, joined.batches[0].width)
+    True
+    >>> joined.step(np.zeros(joined.rows, dtype=np.int64)).terminated.shape
+    (3,)
+
+    """
+
+    def __init__(self, batches: Sequence[Batch]) -> None:
+        self.batches = tuple(batches)
+        _check_alike(self.batches)
+        self.rows = sum(batch.rows for batch in batches)
+        robots = np.array([batch.robots for batch in batches for _ in range(batch.worlds.worlds)])
+        self.worlds = len(robots)
+        self.world_of: Ints = np.repeat(np.arange(self.worlds), robots)
+        self.first_rows: Ints = np.cumsum(robots) - robots
+        self._cuts = list(accumulate(batch.rows for batch in batches))[:-1]
+        self._first_worlds = list(accumulate((batch.worlds.worlds for batch in batches), initial=0))[:-1]
+
+    def reset(
+        self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
+    ) -> Observations:
+        """Begin an episode in every world and return the observations (R, F); see `Batch.reset`."""
+        nothing = [None] * self.worlds
+        for name, given in (("seeds", seeds), ("starts", starts)):
+            if given is not None and len(given) != self.worlds:
+                raise ValueError(f"{name}: expected one for each of {self.worlds} worlds, got {len(given)}")
+        seen = []
+        for batch, first in zip(self.batches, self._first_worlds, strict=True):
+            own = slice(first, first + batch.worlds.worlds)
+            seen.append(batch.reset((seeds or nothing)[own], (starts or nothing)[own]))
+        return np.concatenate(seen)
+
+    def step(self, actions: NDArray[Any]) -> Step:
+        """Let each robot act for one decision period; see `Batch.step`."""
+        if actions.shape[:1] != (self.rows,):
+            raise ValueError(f"actions: expected one for each of {self.rows} rows, got shape {actions.shape}")
+        parts = np.split(actions, self._cuts)
+        steps = [batch.step(own) for batch, own in zip(self.batches, parts, strict=True)]
+        return Step(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
+
+    @property
+    def finished(self) -> tuple[Finished, ...]:
+        """The missions that came to their end in the last period."""
+        return tuple(
+            replace(end, world=first + end.world)
+            for batch, first in zip(self.batches, self._first_worlds, strict=True)
+            for end in batch.finished
+        )
+
+    @property
+    def present(self) -> Flags:
+        """(R,) whether there is a robot in the row."""
+        return np.concatenate([batch.worlds.physics.present for batch in self.batches])
+
+    @property
+    def events(self) -> Ints:
+        """(E, R) what happened in the last period; see `Progress.events`."""
+        return np.concatenate([batch.progress.events for batch in self.batches], axis=1)
+
+    def masks(self) -> Flags:
+        """Return which options (R, O) can serve in the coming period."""
+        return np.concatenate([batch.masks() for batch in self.batches])
+
+
+def family_batches(
+    family: FamilyConfig | str,
+    worlds: int,
+    *,
+    sizes: Sequence[Size] = (),
+    directories: tuple[Path, ...] = (),
+    **settings: Any,  # noqa: ANN401  (those of Batch)
+) -> list[Batch]:
+    """Return batches for the scenarios of a family, one for each torus that they have, with `worlds` worlds together.
+
+    World w gets torus w modulo their number; `sizes` say which tori and in which order, all of the family unless given.
+    """
+    known = load_family(family, directories) if isinstance(family, str) else family
+    tori = tuple(sizes) or known.tori
+    counts = [len(range(k, worlds, len(tori))) for k in range(len(tori))]
+    return [
+        Batch(family=known, size=size, worlds=count, directories=directories, **settings)
+        for size, count in zip(tori, counts, strict=True)
+        if count
+    ]
+
+
+def _check_alike(batches: Sequence[Batch]) -> None:
+    """Raise an error unless there are batches, and one learner can decide for all of them."""
+    if not batches:
+        raise ValueError("batches: expected at least one, got none")
+    if len({id(batch) for batch in batches}) < len(batches):
+        raise ValueError("batches: expected each one once, got one twice")
+    first = _compared(batches[0])
+    for number, batch in enumerate(batches):
+        for what, given in _compared(batch).items():
+            if given != first[what]:
+                expected = f"{first[what]} as in the first"
+                raise ConfigurationError(f"batches[{number}]: {what}: expected {expected}, got {given}")
+
+
+def _compared(batch: Batch) -> dict[str, Any]:
+    """Return what batches have in common that are joined."""
+    return {
+        "options": dict(batch.options),
+        "action": batch.action.model_dump(),
+        "observations and their bounds": dict(zip(batch.observer.names, batch.observer.bounds.tolist(), strict=True)),
+    }

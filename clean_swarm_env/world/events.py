@@ -1,0 +1,141 @@
+"""What happens in one world and when: the events of its mission, and the garbage that keeps coming.
+
+Garbage comes as a Poisson process: the items expected since the last one are compared with an exponential draw, so that
+a change of the rate keeps what has been waited already. What comes, when and where, depends on the seed of the world
+only, never on what robots do: all options that are compared get the same garbage.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.littering import land
+
+if TYPE_CHECKING:
+    from clean_swarm_env.world.worlds import Worlds
+
+NEVER: Final = 1 << 62
+"""Tick of what never happens."""
+OWN_STREAMS: Final = 0xFFFFFFFF
+"""Spawn key of the streams of a world; those of its robots have their numbers."""
+TOLERANCE: Final = 1e-9
+"""Share of a tick by which times of events may be rounded."""
+
+
+class Agenda:
+    """The future of one world since its reset.
+
+    A robot that wants to join waits until its place is free, and so does whatever is listed after it.
+
+    Attributes:
+        due: tick at which something happens next; call `run` then.
+
+    """
+
+    def __init__(self, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
+        streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, OWN_STREAMS)).spawn(3)
+        self._arrivals, self._landings, self._places = (np.random.default_rng(stream) for stream in streams)
+        per_tick = mission.world.control_rate
+        self._events: list[tuple[int, Event]] = [
+            (ceil(event.at * per_tick - TOLERANCE), event) for _, event in in_order(mission.events)
+        ]
+        self._joining: list[tuple[float, float, float] | None] = []
+        self._ticks_per_minute = 60.0 * per_tick
+        self._ticket = float(self._arrivals.exponential())  # items expected until the next one comes
+        self._set_rate(mission.garbage.respawn, 0.0)
+        self._landing = mission.items_expected - mission.garbage.count
+        self._ends = not mission.continuous
+        self._find_due(0)
+
+    def run(self, worlds: Worlds, world: int) -> None:
+        """Let happen what is due in `world` of `worlds`."""
+        tick = int(worlds.ticks[world])
+        while self._next_item <= tick:
+            land(worlds, world, self._arrivals.uniform(size=2) * worlds.extent)
+            self._ticket = float(self._arrivals.exponential())
+            self._set_rate(self._rate, self._next_time)
+        while (not self._joining or self._let_join(worlds, world)) and self._events and self._events[0][0] <= tick:
+            self._happen(self._events.pop(0)[1], worlds, world)
+        self._find_due(tick)
+
+    @property
+    def over(self) -> bool:
+        """Whether no more garbage will come."""
+        return self._ends and self._landing == 0
+
+    def _find_due(self, tick: int) -> None:
+        next_event = self._events[0][0] if self._events else NEVER
+        self.due = tick + 1 if self._joining else min(next_event, self._next_item)
+
+    def _set_rate(self, rate: float, since: float) -> None:
+        """Let items come at `rate` [1/min] from the time `since` [ticks] on, from which the ticket counts."""
+        self._rate, self._since = rate, since
+        self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NEVER)
+        self._next_item = ceil(self._next_time)
+
+    def _let_join(self, worlds: Worlds, world: int) -> bool:
+        """Let robots join that have waited; False if one has to wait on."""
+        while self._joining:
+            place = self._joining[0] or worlds.team.free_place(world, self._places)
+            if place is None or not worlds.team.is_free(world, np.array(place[:2])):
+                return False
+            self._joining.pop(0)
+            worlds.team.add(world, place)
+        return True
+
+    def _happen(self, event: Event, worlds: Worlds, world: int) -> None:
+        tick, first = int(worlds.ticks[world]), world * worlds.robots
+        if isinstance(event, Join):
+            self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
+        elif isinstance(event, Remove):
+            worlds.team.remove(first + np.array(event.robots))
+        elif isinstance(event, Fail):
+            worlds.team.fail(first + np.array(event.robots))
+        elif isinstance(event, Land):
+            for position in self._landings.uniform(size=(event.items, 2)) * worlds.extent:
+                land(worlds, world, position)
+            self._landing -= event.items
+        elif isinstance(event, Respawn):
+            self._ticket = max(self._ticket - (tick - self._since) * self._rate / self._ticks_per_minute, 0.0)
+            self._set_rate(event.rate, float(tick))
+        elif isinstance(event, MoveStations):
+            worlds.stations[world] = event.recycling, event.dump
+        else:
+            worlds.reception.set(world, event.reach, event.loss)
+
+
+class Agendas:
+    """The agendas of all worlds of a batch.
+
+    Attributes:
+        due: number of the batch's tick at which something happens next in any world.
+        over: (W,) bool, worlds into which no more garbage will come.
+
+    """
+
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
+        self._agendas: list[Agenda | None] = [None] * worlds.worlds
+        self.due = NEVER
+        self.over = np.zeros(worlds.worlds, dtype=np.bool_)
+
+    def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
+        """Let a world begin anew; its agenda depends on `mission` and `seed` only."""
+        agenda = self._agendas[world] = Agenda(mission, seed)
+        self.over[world] = agenda.over
+        self.due = 0
+
+    def let_happen(self, now: int) -> None:
+        """Let happen what is due in any world at the batch's tick `now`."""
+        self.due = NEVER
+        for world, agenda in enumerate(self._agendas):
+            if agenda is not None:
+                if agenda.due <= self._worlds.ticks[world]:
+                    agenda.run(self._worlds, world)
+                    self.over[world] = agenda.over
+                self.due = min(self.due, now + agenda.due - int(self._worlds.ticks[world]))

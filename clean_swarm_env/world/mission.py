@@ -1,0 +1,141 @@
+"""One mission from start to end, and what is reported of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.world.robot import coordinators_of
+from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import library_of
+from selector.coordination.selection import BY_SCORE, Selection
+from selector.knowledge import load_knowledge
+from selector.strategies.registry import StrategySpec
+
+Scores = Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class MissionResult:
+    """What a mission came to.
+
+    Attributes:
+        completed: whether all garbage was dumped in time.
+        duration_s: time at which the last item was dumped, or the time limit [s].
+        collision_samples_per_s: for each collision distance, pairs closer than it, counted at every physics step [1/s].
+        collision_events_per_s: for each collision distance, pairs that came closer than it [1/s].
+        garbage_done: items dumped.
+        robots: number of robots that took part.
+        ticks: control periods run.
+        items_per_min: items dumped per minute [1/min].
+        cost_s: see `mission_cost` [s].
+
+    """
+
+    completed: bool
+    duration_s: float
+    collision_samples_per_s: tuple[float, ...]
+    collision_events_per_s: tuple[float, ...]
+    garbage_done: int
+    robots: int
+    ticks: int
+    items_per_min: float
+    cost_s: float
+
+
+def run_mission(
+    mission: MissionConfig,
+    start: StartConfiguration,
+    seed: int,
+    scores: Scores,
+    strategy: StrategySpec = BY_SCORE,
+    directories: tuple[Path, ...] = (),
+) -> MissionResult:
+    """Run one mission; the arguments are those of `Course`."""
+    course = Course(mission, start, seed, scores, strategy, directories)
+    while course.in_progress:
+        course.tick()
+    return result_of(course.worlds, 0)
+
+
+class Course:
+    """One mission in one world, control period by control period.
+
+    Args:
+        mission: the mission.
+        start: where it starts.
+        seed: of everything random in it.
+        scores: goal -> option -> score, laid over the expert knowledge.
+        strategy: which decides in every decision period what each robot's coordinators hold.
+        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
+        explained: whether the networks note why each behaviour runs or does not.
+
+    """
+
+    def __init__(
+        self,
+        mission: MissionConfig,
+        start: StartConfiguration,
+        seed: int,
+        scores: Scores,
+        strategy: StrategySpec = BY_SCORE,
+        directories: tuple[Path, ...] = (),
+        *,
+        explained: bool = False,
+    ) -> None:
+        knowledge = load_knowledge(mission.knowledge, directories).with_scores(scores)
+        models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
+        self.worlds = Worlds(mission, models, directories=directories, explained=explained)
+        self.worlds.reset(0, start, seed)
+        self._selection = Selection(self.worlds.coordinators, seed, strategy)
+        self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
+        self._limit = round(mission.time_limit / self.worlds.period)
+        self.worlds.hold(self._selection.decide())
+
+    @property
+    def in_progress(self) -> bool:
+        """Whether there is garbage and time left."""
+        worlds = self.worlds
+        return bool(not worlds.cleaned[0] and worlds.ticks[0] < self._limit)
+
+    def tick(self) -> None:
+        """One control period; with the first one of a decision period it is decided what serves each goal."""
+        ticks = self.worlds.ticks[0]
+        if ticks > 0 and ticks % self._decision_ticks == 0:
+            self.worlds.hold(self._selection.decide())
+        self.worlds.tick()
+
+
+def result_of(worlds: Worlds, world: int) -> MissionResult:
+    """Return the result of a world as it stands."""
+    mission = worlds.missions[world]
+    ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
+    completed = bool(worlds.cleaned[world])
+    time = max(ticks, 1) * worlds.period
+    # the last item is dumped at the beginning of its control period
+    duration = max(ticks - 1, 0) * worlds.period if completed else mission.time_limit
+    events = worlds.collisions.events[world]
+    return MissionResult(
+        completed=completed,
+        duration_s=round(duration, 9),
+        collision_samples_per_s=tuple((worlds.collisions.samples[world] / time).tolist()),
+        collision_events_per_s=tuple((events / time).tolist()),
+        garbage_done=done,
+        robots=int(worlds.team.joined[world]),
+        ticks=ticks,
+        items_per_min=60.0 * done / time,
+        cost_s=mission_cost(mission, duration, int(events[0]), done),
+    )
+
+
+def mission_cost(mission: MissionConfig, duration: float, events: int, done: int) -> float:
+    """Return what a mission cost [s]: its `duration` [s] and the price of its collision events at the first distance.
+
+    A mission that was not completed costs as if it had gone on until all items were `done`, so that standing still is
+    never cheap. Where garbage keeps coming every mission lasts equally long: there it is the cost of each item done.
+    """
+    cost = duration + mission.collision_cost * events
+    items = 1 if mission.continuous else max(mission.items_expected, 1)
+    return cost * items / max(done, 1) if mission.continuous or done < items else cost

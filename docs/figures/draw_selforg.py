@@ -1,0 +1,212 @@
+"""Draws the pictures of selforg: `python -m docs.figures.draw_selforg [DIR]` (default docs/pictures)."""
+
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
+
+from selforg import mechanisms
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.gradient import Gradient
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.settings import BufferSettings
+from selforg.mechanisms import MovementMechanism
+from selforg.randomness import DirectionStream
+from selforg.space import Euclidean
+
+SIZE, PROBES = 4.0, 21  # half the side of a field [m], arrows along a side
+ATTRACTIVE, REPULSIVE, INK, PALE = "#009E73", "#D55E00", "#1b2a41", "#8d99ae"
+COLOURS = {1: ATTRACTIVE, -1: REPULSIVE}
+AMONG_ROBOTS = ("RepulsionFernandez", "RepulsionGradient", "Flocking", "FlockingReynolds")
+
+SCENES = {
+    "one": (Gradient("here", (0.0, 0.0), attraction=1, diffusion=2.0, goal_radius=0.5),),
+    "two": (
+        Gradient("here", (-1.5, 0.0), attraction=1, diffusion=2.0, goal_radius=0.5),
+        Gradient("here", (1.5, 0.5), attraction=-1, diffusion=1.5, goal_radius=0.5),
+    ),
+}
+
+
+def field(name: str, gradients: tuple[Gradient, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return places (P, 2), vectors (P, 2) and whether there is one (P,): every probe is a team of its own."""
+    side = np.linspace(-SIZE, SIZE, PROBES)
+    places = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    rows, space = len(places), Euclidean(2)
+    poses = OwnPoses(space, rows, np.arange(rows), goal_radius=0.25)
+    buffer = SoBuffer(BufferSettings(view_distance=2.5, aggregation_distance=0.0), space, poses)
+    for stamp in (0.0, 1.0):  # two poses each: flocking needs velocities
+        poses.update(places - [0.2 * (1.0 - stamp), 0.0], np.zeros(rows), stamp)
+        for team in range(rows):
+            for index, g in enumerate(gradients):
+                moving = name in AMONG_ROBOTS
+                channel = poses.channel if moving else g.channel
+                position = (g.position[0], g.position[1] - 0.2 * (1.0 - stamp)) if moving else g.position
+                copy = Gradient(channel, position, f"source {index}", (0.0, 1.0), g.attraction, g.diffusion,
+                                g.goal_radius, stamp=stamp, moving=moving)  # fmt: skip
+                buffer.store(copy, stamp, team=team)
+    generators = [np.random.default_rng((7, row)) for row in range(rows)]
+    mechanism = mechanisms.create(name, buffer, directions=DirectionStream(generators))
+    vectors, active = mechanism.move(1.0)
+    return places, vectors, active
+
+
+def draw_fields(scene: str) -> Figure:
+    """Return one panel per movement mechanism."""
+    names = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), MovementMechanism)]
+    columns = 5
+    lines = -(-len(names) // columns)
+    figure, axes = plt.subplots(lines, columns, figsize=(2.9 * columns, 3.05 * lines), layout="constrained")
+    for axis, name in zip(axes.flat, names, strict=False):
+        draw_field(axis, name, SCENES[scene])
+    for axis in axes.flat[len(names) :]:
+        axis.axis("off")
+    figure.suptitle(
+        f"Where each mechanism takes a robot around {scene} gradient{'' if scene == 'one' else 's'}\n"
+        "green attracts, orange repels; filled: goal area, dashed: reach; arrows scaled per panel, darker = longer",
+        fontsize=11, color=INK,
+    )  # fmt: skip
+    return figure
+
+
+def draw_field(axis: Axes, name: str, gradients: tuple[Gradient, ...]) -> None:
+    """Draw the vectors of one mechanism and the gradients that cause them."""
+    places, vectors, active = field(name, gradients)
+    for g in gradients:
+        axis.add_patch(Circle(g.position, g.reach, fill=False, ls="--", lw=0.9, ec=COLOURS[g.attraction]))
+        axis.add_patch(Circle(g.position, g.goal_radius, fc=COLOURS[g.attraction], alpha=0.45, lw=0))
+    lengths = np.linalg.norm(vectors, axis=1)
+    shown = active & (lengths > 0)
+    spacing = 2 * SIZE / (PROBES - 1)
+    if shown.any():
+        arrows = vectors[shown] / lengths[shown, None] * (0.35 + 0.6 * lengths[shown, None] / lengths.max()) * spacing
+        axis.quiver(*places[shown].T, *arrows.T, lengths[shown], cmap="Blues", angles="xy", scale_units="xy", scale=1.0,
+                    width=0.007, clim=(-0.6 * lengths.max(), lengths.max()), pivot="mid")  # fmt: skip
+    still = active & (lengths == 0)
+    axis.plot(*places[still].T, ".", ms=1.5, color=PALE)
+    among = " (among robots)" if name in AMONG_ROBOTS else ""
+    axis.set_title(name + among, fontsize=8, color=INK)
+    axis.set(xlim=(-SIZE - 0.2, SIZE + 0.2), ylim=(-SIZE - 0.2, SIZE + 0.2), aspect="equal", xticks=[], yticks=[])
+    for spine in axis.spines.values():
+        spine.set_color("#d9dee6")
+
+
+# name -> (column, line); arrows: pattern -> what it builds on. After the catalogue of Fernandez-Marquez et al. (2013),
+# doi:10.1007/s11047-012-9324-y, which Fig. 1 of Hrabia, Kaiser, Albayrak (2017) extends.
+BOXES = {
+    "Basic": {"Spreading": (0, 0), "Aggregation": (0, 1), "Evaporation": (0, 2), "Repulsion": (0, 3)},
+    "Composed": {"Gradients": (1, 0.5), "Digital pheromones": (1, 1.6), "Gossip": (1, 2.7)},
+    "Movement": {
+        "Chemotaxis": (2, 0), "Collision avoidance": (2, 0.8), "Flocking": (2, 1.6),
+        "Exploration, Exploitation": (2, 2.4), "Patrol": (2, 3.2),
+    },
+    "Decision": {"Morphogenesis": (3, 0.4), "Quorum sensing": (3, 1.4), "Foraging": (3, 2.4)},
+}  # fmt: skip
+BUILDS_ON = (
+    ("Gradients", "Spreading"), ("Gradients", "Aggregation"), ("Digital pheromones", "Aggregation"),
+    ("Digital pheromones", "Evaporation"), ("Gossip", "Spreading"), ("Gossip", "Aggregation"),
+    ("Chemotaxis", "Gradients"), ("Collision avoidance", "Gradients"), ("Flocking", "Gradients"),
+    ("Flocking", "Repulsion"), ("Exploration, Exploitation", "Digital pheromones"), ("Patrol", "Digital pheromones"),
+    ("Patrol", "Repulsion"), ("Morphogenesis", "Chemotaxis"), ("Foraging", "Exploration, Exploitation"),
+    ("Quorum sensing", "Gradients"),
+)  # fmt: skip
+TINTS = {"Basic": "#e8edf4", "Composed": "#d7e6f5", "Movement": "#d9f0e6", "Decision": "#fbe3d4"}
+
+
+def draw_catalogue() -> Figure:
+    """Return the catalogue of patterns and what builds on what."""
+    figure, axis = plt.subplots(figsize=(11, 5), layout="constrained")
+    places = {name: place for boxes in BOXES.values() for name, place in boxes.items()}
+    for upper, lower in BUILDS_ON:
+        (x1, y1), (x0, y0) = places[upper], places[lower]
+        style = {"arrowstyle": "-|>", "mutation_scale": 9, "connectionstyle": "arc3,rad=0.05"}
+        arrow = FancyArrowPatch((x1 - 0.39, -y1), (x0 + 0.39, -y0), color=PALE, lw=1.1, **style)
+        axis.add_patch(arrow)
+    for kind, boxes in BOXES.items():
+        column = next(iter(boxes.values()))[0]
+        axis.text(column, 0.62, kind, ha="center", fontsize=11, color=INK, weight="bold")
+        for name, (x, y) in boxes.items():
+            box = FancyBboxPatch((x - 0.38, -y - 0.2), 0.76, 0.4, boxstyle="round,pad=0.01,rounding_size=0.06",
+                                 fc=TINTS[kind], ec=INK, lw=0.8)  # fmt: skip
+            axis.add_patch(box)
+            axis.text(x, -y, name.replace(", ", ",\n"), ha="center", va="center", fontsize=8.5, color=INK)
+    axis.set(xlim=(-0.5, 3.5), ylim=(-3.6, 0.85))
+    axis.axis("off")
+    axis.set_title("Patterns of self-organisation; an arrow leads to what a pattern builds on", fontsize=11, color=INK)
+    return figure
+
+
+def draw_evaporation_and_aggregation() -> Figure:
+    """Return how diffusion falls with time, and what the aggregation rules leave of two gradients."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
+    times = np.arange(0.0, 20.01, 0.05)
+    for whole, style, label in ((False, "-", "exact time"), (True, "--", "whole seconds (the original)")):
+        buffer = lone_buffer(BufferSettings(view_distance=np.inf, whole_seconds=whole))
+        buffer.store(Gradient("f", (0.0, 0.0), diffusion=4.0, evaporation_factor=0.8, evaporation_period=1.5), 0.0)
+        seen = [Queries(buffer).gradients(0, float(t)) for t in times]
+        left.plot(
+            times, [s[0].diffusion if s else 0.0 for s in seen], style, color=INK if whole else REPULSIVE, label=label
+        )
+    left.axhline(0.1, color=PALE, lw=0.8)
+    left.text(0.2, 0.16, "min_diffusion: deleted below", fontsize=8, color=PALE)
+    left.set(xlabel="time [s]", ylabel="diffusion [m]", title="Evaporation: factor 0.8 every 1.5 s", ylim=(0, None))
+    left.legend(frameon=False)
+    rules = ("max", "min", "average", "new")
+    for index, rule in enumerate(rules):
+        buffer = lone_buffer(
+            BufferSettings(view_distance=np.inf, aggregation={"DEFAULT": rule}, aggregation_distance=1.0)
+        )
+        x = 4.5 * index
+        pair = (
+            Gradient("f", (x - 0.4, 0.0), diffusion=1.6, stamp=0.0),
+            Gradient("f", (x + 0.4, 0.0), diffusion=0.9, stamp=1.0),
+        )
+        for g in pair:
+            right.add_patch(Circle((g.position[0], 2.4), g.diffusion, fill=False, ec=PALE, lw=1.0))
+            right.plot(g.position[0], 2.4, "+", color=PALE)
+            buffer.store(g, g.stamp)
+        for g in Queries(buffer).gradients(0, 1.0, Filter()):
+            right.add_patch(Circle((g.position[0], -1.6), g.diffusion, fc=ATTRACTIVE, alpha=0.25, ec=ATTRACTIVE))
+            right.plot(g.position[0], -1.6, "+", color=INK)
+        right.text(x, 4.4, rule, ha="center", color=INK)
+    right.text(-2.4, 2.4, "stored,\nthen new", fontsize=8, color=INK, ha="right", va="center")
+    right.text(-2.4, -1.6, "left", fontsize=8, color=INK, ha="right", va="center")
+    right.set(xlim=(-4.5, 16), ylim=(-3.6, 5), aspect="equal", title="Aggregation of two gradients 0.8 m apart")
+    right.axis("off")
+    return figure
+
+
+def lone_buffer(settings: BufferSettings) -> SoBuffer:
+    """Return a buffer of one robot at the origin."""
+    space = Euclidean(2)
+    poses = OwnPoses(space, 1)
+    poses.update(np.zeros((1, 2)), None, 0.0)
+    return SoBuffer(settings, space, poses)
+
+
+def main(directory: Path) -> None:
+    """Draw all pictures into a directory."""
+    directory.mkdir(parents=True, exist_ok=True)
+    figures = {
+        "fields_one": draw_fields("one"),
+        "fields_two": draw_fields("two"),
+        "catalogue": draw_catalogue(),
+        "evaporation_aggregation": draw_evaporation_and_aggregation(),
+    }
+    for name, figure in figures.items():
+        figure.savefig(directory / f"{name}.png", dpi=110)
+        plt.close(figure)
+        print(directory / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "pictures")

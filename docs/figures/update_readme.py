@@ -1,0 +1,103 @@
+"""Puts real output into the README, between its `begin` and `end` marks: `python -m docs.figures.update_readme`.
+
+The table of `clean-swarm evaluate`, what 100 random start configurations give, the reference experiment (where its
+file lies beside the repository) and the speed that `make bench` has recorded. Takes some minutes.
+"""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+REFERENCE = ROOT.parent / "shared" / "table1" / "reference.json"
+SEED, SCENARIOS = 1, 100
+FIGURES = {
+    "duration_s": "duration [s]",
+    "samples_per_s_at_0.5m": "samples/s at 0.5 m",
+    "events_per_s_at_0.5m": "events/s at 0.5 m",
+}
+
+
+def evaluate(*words: str) -> tuple[str, dict[str, Any]]:
+    """Run `clean-swarm evaluate` and return what it prints and its summary."""
+    with tempfile.TemporaryDirectory() as directory:
+        output = Path(directory) / "run"
+        command = [sys.executable, "-c", "from train.cli.app import main; main()", "evaluate", *words]
+        done = subprocess.run([*command, "--output", str(output)], cwd=ROOT, check=True, capture_output=True, text=True)
+        summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
+    printed = re.sub(r"results in .*", "", done.stdout)
+    return "\n".join(line.rstrip() for line in printed.strip().splitlines()), summary
+
+
+def of_many(summary: dict[str, Any]) -> str:
+    """Return completion and ratios of an evaluation of many scenarios as Markdown."""
+    lines = ["| | RepulsionFernandez | RepulsionGradient | ratio |", "|---|---|---|---|"]
+    conditions = [summary["conditions"][name] for name in ("RepulsionFernandez", "RepulsionGradient")]
+    lines.append("| completed | " + " | ".join(f"{c['completed']} of {c['n']}" for c in conditions) + " | |")
+    for metric, name in (
+        ("duration_s", "duration [s]"),
+        ("collision_samples_per_s", "collision samples per s"),
+        ("collision_events_per_s", "collision events per s"),
+    ):
+        (ratio,) = (c for c in summary["comparisons"] if c["metric"] == metric)
+        means = " | ".join(f"{c[metric]['mean']:.3g}" for c in conditions)
+        lines.append(f"| {name} | {means} | {interval(ratio)} |")
+    return "\n".join(lines)
+
+
+def of_reference(summary: dict[str, Any]) -> str:
+    """Return ours beside measured as Markdown, for the figures in FIGURES."""
+    lines = ["| | figure | ours | measured | ours / measured |", "|---|---|---|---|---|"]
+    for row in summary["reference"]:
+        if row["metric"] in FIGURES:
+            ours, measured = (f"{row[name]:.3g}" for name in ("ours", "measured"))
+            lines.append(f"| {row['condition']} | {FIGURES[row['metric']]} | {ours} | {measured} | {interval(row)} |")
+    for row in summary["reference_ratios"]:
+        if row["metric"] in FIGURES and row["b"] == "RepulsionGradient":
+            ours, measured = interval(row["ours"]), interval(row["measured"])
+            lines.append(f"| {row['a']} / Gradient | {FIGURES[row['metric']]} | {ours} | {measured} | |")
+    return "\n".join(lines)
+
+
+def interval(ratio: dict[str, Any]) -> str:
+    """Return a ratio with its interval."""
+    low, high = ratio["ci95"]
+    return f"{ratio['ratio']:.2f} [{low:.2f}, {high:.2f}]"
+
+
+def of_speed() -> str:
+    """Return the recorded speed of the stack as Markdown."""
+    stack = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))["stack"]
+    rates = stack["simulated seconds per CPU second"]
+    lines = [f"| simulated seconds for a CPU second ({stack['machine']['cpu']}) | |", "|---|---|"]
+    return "\n".join([*lines, *(f"| {name} | {rate:.0f} |" for name, rate in rates.items())])
+
+
+def put(text: str, name: str, block: str) -> str:
+    """Return `text` with `block` between the marks of `name`."""
+    begin, end = f"<!-- begin: {name} -->\n", f"\n<!-- end: {name} -->"
+    before, found, rest = text.partition(begin)
+    if not found or end not in rest:
+        raise ValueError(f"{README}: expected the marks {begin.strip()} and {end.strip()}")
+    return before + begin + block + end + rest.partition(end)[2]
+
+
+def main() -> None:
+    """Fill all marks that can be filled here."""
+    text = README.read_text(encoding="utf-8")
+    text = put(text, "table1", f"```text\n{evaluate()[0]}\n```")
+    many = evaluate("--scenarios", str(SCENARIOS), "--seed", str(SEED))[1]
+    text = put(text, "many", of_many(many))
+    if REFERENCE.exists():
+        text = put(text, "reference", of_reference(evaluate("table1-reference", "--starts", str(REFERENCE))[1]))
+    text = put(text, "speed", of_speed())
+    README.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

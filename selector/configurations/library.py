@@ -1,0 +1,82 @@
+"""The configuration library: key -> the components that realise it, one YAML file each."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from selector.configurations.configuration import ConfigurationSpec
+from selector.configurations.host import trial_host
+from selector.configurations.running import Content
+from selector.documents.parameters import check_parameters_used, resolved
+from selector.documents.yaml import DocumentError, read_mapping, roots, shown, unknown, validated
+from selector.knowledge import Knowledge, Option
+
+KIND = "mechanisms"
+
+
+class Library:
+    """All configurations of some directories and of the shipped one; a key in an earlier directory hides a later one.
+
+    Every file is read and checked at once, so that a mistake shows when the program starts.
+
+    Args:
+        directories: searched for `mechanisms/*.yaml` before the shipped directory.
+
+    Raises:
+        DocumentError: a file that cannot be read or a configuration that cannot be built.
+
+    >>> Library().configuration("RepulsionGradient", {"view_distance": 1.0}).mechanisms["avoidance"].parameters
+    {'view_distance': 1.0}
+
+    """
+
+    def __init__(self, directories: Sequence[Path] = ()) -> None:
+        self._paths: dict[str, Path] = {}
+        for root in roots(directories):
+            for path in sorted((root / KIND).glob("*.yaml")):
+                self._paths.setdefault(path.stem, path)
+        self._documents: dict[str, dict[str, Any]] = {key: read_mapping(path) for key, path in self._paths.items()}
+        for key, path in self._paths.items():
+            self.configuration(key)
+            try:
+                check_parameters_used(self._documents[key])
+            except DocumentError as error:
+                raise DocumentError(f"{shown(path)}: {error}") from error
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of all configurations, sorted."""
+        return tuple(sorted(self._paths))
+
+    def configuration(self, key: str, parameters: Mapping[str, Any] | None = None) -> ConfigurationSpec:
+        """Return a configuration with `parameters` laid over its own."""
+        if key not in self._paths:
+            raise DocumentError(unknown("configuration", key, self.keys))
+        where = shown(self._paths[key])
+        try:
+            content = resolved(self._documents[key], parameters or {})
+        except DocumentError as error:
+            raise DocumentError(f"{where}: {error}") from error
+        configuration = validated(ConfigurationSpec, content, where)
+        Content(configuration, trial_host(configuration), where)
+        return configuration
+
+    def of_option(self, option: Option) -> ConfigurationSpec:
+        """Return the configuration of an option with the option's parameters laid over it."""
+        return self.configuration(option.configuration, option.parameters)
+
+    def check(self, knowledge: Knowledge) -> None:
+        """Raise DocumentError unless every option of `knowledge` can be built; names its file, goal and option."""
+        for goal in knowledge.goals:
+            for option in knowledge.options(goal):
+                try:
+                    self.of_option(option)
+                except DocumentError as error:
+                    raise DocumentError(f"{knowledge.source}: goals.{goal}.{option.name}: {error}") from error
+
+
+@cache
+def library_of(directories: tuple[Path, ...] = ()) -> Library:
+    """Return the library of some directories, read once in this process."""
+    return Library(directories)

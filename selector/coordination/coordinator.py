@@ -1,0 +1,182 @@
+"""The coordinator: a sub-network for one goal, whose content is the configuration of the option that serves it now.
+
+To the network that holds it a coordinator shows the preconditions and effects of the configuration held now, so that
+arbitration sees what it would see without the nesting. Different robots may hold different options at the same time;
+the work grows with the number of options in use, not with robots.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from selector.configurations.host import Host
+from selector.configurations.running import Content
+from selector.coordination.model import CoordinatorModel
+from selforg.arrays import Ints
+from selforg.compiler.decorators import lean_kernel
+from selforg.components import Commands
+from selforg.network.network import BehaviourNetwork
+from selforg.network.state import state as st
+
+
+class Coordinator:
+    """R rows that each hold one option of a `CoordinatorModel`, inside the network `parent`.
+
+    In every control period: `sense`, the step of the parent, `act`, and `leave` once all movements are known.
+
+    Attributes:
+        held: (R,) the option that each row holds; change it by `hold`.
+        contents: (O,) the options at work.
+
+    """
+
+    def __init__(
+        self, model: CoordinatorModel, parent: BehaviourNetwork, host: Host, *, explained: bool = False
+    ) -> None:
+        self.model = model
+        self.parent = parent
+        self.index = parent.model.behaviour_index[model.goal]
+        self.held: Ints = np.zeros(parent.rows, dtype=np.int64)
+        self.contents = tuple(
+            Content(configuration, host, f"goal {model.goal}: option {name}", explained=explained)
+            for name, configuration in zip(model.options, model.configurations, strict=True)
+        )
+        for content in self.contents:
+            sensors = content.network.model.sensors
+            content.robots.show_in(
+                parent.readings,
+                np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
+            )
+        self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
+        shape = (len(self.contents), parent.rows)
+        self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts` of them
+        self._counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
+        self._new: Ints = np.zeros(shape, dtype=np.int64)  # rows that take up each option, the first `_new_counts`
+        self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
+        self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to begin anew
+        self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those that begin anew
+        self._in_use: list[tuple[int, Ints]] = []
+        self._acted: list[Content] = []
+        self.reset(np.arange(parent.rows))
+
+    def reset(self, rows: Ints) -> None:
+        """Begin anew in `rows` (K,), holding the options they hold."""
+        for content in self.contents:
+            content.network.reset(rows)
+            content.forget(rows)
+        self._stale[rows] = 0
+        self.parent.hold(rows, self.index, self.held[rows])
+        group(self.held, self._members, self._counts)
+        self._list_in_use()
+
+    def hold(self, rows: Ints, options: Ints) -> None:
+        """Let `rows` (K,) hold `options` (K,); the rest of each robot goes on undisturbed.
+
+        An option that is taken up begins anew: nothing runs, nothing is known, decided or activated yet. What was
+        spread and deposited stays in the world and evaporates by its own rule.
+        """
+        changed = take_up(
+            rows, options, self.held, self._stale, self._new, self._new_counts, self._members, self._counts
+        )
+        if changed < 0:
+            raise ValueError(f"goal {self.model.goal}: expected options 0..{len(self.contents) - 1}, got {options}")
+        if not changed:
+            return
+        self.parent.hold(rows, self.index, options, self._all_columns)
+        for k, count in enumerate(self._new_counts.tolist()):
+            if count and self.contents[k].remembers:
+                self.contents[k].forget(self._new[k, :count])
+        self._list_in_use()
+
+    def _list_in_use(self) -> None:
+        self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
+
+    def sense(self, now: float) -> None:
+        """Ask what is in use at `now` [s] and write its sensors into the parent's readings."""
+        for k, rows in self._in_use:
+            self.contents[k].robots.sense(now, rows)
+
+    def act(self, now: float, commands: Commands) -> None:
+        """Run the content where the parent runs the coordinator; its movement goes into `commands`."""
+        for k, rows in self._in_use:
+            content = self.contents[k]
+            network = content.network
+            number, stale = take_turns(
+                rows, self.parent.state.mark_table, self.index, network.state.mark_table, self._stale, self._turns
+            )
+            if not number:
+                continue
+            if stale:
+                network.begin(self._turns[1, :stale])
+            acting = self._turns[0, :number]
+            network.step(acting, True)
+            content.robots.act(now, acting, commands)
+            self._acted.append(content)
+
+    def leave(self, now: float) -> None:
+        """Leave in the world, at `now` [s], what others shall find from the next control period on."""
+        for content in self._acted:
+            content.robots.leave(now)
+        self._acted.clear()
+
+
+@lean_kernel
+def group(held: Ints, members: Ints, counts: Ints) -> None:
+    """Fill `members` (O, R) and `counts` (O,) with the rows that hold each option; held (R,)."""
+    counts[:] = 0
+    for row in range(held.shape[0]):
+        option = held[row]
+        members[option, counts[option]] = row
+        counts[option] += 1
+
+
+@lean_kernel
+def take_up(
+    rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, new_counts: Ints, members: Ints, counts: Ints
+) -> int:
+    """Let `rows` (K,) hold `options` (K,) and note in `new` (O, R) and `new_counts` (O,) who takes up what.
+
+    held, stale: (R,); members (O, R) and counts (O,) are brought up to date by `group`. Returns how many rows change,
+    or -1, with nothing changed, for an option that does not exist.
+    """
+    new_counts[:] = 0
+    for k in range(rows.shape[0]):
+        if not 0 <= options[k] < counts.shape[0]:
+            return -1
+    changed = 0
+    for k in range(rows.shape[0]):
+        row, option = rows[k], options[k]
+        if held[row] != option:
+            held[row], stale[row] = option, 1
+            new[option, new_counts[option]] = row
+            new_counts[option] += 1
+            changed += 1
+    if changed:
+        group(held, members, counts)
+    return changed
+
+
+@lean_kernel
+def take_turns(
+    rows: Ints, outer_marks: Ints, behaviour: int, inner_marks: Ints, stale: Ints, turns: Ints
+) -> tuple[int, int]:
+    """List in `turns` (2, R) in which of `rows` (K,) a behaviour runs, and which of those were `stale` (R,).
+
+    Those are stale no longer. Where the behaviour was just started, all that runs inside stops. Returns how many are in
+    either list; marks are the mark tables of the networks outside and inside.
+    """
+    acting, renewed = 0, 0
+    for row in rows:
+        if not outer_marks[row, st.EXECUTING, behaviour]:
+            continue
+        turns[0, acting] = row
+        acting += 1
+        if stale[row]:
+            stale[row] = 0
+            turns[1, renewed] = row
+            renewed += 1
+        if outer_marks[row, st.STARTED, behaviour]:
+            for b in range(inner_marks.shape[2]):
+                inner_marks[row, st.EXECUTING, b] = 0
+                inner_marks[row, st.EXECUTION_TIME, b] = -1
+    return acting, renewed

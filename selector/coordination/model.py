@@ -1,0 +1,67 @@
+"""What can serve a goal: its options with their configurations, as a network knows them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from selector.configurations.configuration import ConfigurationSpec
+from selector.configurations.library import Library
+from selector.documents.yaml import DocumentError
+from selector.knowledge import Knowledge
+from selforg.network.model.behaviours import Behaviour, Effect, Interface, Sensor
+from selforg.network.model.conditions import Conjunction, Disjunction, Optional, Tree
+
+
+class CoordinatorModel:
+    """What can serve a goal: the options in the order of the knowledge, with their configurations.
+
+    Attributes:
+        goal: name of the self-organisation goal.
+        options: (O,) names.
+        configurations: (O,) what each option is made of.
+        sensors: of all configurations; those of one name are one sensor.
+
+    Raises:
+        DocumentError: a configuration that cannot be built, or two that mean different things by one name.
+
+    """
+
+    def __init__(self, goal: str, knowledge: Knowledge, library: Library) -> None:
+        self.goal = goal
+        self.options = tuple(option.name for option in knowledge.options(goal))
+        self.scores = knowledge.scores(goal)
+        self.configurations = tuple(library.of_option(option) for option in knowledge.options(goal))
+        sensors: dict[str, Sensor] = {}
+        for name, configuration in zip(self.options, self.configurations, strict=True):
+            for sensor in configuration.network_sensors():
+                if sensors.setdefault(sensor.name, sensor) != sensor:
+                    other = sensors[sensor.name].kind
+                    raise DocumentError(
+                        f"goal {goal}: option {name}: sensor {sensor.name!r} is a {sensor.kind}, elsewhere a {other}"
+                    )
+        self.sensors = tuple(sensors.values())
+
+    def behaviour(self, **settings: Any) -> Behaviour:  # noqa: ANN401  (keyword arguments of Behaviour)
+        """Return the coordinator as a behaviour of the network that holds it."""
+        shown = tuple(shown_interface(configuration) for configuration in self.configurations)
+        return Behaviour(self.goal, alternatives=shown, **settings)
+
+
+def coordinator_models(goals: Iterable[str], knowledge: Knowledge, library: Library) -> tuple[CoordinatorModel, ...]:
+    """Return the models of some goals, in their order."""
+    return tuple(CoordinatorModel(goal, knowledge, library) for goal in goals)
+
+
+def shown_interface(configuration: ConfigurationSpec) -> Interface:
+    """Return what a configuration shows: its behaviour's interface; of several, ready when one of them is."""
+    faces = configuration.interfaces()
+    if len(faces) == 1:
+        return faces[0]
+    optional = tuple(p for face in faces for p in face.preconditions if isinstance(p, Optional))
+    mandatory = [tuple(p for p in face.preconditions if not isinstance(p, Optional)) for face in faces]
+    trees: tuple[Tree, ...] = ()
+    if all(mandatory):
+        trees = (Disjunction(*(Conjunction(*parts) for parts in mandatory)),)
+    effects = {(effect.sensor, effect.change): effect for face in faces for effect in face.effects}
+    return Interface((*trees, *optional), tuple(Effect(sensor, change) for sensor, change in effects))

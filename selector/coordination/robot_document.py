@@ -1,0 +1,177 @@
+"""Behaviour networks from YAML, in the words of `vocabulary`: sensors, conditions, behaviours, goals, inner networks.
+
+    networks:
+      robot:
+        sensors: {garbage_seen: fact, distance: number}
+        conditions:
+          near: {sensor: distance, activator: {type: Linear, zero: 5.0, full: 1.0}}
+        behaviours:
+          Approach: {preconditions: [near], effects: [{sensor: distance, change: -1.0}], network: approach}
+        goals:
+          Clean: {conditions: [{type: Negation, of: near}]}
+        settings: {max_parallel: 1}
+      approach: ...
+    root: robot
+    parameters: {reach: 1.0}
+
+Where a condition is expected, the name of one under `conditions` may stand. A network sees the named conditions of
+those it lies in, and must not give their names another meaning. In the root network a behaviour `G: {type: Coordinator,
+goal: G}` holds the configuration that serves the goal G now; its sensors come with it. `$reach` in place of a value
+stands for the parameter of that name, over which whoever reads the file may lay another value.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from selector.coordination.robot_vocabulary import Coordinators, NetworkSpec
+from selector.documents.parameters import check_parameters_used, resolved
+from selector.documents.yaml import Closed, DocumentError, Name, read_mapping, shown, unknown, validated
+from selforg.network.model.behaviours import NetworkSettings
+from selforg.network.nesting import NestedModel
+
+Content = dict[str, Any]
+
+
+class NetworksSpec(Closed):
+    """A file of networks; what each holds is checked when it is reached from the root."""
+
+    description: str = ""
+    """What the robot is."""
+    root: Name
+    """The outermost network."""
+    networks: dict[Name, dict[str, Any]]
+    """Networks by name."""
+
+
+def load_network(
+    path: Path,
+    coordinators: Coordinators | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    settings: NetworkSettings | None = None,
+) -> NestedModel:
+    """Return the root network of a YAML file with everything it holds.
+
+    Args:
+        path: the file.
+        coordinators: by goal, what the coordinators of the root network can hold.
+        parameters: laid over those of the file.
+        settings: in place of those of the root network.
+
+    Raises:
+        DocumentError: file, key and what is wrong: unknown keys, sensors, conditions, networks, goals and parameters,
+            an activator that does not fit its sensor, networks that hold each other in a circle, one name for two
+            conditions or sensors.
+
+    """
+    return network_from(read_mapping(path), shown(path), coordinators, parameters, settings)
+
+
+def network_from(
+    content: Content,
+    where: str = "networks",
+    coordinators: Coordinators | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    settings: NetworkSettings | None = None,
+) -> NestedModel:
+    """Return the root network of what a YAML file holds; `where` names it in errors."""
+    try:
+        check_parameters_used(content)
+        filled = resolved(content, parameters or {})
+    except DocumentError as error:
+        raise DocumentError(f"{where}: {error}") from error
+    file = validated(NetworksSpec, filled, where)
+    return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
+
+
+def coordinated_goals(path: Path) -> tuple[str, ...]:
+    """Return the goals that the coordinators of the root network of a YAML file serve, in the order of the file."""
+    content = read_mapping(path)
+    networks, root = content.get("networks"), content.get("root")
+    network = networks.get(root) if isinstance(networks, dict) and isinstance(root, str) else None
+    behaviours = network.get("behaviours") if isinstance(network, dict) else None
+    held = behaviours.values() if isinstance(behaviours, dict) else ()
+    goals = [b.get("goal") for b in held if isinstance(b, dict) and b.get("type") == "Coordinator"]
+    return tuple(goal for goal in goals if isinstance(goal, str))  # what is wrong shows when the network is loaded
+
+
+@dataclass(frozen=True)
+class _Nesting:
+    """Builds networks with what they hold, from the outside in."""
+
+    networks: Mapping[str, Content]
+    file: str
+    coordinators: Coordinators
+    settings: NetworkSettings | None
+
+    def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> NestedModel:
+        """Build a network that lies in those of `path`, whose named conditions are `outside`."""
+        if name not in self.networks:
+            raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
+        where = f"{self.file}: networks.{name}"
+        if name in path:
+            raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
+        content = self.networks[name]
+        named = _named(content, outside, where)
+        spec = validated(NetworkSpec, _in_place(content, named, where), where)
+        inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
+        try:
+            model = spec.build({}, None) if path else spec.build(self.coordinators, self.settings)
+        except ValueError as error:
+            raise DocumentError(f"{where}: {error}") from error
+        held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
+        try:
+            return NestedModel(model, held)
+        except ValueError as error:
+            raise DocumentError(f"{where}: {error}") from error
+
+
+def _named(content: Content, outside: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return the conditions that a network knows by name, its own and those of the networks it lies in."""
+    own = content.get("conditions", {})
+    if not isinstance(own, dict):
+        raise DocumentError(f"{where}.conditions: expected a mapping, got {own!r}")
+    for name, condition in own.items():
+        if name in outside and outside[name] != condition:
+            raise DocumentError(f"{where}.conditions.{name}: means something else in a network around this one")
+    return {**outside, **own}
+
+
+def _in_place(content: Content, named: Mapping[str, Any], where: str) -> Content:
+    """Return the content with every name of a condition replaced by what it stands for."""
+    filled = dict(content)
+    for section, key in (("behaviours", "preconditions"), ("goals", "conditions")):
+        parts = content.get(section)
+        if isinstance(parts, dict):
+            filled[section] = {
+                name: _resolve_in(part, key, named, f"{where}.{section}.{name}.{key}") for name, part in parts.items()
+            }
+    own = content.get("conditions")
+    if isinstance(own, dict):
+        filled["conditions"] = {
+            name: _resolved(condition, named, f"{where}.conditions.{name}", (name,)) for name, condition in own.items()
+        }
+    return filled
+
+
+def _resolve_in(part: Any, key: str, named: Mapping[str, Any], where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
+    if not (isinstance(part, dict) and isinstance(part.get(key), list)):
+        return part
+    return {**part, key: [_resolved(condition, named, where) for condition in part[key]]}
+
+
+def _resolved(condition: Any, named: Mapping[str, Any], where: str, path: tuple[str, ...] = ()) -> Any:  # noqa: ANN401
+    """Replace names in a condition tree; `path` are the named conditions that it is part of."""
+    if isinstance(condition, str):
+        if condition not in named:
+            raise DocumentError(f"{where}: {unknown('condition', condition, sorted(named))}")
+        if condition in path:
+            raise DocumentError(f"{where}: conditions must not contain each other: {' > '.join((*path, condition))}")
+        return _resolved(named[condition], named, where, (*path, condition))
+    if isinstance(condition, dict) and "of" in condition:
+        below = condition["of"]
+        if isinstance(below, list):
+            return {**condition, "of": [_resolved(part, named, where, path) for part in below]}
+        return {**condition, "of": _resolved(below, named, where, path)}
+    return condition

@@ -1,0 +1,95 @@
+"""Robots whose network is made of coordinators: a whole tick in one call, for hosts without a model of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from selector.configurations.host import Host
+from selector.coordination.coordinator import Coordinator
+from selector.coordination.model import CoordinatorModel
+from selforg.arrays import Ints
+from selforg.components import Commands
+from selforg.network.model.behaviours import NetworkSettings
+from selforg.network.model.model import NetworkModel
+from selforg.network.network import BehaviourNetwork
+from selforg.network.planning.planner import Planner
+
+
+class CoordinatedRobots:
+    """R robots that serve the goals of some coordinators.
+
+    Args:
+        models: of the coordinators, C of them.
+        host: what the configurations find; its rows are the robots.
+        network: of a robot document, with all coordinators among its behaviours; without one, the network has the
+            coordinators and nothing else, and all that are ready run.
+        planner: of that network.
+        explained: whether the networks note why each behaviour runs or does not.
+
+    Attributes:
+        network: that decides which coordinators run; a host with sensors of its own writes them into its `readings`.
+        coordinators: (C,).
+
+    """
+
+    def __init__(
+        self,
+        models: CoordinatorModel | Sequence[CoordinatorModel],
+        host: Host,
+        *,
+        network: NetworkModel | None = None,
+        planner: Planner | None = None,
+        explained: bool = False,
+    ) -> None:
+        listed = (models,) if isinstance(models, CoordinatorModel) else tuple(models)
+        self.host = host
+        self.network = BehaviourNetwork(network or network_of(listed), host.rows, planner, explained)
+        self.coordinators = tuple(Coordinator(model, self.network, host, explained=explained) for model in listed)
+        self._commands = Commands.none(host.rows, host.poses.space.dim)
+        self._all: Ints = np.arange(host.rows)
+
+    def reset(self, rows: Ints | None = None) -> None:
+        """Begin anew in `rows` (K,) or all, holding the options they hold."""
+        chosen = self._all if rows is None else rows
+        self.network.reset(chosen)
+        for coordinator in self.coordinators:
+            coordinator.reset(chosen)
+
+    def hold(self, options: Ints, rows: Ints | None = None) -> None:
+        """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
+        hold_options(self.coordinators, options, self._all if rows is None else rows)
+
+    def tick(self, now: float) -> Commands:
+        """Let all robots sense, decide and act at `now` [s]; returns what they are told, valid until the next tick."""
+        commands = self._commands
+        for coordinator in self.coordinators:
+            coordinator.sense(now)
+        self.network.step(guarantee=True)
+        for array in (commands.vectors, commands.commanded, commands.in_place):
+            array[:] = 0
+        for coordinator in self.coordinators:
+            coordinator.act(now, commands)
+        for coordinator in self.coordinators:
+            coordinator.leave(now)
+        return commands
+
+
+def network_of(models: Sequence[CoordinatorModel], settings: NetworkSettings | None = None) -> NetworkModel:
+    """Return a network that has the coordinators as its behaviours and nothing else."""
+    sensors = [sensor for model in models for sensor in model.sensors]
+    return NetworkModel(sensors, [model.behaviour() for model in models], [], settings)
+
+
+def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints) -> None:
+    """Let `options` (K, C), or (K,) for one coordinator, serve the goals of `coordinators` (C,) in `rows` (K,)."""
+    table = np.asarray(options)
+    table = table[:, None] if table.ndim == 1 else table
+    if table.shape != (len(rows), len(coordinators)):
+        goals = ", ".join(coordinator.model.goal for coordinator in coordinators)
+        raise ValueError(
+            f"hold: expected for each of {len(rows)} rows one option for each of {goals}, got shape {options.shape}"
+        )
+    for coordinator, wanted in zip(coordinators, table.T, strict=True):
+        coordinator.hold(rows, wanted)

@@ -1,0 +1,48 @@
+"""Selection: which option each coordinator of each robot holds, decided anew in every decision period."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from selector import strategies as strategies  # registers those that ship with the project
+from selector.coordination.coordinator import Coordinator
+from selector.strategies.problem import Problem
+from selector.strategies.registry import StrategySpec
+from selector.strategies.streams import row_keys
+from selforg.arrays import Ints
+
+BY_SCORE = StrategySpec(name="MaxScore")
+"""The strategy of the paper: the highest score of the expert."""
+
+
+class Selection:
+    """One strategy for each of C coordinators over the same R rows.
+
+    Args:
+        coordinators: whose options are chosen, by their scores or by what the strategy makes of them.
+        seed: of all chance in it; rows draw independently of each other.
+        spec: the strategy.
+        teams: (R,) team of each row, for strategies whose estimates a team shares; all are one team unless given.
+
+    """
+
+    def __init__(
+        self, coordinators: Sequence[Coordinator], seed: int, spec: StrategySpec = BY_SCORE, teams: Ints | None = None
+    ) -> None:
+        self.rows = len(coordinators[0].held)
+        together = np.zeros(self.rows, dtype=np.int64) if teams is None else teams
+        self.strategies = tuple(
+            spec.build(
+                Problem(coordinator.model.goal, coordinator.model.options, coordinator.model.scores),
+                row_keys(np.random.SeedSequence([seed, c]), self.rows),
+                together,
+            )
+            for c, coordinator in enumerate(coordinators)
+        )
+        self._context = np.zeros((self.rows, 0))
+
+    def decide(self) -> Ints:
+        """Return the option (R, C) that each row is to hold of each coordinator until the next decision."""
+        return np.stack([strategy.select(self._context) for strategy in self.strategies], axis=1)

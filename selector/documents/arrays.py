@@ -1,0 +1,74 @@
+"""Named arrays with a description in one safetensors file: data that run no code when they are read."""
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import safetensors
+import safetensors.numpy
+
+from selector.documents.yaml import DocumentError, shown
+
+Arrays = dict[str, npt.NDArray[Any]]
+DESCRIPTION = "description"
+"""Key of the file's metadata under which the description stands, as JSON."""
+
+
+def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]], description: Mapping[str, Any]) -> None:
+    """Write arrays and a description (of what JSON can hold), whole or not at all."""
+    contiguous = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    write_whole(path, safetensors.numpy.save(contiguous, {DESCRIPTION: json.dumps(description)}))
+
+
+def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
+    """Return the arrays and the description that a file holds.
+
+    Raises:
+        DocumentError: no such file, or not one that `save_arrays` wrote.
+
+    """
+    try:
+        with safetensors.safe_open(path, framework="numpy") as file:
+            arrays = {name: np.array(file.get_tensor(name)) for name in file.keys()}  # noqa: SIM118  (not a mapping)
+            description = json.loads((file.metadata() or {}).get(DESCRIPTION, "null"))
+    except (OSError, safetensors.SafetensorError, json.JSONDecodeError) as error:
+        raise DocumentError(f"{shown(path)}: cannot be read ({' '.join(str(error).split())})") from error
+    if not isinstance(description, dict):
+        raise DocumentError(f"{shown(path)}: expected a description of what the file holds, got none")
+    return arrays, description
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file so that at any moment, also after a loss of power, the old or the new content is there.
+
+    Raises:
+        DocumentError: a place that cannot be written to.
+
+    """
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with part.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise DocumentError(f"{shown(path)}: cannot be written ({error})") from error
+
+
+def names_differ(what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> str | None:
+    """Return the line that says which names (of `what`) one side lacks, None if both have the same."""
+    missing, extra = [name for name in wanted if name not in held], [name for name in held if name not in wanted]
+    if not missing and not extra:
+        return None
+    parts = [f"does not know {', '.join(missing)}"] if missing else []
+    parts += [f"knows {', '.join(extra)}, which does not exist here"] if extra else []
+    return f"{what}: {'; '.join(parts)}"

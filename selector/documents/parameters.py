@@ -1,0 +1,72 @@
+"""Parameters of a document: what an option lays over it, and the `$name` that stand for them."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeAlias
+
+from selector.documents.yaml import DocumentError, unknown
+
+Content: TypeAlias = dict[str, Any]
+REFERENCE = "$"
+
+
+def resolved(content: Content, parameters: Mapping[str, Any]) -> Content:
+    """Return a configuration's content with `parameters` laid over its own and every `$name` replaced.
+
+    Raises:
+        DocumentError: a parameter that the configuration does not have, or a `$name` that it does not declare.
+
+    """
+    values = laid_over(declared_parameters(content), parameters, "parameters")
+    return {key: _filled(value, values, key) for key, value in content.items() if key != "parameters"}
+
+
+def declared_parameters(content: Content) -> Content:
+    """Return what an option may lay over."""
+    declared = content.get("parameters", {})
+    if not isinstance(declared, dict):
+        raise DocumentError(f"parameters: expected a mapping, got {declared!r}")
+    return declared
+
+
+def check_parameters_used(content: Content) -> None:
+    """Raise DocumentError for a declared parameter that nothing in the configuration refers to."""
+    used = set(_references([value for key, value in content.items() if key != "parameters"]))
+    for name in declared_parameters(content):
+        if name not in used:
+            raise DocumentError(f"parameters.{name}: nothing in the configuration uses {REFERENCE}{name}")
+
+
+def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -> Content:
+    """Return `base` with `changes` in its place, mapping by mapping; a key that `base` lacks is an error."""
+    merged = dict(base)
+    for key, value in changes.items():
+        if key not in base:
+            raise DocumentError(f"{where}: {unknown('parameter', key, sorted(base))}")
+        below = base[key]
+        if isinstance(below, Mapping) is not isinstance(value, Mapping):
+            raise DocumentError(
+                f"{where}.{key}: expected {'a mapping' if isinstance(below, Mapping) else 'a value'}, got {value!r}"
+            )
+        merged[key] = laid_over(below, value, f"{where}.{key}") if isinstance(below, Mapping) else value
+    return merged
+
+
+def _filled(value: Any, values: Mapping[str, Any], where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
+    if isinstance(value, dict):
+        return {key: _filled(below, values, f"{where}.{key}") for key, below in value.items()}
+    if isinstance(value, list):
+        return [_filled(below, values, f"{where}.{index}") for index, below in enumerate(value)]
+    for name in _references(value):
+        if name not in values:
+            raise DocumentError(f"{where}: {unknown('parameter', name, sorted(values))}")
+        return values[name]
+    return value
+
+
+def _references(value: Any) -> Iterator[str]:  # noqa: ANN401  (whatever YAML holds)
+    """Yield the names of the parameters that a value refers to."""
+    if isinstance(value, str) and value.startswith(REFERENCE):
+        yield value.removeprefix(REFERENCE)
+    elif isinstance(value, dict | list):
+        for below in value.values() if isinstance(value, dict) else value:
+            yield from _references(below)

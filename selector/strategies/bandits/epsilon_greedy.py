@@ -1,0 +1,40 @@
+"""Mostly the best so far, now and then any other."""
+
+import numpy as np
+
+from selector.documents.yaml import NonNegative, Share
+from selector.strategies.bandits.value_table import PriorParameters, ValueTable
+from selector.strategies.choosing import best, chance_of, drawn, even
+from selector.strategies.problem import Decisions, Ints
+from selector.strategies.registry import register
+
+
+class EpsilonGreedyParameters(PriorParameters):
+    """How often to explore."""
+
+    epsilon: Share = 0.1
+    """Probability of taking any option that can serve, all alike [-]."""
+    decay: NonNegative = 0.0
+    """Rate at which that probability falls: it is epsilon * exp(-decay * rewards) [1/reward]."""
+
+
+@register
+class EpsilonGreedy(ValueTable):
+    """Epsilon-greedy (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, section 2)."""
+
+    Parameters = EpsilonGreedyParameters
+    parameters: EpsilonGreedyParameters
+
+    @property
+    def draws_per_decision(self) -> int:
+        """Random numbers that one row takes for one decision: whether to explore, and what."""
+        return 2
+
+    def _select(self, decisions: Decisions) -> Ints:
+        rewards = self.counts.sum(axis=1)
+        epsilon = (self.parameters.epsilon * np.exp(-self.parameters.decay * rewards))[decisions.groups]
+        greedy = best(self.estimates()[decisions.groups], decisions.allowed)
+        anything = even(decisions.allowed)
+        option = np.where(decisions.draws[:, 0] < epsilon, drawn(anything, decisions.draws[:, 1]), greedy)
+        self.chance[decisions.rows] = epsilon * chance_of(anything, option) + (1.0 - epsilon) * (option == greedy)
+        return option

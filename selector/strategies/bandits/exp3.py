@@ -1,0 +1,80 @@
+"""Exponential weights, for rewards of which nothing is assumed, not even that they follow a law."""
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from selector.documents.yaml import Closed, NonNegative, Number
+from selector.strategies.choosing import chance_of, drawn, even
+from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
+from selector.strategies.registry import register
+from selector.strategies.strategy import Arrays, DecisionStrategy
+
+
+class EXP3Parameters(Closed):
+    """How much to explore, and what rewards to expect."""
+
+    gamma: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.1
+    """Share of decisions in which any option is taken, all alike; also how fast weights move [-]."""
+    lowest: Number = 0.0
+    """Reward that counts as 0; lower ones do too [reward]."""
+    highest: Number = 1.0
+    """Reward that counts as 1; higher ones do too [reward]."""
+    prior: NonNegative = 1.0
+    """Pseudo-count: every option begins as if it had been drawn this often and had brought its score [rewards]."""
+
+    @model_validator(mode="after")
+    def _range(self) -> Self:
+        if not self.lowest < self.highest:
+            raise ValueError(f"highest: expected more than the lowest reward {self.lowest}, got {self.highest}")
+        return self
+
+
+@register
+class EXP3(DecisionStrategy):
+    """EXP3 (Auer, Cesa-Bianchi, Freund & Schapire 2002, doi:10.1137/S0097539701398375, figure 1).
+
+    Weights are kept as logarithms, whose largest is 0, so that they never overflow. Where options cannot serve, the
+    draw is among the others by the same formula.
+    """
+
+    Parameters = EXP3Parameters
+    parameters: EXP3Parameters
+    log_weights: Floats  # (G, O)
+
+    def _first_state(self) -> Arrays:
+        # one draw at the even chance 1 / O moves the logarithm by gamma * (reward * O) / O
+        first = self.parameters.prior * self.parameters.gamma * self._scaled(self.problem.scores)
+        return {"log_weights": np.tile(first - first.max(), (self.groups, 1))}
+
+    @property
+    def draws_per_decision(self) -> int:
+        """Random numbers that one row takes for one decision."""
+        return 1
+
+    def chances(self, decisions: Decisions) -> Floats:
+        """Return the probability (K, O) of each option: (1 - gamma) * its share of the weights + gamma / O."""
+        logarithms = np.where(decisions.allowed, self.log_weights[decisions.groups], -np.inf)
+        weights = np.exp(logarithms - logarithms.max(axis=1, keepdims=True))
+        shares = weights / weights.sum(axis=1, keepdims=True)
+        gamma = self.parameters.gamma
+        mixed: Floats = (1.0 - gamma) * shares + gamma * even(decisions.allowed)
+        return mixed
+
+    def _select(self, decisions: Decisions) -> Ints:
+        chances = self.chances(decisions)
+        option = drawn(chances, decisions.draws[:, 0])
+        self.chance[decisions.rows] = chance_of(chances, option)
+        return option
+
+    def _update(self, outcomes: Outcomes) -> None:
+        estimated = self._scaled(outcomes.reward) / outcomes.chance
+        steps = self.parameters.gamma * estimated / self.options
+        np.add.at(self.log_weights, (outcomes.groups, outcomes.option), steps)
+        self.log_weights -= self.log_weights.max(axis=1, keepdims=True)
+
+    def _scaled(self, reward: Floats) -> Floats:
+        low, high = self.parameters.lowest, self.parameters.highest
+        scaled: Floats = np.clip((reward - low) / (high - low), 0.0, 1.0)
+        return scaled

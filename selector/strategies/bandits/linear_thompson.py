@@ -1,0 +1,30 @@
+"""Thompson sampling that knows the context."""
+
+import numpy as np
+
+from selector.strategies.bandits.linear_model import LinearModel
+from selector.strategies.choosing import best
+from selector.strategies.problem import Decisions, Ints
+from selector.strategies.registry import register
+from selector.strategies.streams import normals
+
+
+@register
+class LinearThompson(LinearModel):
+    """Thompson sampling with linear rewards (Agrawal & Goyal 2013, doi:10.48550/arXiv.1209.3352, algorithm 1).
+
+    With one model for each option, what is drawn of an option's weights counts only through their product with the
+    context, which is normal with the expected reward as mean and exploration * standard error as deviation; that
+    product is drawn. `exploration` is the paper's v, the standard deviation of the rewards' noise or more.
+    """
+
+    @property
+    def draws_per_decision(self) -> int:
+        """Random numbers that one row takes for one decision: two for each option."""
+        return 2 * self.options
+
+    def _select(self, decisions: Decisions) -> Ints:
+        expected, error = self.predictions(decisions)
+        deviates = np.empty_like(expected)
+        normals(decisions.draws, deviates)
+        return best(expected + self.parameters.exploration * error * deviates, decisions.allowed)

@@ -1,0 +1,78 @@
+"""What strategies without a context know: how often each option was rewarded, with what mean and spread."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from selector.documents.yaml import Closed, NonNegative
+from selector.strategies.problem import Floats, Ints, Outcomes
+from selector.strategies.strategy import Arrays, DecisionStrategy
+
+Pseudocount = Annotated[NonNegative, Field(le=1e12)]
+
+
+class PriorParameters(Closed):
+    """How far the expert is believed."""
+
+    prior: Pseudocount = 1.0
+    """Pseudo-count: the expert's score of an option counts as this many rewards of that size [rewards]."""
+
+
+class ValueTable(DecisionStrategy):
+    """Count, mean and spread of the rewards of each option, in each group."""
+
+    Parameters = PriorParameters
+    parameters: PriorParameters
+    counts: Floats  # (G, O) rewards
+    means: Floats  # (G, O) of the rewards
+    spreads: Floats  # (G, O) sum of squared deviations from the mean
+
+    def _first_state(self) -> Arrays:
+        shape = (self.groups, self.options)
+        return {"counts": np.zeros(shape), "means": np.zeros(shape), "spreads": np.zeros(shape)}
+
+    def pulls(self) -> Floats:
+        """Return how often each option was tried (G, O), the pseudo-count included."""
+        return self.counts + self.parameters.prior
+
+    def estimates(self) -> Floats:
+        """Return what each option is worth (G, O): the mean of its rewards and of the expert's score."""
+        return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
+
+    def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
+        merge(self.counts, self.means, self.spreads, count, mean, count * variance)
+
+    def _update(self, outcomes: Outcomes) -> None:
+        place, shape = (outcomes.groups, outcomes.option), self.counts.shape
+        count = summed(place, np.ones(len(outcomes.option)), shape)
+        mean = summed(place, outcomes.reward, shape) / np.maximum(count, 1.0)
+        spread = summed(place, (outcomes.reward - mean[place]) ** 2, shape)
+        merge(self.counts, self.means, self.spreads, count, mean, spread)
+
+
+def summed(place: tuple[Ints, Ints], values: Floats, shape: tuple[int, ...]) -> Floats:
+    """Return the sums (G, O) of `values` (K,) that belong to groups and options (K,)."""
+    sums = np.bincount(place[0] * shape[1] + place[1], values, shape[0] * shape[1])
+    return sums.astype(np.float64).reshape(shape)
+
+
+def merge(counts: Floats, means: Floats, spreads: Floats, count: Floats, mean: Floats, spread: Floats) -> None:
+    """Take further rewards into statistics (G, O): their count, mean and sum of squared deviations from it.
+
+    Chan, Golub & LeVeque (1983), doi:10.1080/00031305.1983.10483115.
+    """
+    total = counts + count
+    share = np.divide(count, total, out=np.zeros_like(total), where=total > 0.0)
+    step = mean - means
+    spreads += np.where(count > 0.0, spread, 0.0) + step * step * counts * share
+    means += step * share
+    counts += count
+
+
+def weighted(counts: Floats, means: Floats, prior: float, scores: Floats) -> Floats:
+    """Return means (G, O) with `scores` (O,) as `prior` further rewards; the scores alone where there is no reward."""
+    total = counts + prior
+    known = total > 0.0
+    values = (counts * means + prior * scores) / np.where(known, total, 1.0)
+    return np.where(known, values, scores)

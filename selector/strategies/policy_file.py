@@ -1,0 +1,180 @@
+"""Trained policies as files: weights as safetensors, what they are for as JSON; no torch needed to read or run them.
+
+A policy is a directory with `policy.json` (`PolicySpec`) and `policy.safetensors`: `hidden.0.weight` (H, F) and
+`hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out.
+"""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+import safetensors.numpy
+from pydantic import Field, model_validator
+
+import configs
+from selector.documents.arrays import names_differ, write_whole
+from selector.documents.yaml import Closed, DocumentError, Name, Number, Positive, shown, unknown, validated
+from selector.strategies.problem import Problem
+
+Weights = npt.NDArray[np.float32]
+SPECIFICATION, WEIGHTS = "policy.json", "policy.safetensors"
+KIND = "policies"
+
+
+class PolicySpec(Closed):
+    """What a policy was trained for and how its network is made."""
+
+    version: Literal[1] = 1
+    """Version of this form."""
+    goal: Name
+    """Name of the self-organisation goal."""
+    options: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """(O,) names of the options, in the order of the network's outputs."""
+    observations: tuple[Name, ...]
+    """(F,) names of the components of an observation, in the order of the network's inputs."""
+    hidden: tuple[Annotated[int, Field(strict=True, ge=1)], ...]
+    """Widths of the hidden layers."""
+    activation: Literal["tanh", "relu"] = "tanh"
+    """What follows each hidden layer."""
+    mean: tuple[Number, ...]
+    """(F,) subtracted from an observation."""
+    variance: tuple[Annotated[Number, Field(ge=0.0)], ...]
+    """(F,) whose root, with `epsilon` added before, divides the rest."""
+    epsilon: Positive = 1e-8
+    """Added to the variance."""
+    clip: Positive = 10.0
+    """Largest absolute value that the network sees."""
+    weights_sha256: str = ""
+    """Digest of the file of the weights; filled in when the policy is written."""
+    training: dict[str, Any] = Field(default_factory=dict)
+    """How it was trained: command, configuration, seed, versions, figures."""
+
+    @model_validator(mode="after")
+    def _widths(self) -> Self:
+        for name in ("mean", "variance"):
+            count = len(getattr(self, name))
+            if count != len(self.observations):
+                raise ValueError(f"{name}: expected {len(self.observations)} numbers, one an observation, got {count}")
+        return self
+
+    def layers(self) -> list[tuple[str, int, int]]:
+        """Return name, inputs and outputs of each layer."""
+        widths = (len(self.observations), *self.hidden, len(self.options))
+        names = (*(f"hidden.{k}" for k in range(len(self.hidden))), "options")
+        return list(zip(names, widths[:-1], widths[1:], strict=True))
+
+
+@dataclass(frozen=True)
+class TrainedPolicy:
+    """A policy as read from its files.
+
+    Attributes:
+        spec: what it is for.
+        weights: arrays by the names that the module's text gives.
+
+    """
+
+    spec: PolicySpec
+    weights: dict[str, Weights]
+
+    def ordered_for(self, problem: Problem, where: str) -> "TrainedPolicy":
+        """Return the policy with inputs and outputs in the order of `problem`.
+
+        Raises:
+            DocumentError: another goal, or an option or observation that only one side has; it says which.
+
+        """
+        spec = self.spec
+        if spec.goal != problem.goal:
+            raise DocumentError(f"{where}: goal: expected {problem.goal}, got {spec.goal}")
+        sides = (("options", problem.options, spec.options), ("observations", problem.features, spec.observations))
+        for what, wanted, held in sides:
+            line = names_differ(what, wanted, held)
+            if line is not None:
+                raise DocumentError(f"{where}: {line}")
+        inputs = [spec.observations.index(name) for name in problem.features]
+        outputs = [spec.options.index(name) for name in problem.options]
+        weights = dict(self.weights)
+        first = f"{spec.layers()[0][0]}.weight"
+        weights[first] = weights[first][:, inputs]
+        weights |= {name: weights[name][outputs] for name in ("options.weight", "options.bias")}
+        ordered = spec.model_copy(
+            update={
+                "options": problem.options,
+                "observations": problem.features,
+                "mean": tuple(spec.mean[k] for k in inputs),
+                "variance": tuple(spec.variance[k] for k in inputs),
+            }
+        )
+        return TrainedPolicy(ordered, weights)
+
+
+def save_policy(directory: Path, policy: TrainedPolicy) -> None:
+    """Write a policy: the weights first, then the specification that names their digest.
+
+    Raises:
+        DocumentError: weights that do not fit the specification, or a place that cannot be written to.
+
+    """
+    _check(policy, shown(directory))
+    content = safetensors.numpy.save({name: np.ascontiguousarray(array) for name, array in policy.weights.items()})
+    spec = policy.spec.model_copy(update={"weights_sha256": hashlib.sha256(content).hexdigest()})
+    write_whole(directory / WEIGHTS, content)
+    text = json.dumps(spec.model_dump(mode="json"), indent=2, allow_nan=False) + "\n"
+    write_whole(directory / SPECIFICATION, text.encode())
+
+
+def find_policy(name: str) -> Path:
+    """Return the directory of a policy: a path, or the name of one that ships.
+
+    Raises:
+        DocumentError: neither.
+
+    """
+    shipped = configs.directory() / KIND
+    for directory in (Path(name), shipped / name):
+        if (directory / SPECIFICATION).is_file():
+            return directory
+    known = sorted(path.parent.name for path in shipped.glob(f"*/{SPECIFICATION}"))
+    raise DocumentError(f"{unknown('policy', name, known)}, and no directory with a {SPECIFICATION}")
+
+
+def load_policy(directory: Path) -> TrainedPolicy:
+    """Return the policy that a directory holds.
+
+    Raises:
+        DocumentError: files that are missing, damaged, or do not belong together.
+
+    """
+    where = shown(directory / SPECIFICATION)
+    try:
+        text = json.loads((directory / SPECIFICATION).read_text(encoding="utf-8"))
+        content = (directory / WEIGHTS).read_bytes()
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise DocumentError(f"{shown(directory)}: cannot be read ({error})") from error
+    spec = validated(PolicySpec, text, where)
+    digest = hashlib.sha256(content).hexdigest()
+    if digest != spec.weights_sha256:
+        raise DocumentError(f"{where}: weights_sha256: expected that of {WEIGHTS}, {digest}, got {spec.weights_sha256}")
+    policy = TrainedPolicy(spec, safetensors.numpy.load(content))
+    _check(policy, shown(directory))
+    return policy
+
+
+def _check(policy: TrainedPolicy, where: str) -> None:
+    expected: dict[str, tuple[int, ...]] = {}
+    for name, inputs, outputs in policy.spec.layers():
+        expected |= {f"{name}.weight": (outputs, inputs), f"{name}.bias": (outputs,)}
+    line = names_differ("weights", tuple(expected), tuple(sorted(policy.weights)))
+    if line is not None:
+        raise DocumentError(f"{where}: {line}")
+    for name, shape in expected.items():
+        array = policy.weights[name]
+        if array.shape != shape or array.dtype != np.float32:
+            raise DocumentError(f"{where}: {name}: expected {shape} of float32, got {array.shape} of {array.dtype}")
+        if not np.isfinite(array).all():
+            raise DocumentError(f"{where}: {name}: expected finite numbers, got {array[~np.isfinite(array)][0]}")

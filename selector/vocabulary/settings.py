@@ -1,0 +1,60 @@
+"""The words in which YAML declares how a network decides: names and defaults of `NetworkSettings`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field
+
+from selector.documents.yaml import Closed, Flag, Number, Share
+
+if TYPE_CHECKING:
+    from selforg.network.model.behaviours import NetworkSettings
+
+
+class WeightsSpec(Closed):
+    """How much each term counts in the activation of a behaviour."""
+
+    situation: Number = 1.0
+    """Satisfaction of its own preconditions [-]."""
+    goal: Number = 1.0
+    """Goals that its effects help [-]."""
+    conflictor: Number = 1.0
+    """Goals and other behaviours that its effects hinder [-]."""
+    predecessor: Number = 1.0
+    """Ready behaviours that help it [-]."""
+    successor: Number = 1.0
+    """Behaviours that it makes ready [-]."""
+    plan: Number = 1.0
+    """Its place in the plan [-]."""
+
+
+class SettingsSpec(Closed):
+    """How a network decides; the meaning of each is that of `NetworkSettings`."""
+
+    algorithm: Literal["default", "uniform"] = "default"
+    """Products of effect and wish, or their Euclidean length."""
+    weights: WeightsSpec = WeightsSpec()
+    """Weights of the terms."""
+    activation_decay: Share = 0.9
+    """Share of activation kept from step to step [-]."""
+    activation_threshold: Number = 7.0
+    """Threshold at the start [-]."""
+    threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8
+    """Factor on the threshold while nothing runs [-]."""
+    max_parallel: Annotated[int, Field(strict=True, ge=1)] | None = None
+    """Behaviours that may run at once; any number by default."""
+    goal_priority: Flag = False
+    """Whether goals of higher priority give more."""
+    strict_progress: Flag = False
+    """Whether a step of the plan is passed only when its effects were seen."""
+
+    def build(self) -> NetworkSettings:
+        """Return the settings this declares."""
+        from selforg.network.model.behaviours import (  # it brings the compiler
+            NetworkSettings,
+            Weights,
+        )
+
+        plain = {name: getattr(self, name) for name in SettingsSpec.model_fields if name != "weights"}
+        return NetworkSettings(**plain, weights=Weights(**self.weights.model_dump()))

@@ -1,0 +1,292 @@
+"""SoBuffer: the gradients that robots have received, stored so that near ones are found without the rest."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from selforg.arrays import Floats, Ints
+from selforg.compiler.records import Bundle
+from selforg.gradients.delivery import Delivery, Mail, address
+from selforg.gradients.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
+from selforg.gradients.names import Codes
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+from selforg.gradients.store.columns import (
+    CLOCK,
+    DIFFUSION,
+    FACTOR,
+    FAR,
+    GOAL,
+    MESSAGE_COLUMNS,
+    PERIOD,
+    SERIALS,
+    STAMP,
+    TAG_CHANNEL,
+    TAG_COLUMNS,
+    TAG_KEY,
+    TAG_SIGN,
+    TAG_SOURCE,
+    TAG_SPACE,
+    X,
+)
+from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, store_rows
+from selforg.gradients.store.tables import Tables
+from selforg.gradients.writing import write_gradient
+from selforg.space import Space
+
+MOST_STALE_PAYLOADS = 1024
+
+
+class SoBuffer:
+    """Static and moving gradients of all teams; what one team stores, no other sees.
+
+    Example:
+        >>> space = Torus(11.0, 11.0)
+        >>> poses = OwnPoses(space, rows=1)
+        >>> buffer = SoBuffer(BufferSettings(aggregation_distance=0.1), space, poses)
+        >>> buffer.store(Gradient("garbage", (2.0, 3.0), stamp=0.0), now=0.0)
+
+    """
+
+    def __init__(
+        self, settings: BufferSettings, space: Space, poses: OwnPoses, delivery: Delivery | None = None
+    ) -> None:
+        if space is not poses.space:
+            raise ValueError("SoBuffer: the poses live in another space object than the buffer")
+        self.settings = settings
+        self.space = space
+        self.poses = poses
+        self.delivery = delivery or Delivery()
+        self.shared = self.delivery.ideal  # rows of a team share one content
+        self.mail = Mail()
+        self.channels = Codes()
+        self.sources = Codes(poses.rows, poses.names)
+        self.keys = Codes()
+        self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
+        self.rules: Ints = np.zeros(0, dtype=np.int64)  # aggregation rule of each channel
+        self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
+
+    def __len__(self) -> int:
+        """Return how many gradients are stored, of all teams; those that evaporated unseen may still be counted."""
+        return self.table.used
+
+    @property
+    def tables(self) -> Bundle:
+        """What compiled code needs of the buffer; see `selforg.gradients.store.candidates.Store`."""
+        return self.table.bundle
+
+    def store_static(
+        self,
+        teams: npt.ArrayLike,
+        channel: str,
+        positions: npt.ArrayLike,
+        now: float,
+        *,
+        attraction: npt.ArrayLike = 1,
+        diffusion: npt.ArrayLike = 1.0,
+        goal_radius: npt.ArrayLike = 0.0,
+        evaporation_factor: npt.ArrayLike = 1.0,
+        evaporation_period: npt.ArrayLike = 0.0,
+        source: npt.ArrayLike = -1,
+    ) -> None:
+        """Store one static gradient at each of `positions` (M, D) [m], in their order, at time `now` [s].
+
+        teams and all fields: one value, or one for each (M,). All rows of a team get it, whatever the delivery.
+        Raises ValueError naming the field that is impossible.
+        """
+        places = self._check_places("store_static", positions)
+        check_fields(places, attraction, diffusion, goal_radius, evaporation_factor, evaporation_period, now)
+        if not self.keeps(channel):
+            return
+        messages, tags = self._static(teams, channel, places, now)
+        messages[:, DIFFUSION], messages[:, GOAL] = diffusion, goal_radius
+        messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = evaporation_factor, evaporation_period
+        sources = np.asarray(source)
+        require(
+            "source", sources, (sources >= -1) & (sources < self.poses.rows), f"a row below {self.poses.rows}, or -1"
+        )
+        tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = sources, attraction
+        self.store_tables(*self._for_all(messages, tags), now)
+
+    def extinguish(self, teams: npt.ArrayLike, channel: str, positions: npt.ArrayLike, now: float) -> None:
+        """Delete the nearest static gradient at each of `positions` (M, D) by spreading one that is gone at once.
+
+        It takes the place of the stored one because the channel aggregates by `new`; any other rule is an error.
+        """
+        rule = self.settings.aggregation.get(channel, self.settings.aggregation.get("DEFAULT"))
+        if rule != "new":
+            raise ValueError(f"extinguish: channel {channel!r} must aggregate by 'new', its rule is {rule!r}")
+        places = self._check_places("extinguish", positions)
+        require("position", places, np.abs(places) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
+        if self.keeps(channel):
+            messages, tags = self._static(teams, channel, places, now)  # blank: without reach, neither sign nor period
+            messages[:, FAR + FACTOR], tags[:, TAG_SOURCE] = 1.0, -1
+            self.store_tables(*self._for_all(messages, tags), now)
+
+    def store(self, gradient: Gradient, now: float, *, team: int = 0) -> None:
+        """Store one gradient that all of a team received at `now` [s]; ValueError names a field that is impossible."""
+        self._store_gradient(gradient, now, self._spaces(team))
+
+    def receive(self, gradient: Gradient, now: float, *, row: int) -> None:
+        """Store one gradient that a row received at `now` [s]; the row's own pose gradient becomes its pose."""
+        own = self.source_code(gradient.source) == row
+        if not (own and gradient.moving and gradient.channel == self.poses.channel):
+            self._store_gradient(gradient, now, np.array([row if not self.shared else self.poses.teams[row]]))
+            return
+        check_gradient(gradient, self.space.dim)
+        self.poses.set_pose(
+            row, gradient.position, gradient.heading, gradient.stamp, diffusion=gradient.diffusion,
+            goal_radius=gradient.goal_radius, attraction=gradient.attraction,
+        )  # fmt: skip
+
+    def spread(self, messages: Floats, tags: Ints, now: float) -> None:
+        """Let rows (TAG_SOURCE) spread messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS) by the delivery model."""
+        tags[:, TAG_SPACE] = self.poses.teams[tags[:, TAG_SOURCE]]
+        if self.shared:
+            self.store_tables(messages, tags, now)
+            return
+        messages, tags = address(messages, tags, self.poses, self.delivery)
+        if self.delivery.delay > 0:
+            self.mail.add(now + self.delivery.delay, messages, tags)
+        else:
+            self.store_tables(messages, tags, now)
+
+    def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
+        """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
+        if self.shared:
+            if not deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.tables):
+                self.table.reserve(len(rows))
+                deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.tables)
+            return
+        rows = rows[self.poses.known[rows]]
+        messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)
+        messages[:, X : X + 3] = self.poses.own[rows, 0, X : X + 3]
+        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
+        tags[:, TAG_SOURCE] = rows
+        self.spread(messages, tags, now)
+
+    def deliver(self, now: float) -> None:
+        """Store what has been under way long enough; call it before the rows look. Nothing to do without a delay."""
+        for messages, tags in self.mail.take(now):
+            self.store_tables(messages, tags, now)
+
+    def clear(self, team: int) -> None:
+        """Delete everything one team has stored or has under way."""
+        for space in self._spaces(team):
+            clear_space(int(space), self.tables)
+        self.mail.forget(self._spaces(team))
+
+    def evaporate(self, now: float) -> None:
+        """Bring everything to `now` [s] and free what evaporated away. Needed by hand only to free memory."""
+        for space in range(self.table.spaces):
+            evaporate_space(space, float(now), self.tables)
+
+    def count(self, team: int, channel: str) -> int:
+        """Return how many gradients of `channel` a team has stored; see `__len__`."""
+        return self.table.count(self.channels.code(channel), self._spaces(team)) if channel in self.channels else 0
+
+    def keeps(self, channel: str) -> bool:
+        """Tell whether gradients of `channel` are stored at all."""
+        return self.settings.store_all or channel in self.settings.channels
+
+    def channel_code(self, channel: str) -> int:
+        """Return the number of `channel`, a new one if it was never heard of."""
+        if channel not in self.channels:
+            self.rules = np.append(self.rules, self.settings.rule_of(channel))
+            self.table.add_channel()
+        return self.channels.code(channel)
+
+    def channel_table(self, channels: Iterable[str]) -> Ints:
+        """Return what compiled code takes for `channels` (none: all): 1 if it sees shared poses, then the channels.
+
+        In the order of their names: the order in which other teams brought them up must not change a sum.
+        """
+        names = sorted(set(channels))
+        poses = self.shared and (not names or self.poses.channel in names)
+        codes = [self.channels.code(name) for name in names or self.channels.names() if name in self.channels]
+        return np.array([int(poses), *codes], dtype=np.int64)
+
+    def source_code(self, source: int | str) -> int:
+        """Return the number of `source`: a row is its own number, names are numbered after the rows."""
+        if isinstance(source, str):
+            return self.sources.code(source)
+        if isinstance(source, bool) or not isinstance(source, (int, np.integer)) or not -1 <= source < self.poses.rows:
+            raise ValueError(
+                f"gradient: source must be a name or a row in 0..{self.poses.rows - 1} (-1: nobody), got {source!r}"
+            )
+        return int(source)
+
+    def source_name(self, code: int) -> int | str:
+        """Return what `source_code` numbered; rows without names are numbers."""
+        if 0 <= code < self.poses.rows:
+            return self.poses.names[code] if self.poses.names else code
+        return self.sources.name(code) if code >= 0 else ""
+
+    def blank(self, count: int, channel: str) -> tuple[Floats, Ints]:
+        """Return messages (count, MESSAGE_COLUMNS) and tags (count, TAG_COLUMNS) to fill, on one channel."""
+        tags = np.zeros((count, TAG_COLUMNS), dtype=np.int64)
+        tags[:, TAG_CHANNEL], tags[:, TAG_KEY] = self.channel_code(channel), -1
+        return np.zeros((count, MESSAGE_COLUMNS)), tags
+
+    def store_tables(self, messages: Floats, tags: Ints, now: float) -> None:
+        """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
+        self.table.reserve(len(messages))
+        store_rows(messages, tags, self.rules, float(now), self.tables)
+
+    def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
+        """Return `positions` as (M, D), or raise ValueError."""
+        places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
+        if places.shape[1:] != (self.space.dim,):
+            raise ValueError(f"{caller}: positions must be (M, {self.space.dim}), got {np.shape(positions)}")
+        return places
+
+    def _static(self, teams: npt.ArrayLike, channel: str, places: Floats, now: float) -> tuple[Floats, Ints]:
+        """Return messages and tags for `places` (M, D) [m] at `now` [s], their other fields to be filled."""
+        messages, tags = self.blank(len(places), channel)
+        messages[:, X : X + self.space.dim] = self.space.wrap(places)
+        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
+        tags[:, TAG_SPACE] = self._check_teams(teams)
+        return messages, tags
+
+    def _store_gradient(self, gradient: Gradient, now: float, spaces: Ints) -> None:
+        check_gradient(gradient, self.space.dim)
+        source = self.source_code(gradient.source)
+        if not self.keeps(gradient.channel):
+            return
+        messages, tags = self.blank(len(spaces), gradient.channel)
+        write_gradient(gradient, self.space, self.keys, messages, tags)
+        tags[:, TAG_SPACE], tags[:, TAG_SOURCE] = spaces, source
+        if gradient.payload:
+            self._keep_payload(gradient.payload, len(spaces))
+        self.store_tables(messages, tags, now)
+
+    def _keep_payload(self, payload: Mapping[str, Any], copies: int) -> None:
+        """Keep the payload of the next `copies` messages, and forget those of gradients that are gone."""
+        if len(self.payloads) > 2 * len(self) + MOST_STALE_PAYLOADS:
+            live = self.table.serials()
+            self.payloads = {serial: kept for serial, kept in self.payloads.items() if serial in live}
+        first = self.table.next_serial
+        self.payloads.update((serial % SERIALS, payload) for serial in range(first, first + copies))
+
+    def _spaces(self, team: int) -> Ints:
+        """Return the information spaces of a team."""
+        self._check_teams(team)
+        return np.array([team]) if self.shared else self.poses.members(team)
+
+    def _for_all(self, messages: Floats, tags: Ints) -> tuple[Floats, Ints]:
+        """Return messages and tags, TAG_SPACE a team, once for every information space of that team."""
+        if self.shared:
+            return messages, tags
+        rows = [self.poses.members(int(team)) for team in tags[:, TAG_SPACE]]
+        copies = np.repeat(np.arange(len(tags)), [len(members) for members in rows])
+        messages, tags = messages[copies], tags[copies]
+        tags[:, TAG_SPACE] = np.concatenate(rows)
+        return messages, tags
+
+    def _check_teams(self, teams: npt.ArrayLike) -> Ints:
+        codes: Ints = np.asarray(teams, dtype=np.int64)
+        if ((codes < 0) | (codes >= self.poses.team_count)).any():
+            raise ValueError(f"SoBuffer: teams must lie in 0..{self.poses.team_count - 1}, got {teams!r}")
+        return codes

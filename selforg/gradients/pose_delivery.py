@@ -1,0 +1,74 @@
+"""Hearing: which poses of the others a row has received, when messages have a range and get lost.
+
+Own poses keep a short history, so what a row has received last from another one is an age in that history: the table of
+rows has a column for each member of the team, and what sees poses begins with that age. Nothing is copied.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from selforg.arrays import Floats
+from selforg.compiler.decorators import kernel
+from selforg.compiler.records import Bundle
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.store.candidates import half, shortest
+from selforg.gradients.store.columns import HEARD, POSES, X, Y, Z
+from selforg.gradients.store.pose_cells import poses_of
+
+
+class Hearing:
+    """Lets the rows of `poses` receive each other's poses; call `listen` after each update of the poses.
+
+    Attributes:
+        reaches: (T,) farthest receiver in each team [m]; the owner may change it.
+        losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
+        generators: one for each row, for the losses of what it spreads; the owner may change it.
+
+    Raises:
+        ValueError: poses that were not made with `hearing`.
+
+    """
+
+    def __init__(
+        self, poses: OwnPoses, reaches: Floats, losses: Floats, generators: Sequence[np.random.Generator]
+    ) -> None:
+        if poses.row_table.shape[1] == HEARD:
+            raise ValueError("Hearing: the poses must be made with hearing=True")
+        self.poses = poses
+        self.reaches, self.losses, self.generators = reaches, losses, generators
+        self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - HEARD))
+
+    def listen(self) -> None:
+        """Let every row receive the newest pose of each other row that is in range, unless it gets lost."""
+        lossy = (self.losses > 0.0) & (self.losses < 1.0)
+        if lossy.any():
+            for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
+                self._draws[row] = self.generators[row].random(self._draws.shape[1])
+        hear(self.poses.bundle, self.reaches, self.losses, self._draws)
+
+
+@kernel
+def hear(poses: Bundle, reaches: Floats, losses: Floats, draws: Floats) -> None:
+    """Note for each pair of a team the age of the last pose received, -1 for none that is still remembered.
+
+    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
+    """
+    own, rows, first, members, _, extent, _, _, _ = poses_of(poses)
+    ex, ey, ez = extent[0], extent[1], extent[2]
+    for team in range(len(reaches)):
+        begin, count = int(first[team]), int(first[team + 1] - first[team])
+        for receiver in range(count):
+            row = int(members[begin + receiver])
+            for index in range(count):
+                other = int(members[begin + index])
+                age = int(rows[row, HEARD + index])
+                age = age + 1 if age >= 0 else -1
+                dx = shortest(own[other, 0, X] - own[row, 0, X], ex, half(ex))
+                dy = shortest(own[other, 0, Y] - own[row, 0, Y], ey, half(ey))
+                dz = shortest(own[other, 0, Z] - own[row, 0, Z], ez, half(ez))
+                lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
+                if not lost and dx * dx + dy * dy + dz * dz <= reaches[team] * reaches[team]:
+                    age = 0
+                remembered = rows[row, POSES] > 0 and age < rows[other, POSES]
+                rows[row, HEARD + index] = age if remembered else -1

@@ -1,0 +1,64 @@
+"""Settings of a buffer."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from selforg.gradients.store.columns import AVERAGE, DROP, MAX, MIN, NEW, NEW_CHANNEL, NEW_SOURCE
+
+AGGREGATION_RULES: Mapping[str, int] = {
+    "max": MAX,
+    "min": MIN,
+    "average": AVERAGE,
+    "new": NEW,
+    "newparent": NEW_SOURCE,
+    "newframe": NEW_CHANNEL,
+}
+
+
+@dataclass(frozen=True)
+class BufferSettings:
+    """What a buffer keeps and how; raises ValueError for impossible values.
+
+    Attributes:
+        view_distance: default margin of the view [m]: a gradient is seen within its reach + this.
+        aggregation: channel -> rule (max, min, average, new, newparent, newframe); DEFAULT for channels not named.
+            Without a rule a static gradient is dropped.
+        aggregation_distance: static gradients closer than this aggregate [m].
+        min_diffusion: a gradient without goal area and with less diffusion than this is deleted [m].
+        moving_storage_size: moving gradients kept per channel and source.
+        store_all: keep all channels; otherwise only those in `channels`.
+        channels: channels to keep.
+        whole_seconds: evaporate as the original does, by whole seconds of age (Q3), instead of exactly.
+        smallest_cell: bound of the lowest level of reaches [m]; changes speed, never results.
+
+    """
+
+    view_distance: float = 1.5
+    aggregation: Mapping[str, str] = field(default_factory=lambda: {"DEFAULT": "max"})
+    aggregation_distance: float = 1.0
+    min_diffusion: float = 0.1
+    moving_storage_size: int = 2
+    store_all: bool = True
+    channels: tuple[str, ...] = ()
+    whole_seconds: bool = False
+    smallest_cell: float = 0.5
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        for name in ("view_distance", "aggregation_distance", "min_diffusion", "moving_storage_size"):
+            value = getattr(self, name)
+            if not value >= 0:
+                raise ValueError(f"BufferSettings: {name} must be at least 0, got {value!r}")
+        if not (0 < self.smallest_cell < np.inf):
+            raise ValueError(f"BufferSettings: smallest_cell must be positive [m], got {self.smallest_cell!r}")
+        for channel, rule in self.aggregation.items():
+            if rule not in AGGREGATION_RULES:
+                known = ", ".join(AGGREGATION_RULES)
+                raise ValueError(f"BufferSettings: aggregation of {channel!r} must be one of {known}, got {rule!r}")
+
+    def rule_of(self, channel: str) -> int:
+        """Return the code of the aggregation rule of `channel`."""
+        name = self.aggregation.get(channel, self.aggregation.get("DEFAULT"))
+        return DROP if name is None else AGGREGATION_RULES[name]

@@ -1,0 +1,173 @@
+"""Decision mechanisms."""
+
+from collections.abc import Sequence
+from typing import Unpack
+
+import numpy as np
+import numpy.typing as npt
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.store.columns import PAIR_COLUMNS, SEE_MOVING, SKIP_OWN
+from selforg.mechanisms.base import at_least
+from selforg.mechanisms.decision_base import DecisionMechanism
+from selforg.mechanisms.kernels.deciding import BARYCENTER, GOSSIP_MAX, QUORUM, decide_rows
+from selforg.mechanisms.options import LookOptions
+from selforg.mechanisms.registry import register
+from selforg.mechanisms.spreading import Carried, Spreader
+
+
+class NeighbourDecision(DecisionMechanism):
+    """A decision by one of the rules of `kernels.deciding`, over the neighbours' moving gradients."""
+
+    rule: int
+    threshold: float = 0.0
+
+    def __init__(
+        self,
+        buffer: SoBuffer,
+        *,
+        channel: str,
+        key: str = "value",
+        value: npt.ArrayLike = 0.0,
+        state: str | None = None,
+        carried: Carried | None = None,
+        **options: Unpack[LookOptions],
+    ) -> None:
+        options["channels"] = (channel,)
+        options["static"] = False
+        super().__init__(buffer, value=value, state=state, carried=carried, **options)
+        self._see = SEE_MOVING | SKIP_OWN
+        self._key = buffer.keys.code(key)
+        self._pairs: Floats = np.empty((64, PAIR_COLUMNS))
+
+    def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
+        if self.buffer.settings.whole_seconds:
+            self.buffer.evaporate(now)
+        done = 0
+        while done < len(rows):
+            done = decide_rows(
+                done, self.rule, now, self._see, self.view_distance, self.threshold, self._key, rows,
+                self._channels_now(), self.poses.bundle, self.buffer.tables, self._pairs, self.values, values, states,
+                decided,
+            )  # fmt: skip
+            if done < len(rows):
+                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
+
+
+@register
+class Quorum(NeighbourDecision):
+    """Value: neighbours in view; state: whether they are at least `threshold`.
+
+    channel: whose gradients count, by default the poses'. Nothing is spread unless `carried` says on which channel:
+    the original would overwrite the own pose (deviation Q13).
+    """
+
+    rule = QUORUM
+    states = ("False", "True")
+
+    def __init__(
+        self,
+        buffer: SoBuffer,
+        *,
+        threshold: float,
+        channel: str | None = None,
+        carried: Carried | None = None,
+        **options: Unpack[LookOptions],
+    ) -> None:
+        if carried and carried.channel == buffer.poses.channel:
+            raise ValueError("Quorum: carried.channel must not be the channel of the poses (Q13)")
+        super().__init__(
+            buffer, channel=buffer.poses.channel if channel is None else channel, carried=carried, **options
+        )
+        self.threshold = at_least(self, "threshold", threshold, 0.0)
+
+
+@register
+class GossipMax(NeighbourDecision):
+    """Value: the maximum of the own and all received values; the state is a name that never changes."""
+
+    rule = GOSSIP_MAX
+
+    def __init__(
+        self,
+        buffer: SoBuffer,
+        *,
+        channel: str = "gossip",
+        key: str = "max",
+        value: npt.ArrayLike = 1.0,
+        state: str = "None",
+        carried: Carried | None = None,
+        **options: Unpack[LookOptions],
+    ) -> None:
+        self.states = (state,)
+        carried = carried or Carried(channel, key, attraction=0, diffusion=np.inf, goal_radius=0.0)
+        super().__init__(buffer, channel=channel, key=key, value=value, carried=carried, **options)
+
+
+@register
+class MorphogenesisBarycenter(NeighbourDecision):
+    """Value: sum of the distances to all neighbours; state Center where it is smaller than every received one.
+
+    Neighbours without a value count as equal; without neighbours value and state stay as they are. A Center also
+    spreads an attractive gradient `center` whose diffusion is its value.
+    """
+
+    rule = BARYCENTER
+    states = ("None", "Center")
+
+    def __init__(
+        self,
+        buffer: SoBuffer,
+        *,
+        channel: str = "morphogenesis",
+        key: str = "barycenter",
+        value: npt.ArrayLike = 0.0,
+        state: str | None = None,
+        carried: Carried | None = None,
+        center: Carried | None = None,
+        **options: Unpack[LookOptions],
+    ) -> None:
+        carried = carried or Carried(channel, key, attraction=-1, diffusion=np.inf, goal_radius=0.5)
+        super().__init__(buffer, channel=channel, key=key, value=value, state=state, carried=carried, **options)
+        self._center = Spreader(buffer, center or Carried("Center", "", attraction=1, goal_radius=2.0, moving=False))
+
+    def _spread(self, now: float, rows: Ints) -> None:
+        super()._spread(now, rows)
+        centers = rows[self.state_codes[rows] == 1]
+        self._center.spread(now, centers, self.values[centers], diffusions=self.values[centers])
+
+
+@register
+class ForagingDecision(DecisionMechanism):
+    """State Exploration with a probability, else Exploitation; value: that probability.
+
+    generators: one per row, so that the draws of a row depend on no other.
+    """
+
+    states = ("None", "Exploration", "Exploitation", "Return")
+
+    def __init__(
+        self,
+        buffer: SoBuffer,
+        *,
+        probability: float = 0.5,
+        generators: Sequence[np.random.Generator] = (),
+        **options: Unpack[LookOptions],
+    ) -> None:
+        if not 0.0 <= probability <= 1.0:
+            raise ValueError(f"ForagingDecision: probability must lie in [0, 1], got {probability!r}")
+        if 0.0 < probability < 1.0 and len(generators) != buffer.poses.rows:
+            raise ValueError(f"ForagingDecision: {buffer.poses.rows} generators expected, got {len(generators)}")
+        super().__init__(buffer, value=probability, **options)
+        self.probability = float(probability)
+        self._generators = generators  # not copied: the host may give a row another one
+
+    def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
+        values[:] = self.probability
+        decided[:] = True  # no pose is needed
+        if 0.0 < self.probability < 1.0:
+            explores = np.array([self._generators[row].random() < self.probability for row in rows], dtype=np.bool_)
+        else:
+            explores = np.full(len(rows), self.probability == 1.0)
+        states[:] = np.where(explores, self.states.index("Exploration"), self.states.index("Exploitation"))

@@ -1,0 +1,194 @@
+"""One recorded step of one robot, by name: what every behaviour got from whom, and why it runs or does not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from selforg.network.explain.recording import StepRecord
+from selforg.network.model import packed as t
+from selforg.network.model.activators import Activator
+from selforg.network.model.behaviours import Behaviour
+from selforg.network.model.conditions import Condition, Optional, Tree
+from selforg.network.model.model import NetworkModel
+from selforg.network.model.packed import Floats, ints_of
+from selforg.network.state import reasons as why
+from selforg.network.state import state as st
+from selforg.network.step import plan_monitoring as pw
+from selforg.network.step.satisfaction import evaluate_leaves, evaluate_nodes
+
+
+@dataclass(frozen=True)
+class ConditionAccount:
+    """A condition or a composition of conditions: what it is, and how far it is satisfied."""
+
+    label: str
+    satisfaction: float
+    parts: tuple[ConditionAccount, ...] = ()
+
+
+@dataclass(frozen=True)
+class BehaviourAccount:
+    """A behaviour after the step; `components` are what the step added to its activation."""
+
+    name: str
+    running: bool
+    why: str
+    activation: float
+    satisfaction: float
+    ready: bool
+    components: dict[str, float]
+    wishes: tuple[tuple[str, float], ...]
+    conditions: tuple[ConditionAccount, ...]
+
+
+@dataclass(frozen=True)
+class GoalAccount:
+    """A goal after the step."""
+
+    name: str
+    enabled: bool
+    satisfaction: float
+    wishes: tuple[tuple[str, float], ...]
+    conditions: tuple[ConditionAccount, ...]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """One step of one robot.
+
+    Attributes:
+        threshold: after the step.
+        deciding: the threshold that activations were compared with.
+        total: activation of all behaviours before the step.
+        plan: names of its behaviours; None without a plan.
+        plan_index: position of the one that is due.
+        readings: what the sensors read, by name.
+        behaviours: in falling activation, those that are not in the network left out.
+        goals: in the model's order.
+
+    """
+
+    threshold: float
+    deciding: float
+    total: float
+    plan: tuple[str, ...] | None
+    plan_index: int
+    readings: dict[str, float]
+    behaviours: tuple[BehaviourAccount, ...]
+    goals: tuple[GoalAccount, ...]
+
+
+def explain(model: NetworkModel, record: StepRecord, row: int) -> Explanation:
+    """Explain the step `record` of `row`, a row of the network.
+
+    Raises:
+        ValueError: a row that was not recorded.
+
+    """
+    found = np.flatnonzero(record.rows == row)
+    if not len(found):
+        raise ValueError(f"row {row} was not recorded (recorded: {', '.join(map(str, record.rows.tolist()))})")
+    return _Witness(model, record, int(found[0])).explanation()
+
+
+class _Witness:
+    """Reads one row of a record with the model's names."""
+
+    def __init__(self, model: NetworkModel, record: StepRecord, k: int) -> None:
+        self.model, self.record, self.k = model, record, k
+        self.names = [behaviour.name for behaviour in model.behaviours]
+        self.nodes = _node_values(model, record.readings[k])
+
+    def explanation(self) -> Explanation:
+        record, k, model = self.record, self.k, self.model
+        length, known = record.plan_marks[pw.LENGTH, k], record.plan_marks[pw.KNOWN, k]
+        activation = record.values[st.ACTIVATION, k]
+        order = [b for b in np.argsort(-activation, kind="stable") if record.marks[st.PRESENT, k, b]]
+        return Explanation(
+            float(record.row_values[st.THRESHOLD, k]),
+            float(record.row_values[st.DECIDING, k]),
+            float(record.row_values[st.TOTAL, k]),
+            tuple(self.names[b] for b in record.plan[k, :length]) if known else None,
+            int(record.plan_marks[pw.INDEX, k]),
+            {sensor.name: float(value) for sensor, value in zip(model.sensors, record.readings[k], strict=True)},
+            tuple(self._behaviour(int(b)) for b in order),
+            tuple(self._goal(g) for g in range(len(model.goals))),
+        )
+
+    def _behaviour(self, b: int) -> BehaviourAccount:
+        values, marks = self.record.values[:, self.k, b], self.record.marks[:, self.k, b]
+        return BehaviourAccount(
+            self.names[b],
+            bool(marks[st.EXECUTING]),
+            self._why(marks),
+            float(values[st.ACTIVATION]),
+            float(values[st.SATISFACTION]),
+            bool(marks[st.READY]),
+            {name: float(values[layer]) for name, layer in st.COMPONENTS.items()},
+            self._wishes(b),
+            tuple(self._conditions_of(b, self.model.behaviours[b], int(marks[st.ALTERNATIVE]))),
+        )
+
+    def _why(self, marks: t.Ints) -> str:
+        if len(marks) < st.EXPLAINED_LAYERS:
+            return ""
+        by = int(marks[st.BY])
+        return why.in_words(int(marks[st.REASON]), self.names[by] if by >= 0 else None)
+
+    def _goal(self, g: int) -> GoalAccount:
+        ints, goal = self.model.ints, self.model.goals[g]
+        first, node = ints_of(ints, t.GOAL_FIRST), ints_of(ints, t.GOAL_NODE)
+        roots = node[first[g] : first[g + 1]]
+        return GoalAccount(
+            goal.name,
+            bool(self.record.goal_enabled[self.k, g]),
+            float(self.record.goal_satisfaction[self.k, g]),
+            self._wishes(len(self.names) + g),
+            tuple(self._tree(tree, int(root)) for tree, root in zip(goal.conditions, roots, strict=True)),
+        )
+
+    def _wishes(self, owner: int) -> tuple[tuple[str, float], ...]:
+        first, sensor = ints_of(self.model.ints, t.WISH_FIRST), ints_of(self.model.ints, t.WISH_SENSOR)
+        kept, wishes = self.record.wish_kept[self.k], self.record.wishes[self.k]
+        mine = range(first[owner], first[owner + 1])
+        return tuple((self.model.sensors[sensor[u]].name, float(wishes[u])) for u in mine if kept[u])
+
+    def _conditions_of(self, b: int, behaviour: Behaviour, alternative: int) -> list[ConditionAccount]:
+        roots = iter(self.model.precondition_roots[b])
+        told = []
+        for tag, interface in behaviour.interfaces:
+            for precondition in interface.preconditions:
+                tree = precondition.of if isinstance(precondition, Optional) else precondition
+                account = self._tree(tree, next(roots))
+                if isinstance(precondition, Optional):
+                    account = ConditionAccount(f"optional: {account.label}", account.satisfaction, account.parts)
+                if tag in (-1, alternative):
+                    told.append(account)
+        return told
+
+    def _tree(self, tree: Tree, node: int) -> ConditionAccount:
+        value = float(self.nodes[node])
+        if isinstance(tree, Condition):
+            reading = self.record.readings[self.k, self.model.sensor_index[tree.sensor]]
+            return ConditionAccount(f"{tree.sensor} = {reading:.4g}, {in_short(tree.activator)}", value)
+        below = tree.of if isinstance(tree.of, tuple) else (tree.of,)
+        first, child = ints_of(self.model.ints, t.NODE_FIRST), ints_of(self.model.ints, t.NODE_CHILD)
+        parts = zip(below, child[first[node] : first[node + 1]], strict=True)
+        return ConditionAccount(type(tree).__name__, value, tuple(self._tree(part, int(at)) for part, at in parts))
+
+
+def in_short(activator: Activator) -> str:
+    """Return an activator as it would be written, without what has its default."""
+    changed = [f for f in fields(activator) if f.name not in ("low", "high") or getattr(activator, f.name) != f.default]
+    return f"{type(activator).__name__}({', '.join(f'{f.name}={getattr(activator, f.name)}' for f in changed)})"
+
+
+def _node_values(model: NetworkModel, readings: Floats) -> Floats:
+    """Satisfaction of every node (C,) at `readings` (S,)."""
+    leaves = np.empty((2, len(ints_of(model.ints, t.LEAF_SENSOR))))
+    values = np.empty(len(ints_of(model.ints, t.NODE_KIND)))
+    evaluate_leaves(0, model.ints, model.floats, readings[None], leaves)
+    evaluate_nodes(model.ints, leaves, values)
+    return values

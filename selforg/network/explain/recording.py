@@ -1,0 +1,87 @@
+"""What a network decided, step by step, kept for later: everything that an explanation needs.
+
+    network = BehaviourNetwork(model, rows, explained=True)
+    recorder = Recorder(network)
+    ...
+    network.step()
+    recorder.take()
+
+`stacked` turns the steps into arrays with a leading axis T (for `numpy.savez`), `record_at` takes one step out again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from selforg.network.model.packed import Floats, Ints
+from selforg.network.network import BehaviourNetwork
+from selforg.network.step import plan_monitoring as pw
+
+
+@dataclass(frozen=True)
+class StepRecord:
+    """One step of R rows; the layers are those of `state` and `plan_watch`.
+
+    Attributes:
+        rows: (R,) rows of the network that these are.
+        values: (VALUE_LAYERS, R, B) activation, satisfaction and the components of activation.
+        marks: (MARK_LAYERS or EXPLAINED_LAYERS, R, B).
+        row_values: (ROW_LAYERS, R) thresholds and total activation.
+        goal_satisfaction: (R, G).
+        goal_enabled: (R, G).
+        wishes: (R, U).
+        wish_kept: (R, U).
+        readings: (R, S) what the sensors read.
+        plan: (R, MAX_PLAN) behaviours.
+        plan_marks: (PLAN_LAYERS, R).
+
+    """
+
+    rows: Ints
+    values: Floats
+    marks: Ints
+    row_values: Floats
+    goal_satisfaction: Floats
+    goal_enabled: Ints
+    wishes: Floats
+    wish_kept: Ints
+    readings: Floats
+    plan: Ints
+    plan_marks: Ints
+
+
+class Recorder:
+    """Copies what a network knows after a step, for all rows or `rows` (K,)."""
+
+    def __init__(self, network: BehaviourNetwork, rows: NDArray[np.int64] | None = None) -> None:
+        self.network = network
+        self.rows = np.arange(network.rows) if rows is None else rows
+        self.steps: list[StepRecord] = []
+
+    def take(self) -> StepRecord:
+        """Record the last step."""
+        s, p, rows = self.network.state, self.network.plans, self.rows
+        record = StepRecord(
+            rows, s.values[:, rows], s.marks[:, rows], s.row_values[:, rows], s.goal_satisfaction[rows],
+            s.goal_enabled[rows], s.wishes[rows], s.wish_kept[rows], self.network.readings[rows], p.steps[rows],
+            p.marks[:, rows],
+        )  # fmt: skip
+        self.steps.append(record)
+        return record
+
+
+def stacked(steps: Sequence[StepRecord]) -> dict[str, NDArray[Any]]:
+    """Return the steps as arrays (T, ...) by name; plans are cut to the longest one."""
+    longest = max((int(step.plan_marks[pw.LENGTH].max(initial=0)) for step in steps), default=0)
+    arrays = {field.name: np.stack([getattr(step, field.name) for step in steps]) for field in fields(StepRecord)}
+    return arrays | {"plan": arrays["plan"][:, :, :longest]}
+
+
+def record_at(arrays: Mapping[str, NDArray[Any]], step: int) -> StepRecord:
+    """Return step `step` of what `stacked` has made."""
+    return StepRecord(*(arrays[field.name][step] for field in fields(StepRecord)))

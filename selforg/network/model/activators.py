@@ -1,0 +1,163 @@
+"""Activators: how a sensor's reading becomes a satisfaction and a wish.
+
+An activator is a description; the rule itself is the compiled `activate`, chosen by the activator's `kind`.
+Satisfaction lies in [low, high] (default [0, 1]); the wish in [-1, 1] is the signed size of the change that is wanted
+(0: nothing).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+from selforg.compiler.decorators import inlined
+
+BOOLEAN, THRESHOLD, LINEAR, GREEDY, EQUAL = range(5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Activator(ABC):
+    """What every activator has: the satisfaction when it is not fulfilled and when it is."""
+
+    low: float = 0.0
+    high: float = 1.0
+    kind: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.low <= self.high <= 1.0:
+            raise ValueError(f"{type(self).__name__}: expected 0 <= low <= high <= 1, got {self.low} and {self.high}")
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[float, float]:
+        """The two numbers that the rule needs."""
+
+    @property
+    @abstractmethod
+    def direction(self) -> float:
+        """Sign of the wanted change."""
+
+
+@dataclass(frozen=True)
+class Boolean(Activator):
+    """Fulfilled while a fact is `desired`."""
+
+    desired: bool = True
+    kind: ClassVar[int] = BOOLEAN
+
+    @property
+    def parameters(self) -> tuple[float, float]:
+        """Return the desired value as a number; the second is not used."""
+        return float(self.desired), 0.0
+
+    @property
+    def direction(self) -> float:
+        """Return the sign of the wanted change."""
+        return 1.0 if self.desired else -1.0
+
+
+@dataclass(frozen=True)
+class Threshold(Activator):
+    """Fulfilled at or above `threshold` (at or below, if not `minimum`).
+
+    The wish is what is missing, divided by `value_range` and clamped to [-1, 1]; without a range it is +1 or -1.
+    """
+
+    threshold: float
+    minimum: bool = True
+    value_range: float = 0.0
+    kind: ClassVar[int] = THRESHOLD
+
+    @property
+    def parameters(self) -> tuple[float, float]:
+        """Return the threshold and the range, in the sensor's unit."""
+        return self.threshold, self.value_range
+
+    @property
+    def direction(self) -> float:
+        """Return the sign of the wanted change."""
+        return 1.0 if self.minimum else -1.0
+
+
+@dataclass(frozen=True)
+class Linear(Activator):
+    """Rises from `low` at `zero` to `high` at `full` (which may lie below `zero`)."""
+
+    zero: float
+    full: float
+    kind: ClassVar[int] = LINEAR
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.zero == self.full:
+            raise ValueError(f"Linear: zero and full must differ, got {self.zero} for both")
+
+    @property
+    def parameters(self) -> tuple[float, float]:
+        """Return the readings of no and of full satisfaction."""
+        return self.zero, self.full
+
+    @property
+    def direction(self) -> float:
+        """Return the sign of the wanted change."""
+        return 1.0 if self.full > self.zero else -1.0
+
+
+@dataclass(frozen=True)
+class Greedy(Activator):
+    """Never fulfilled, always wishes on; with `step_size` 0 fulfilled as well."""
+
+    maximise: bool = True
+    step_size: float = 1.0
+    kind: ClassVar[int] = GREEDY
+
+    @property
+    def parameters(self) -> tuple[float, float]:
+        """Return the step size; the second is not used."""
+        return self.step_size, 0.0
+
+    @property
+    def direction(self) -> float:
+        """Return the sign of the wanted change."""
+        return 1.0 if self.maximise else -1.0
+
+
+@dataclass(frozen=True)
+class Equal(Activator):
+    """Fulfilled while a reading is exactly `value`."""
+
+    value: float
+    kind: ClassVar[int] = EQUAL
+
+    @property
+    def parameters(self) -> tuple[float, float]:
+        """Return the value; the second is not used."""
+        return self.value, 0.0
+
+    @property
+    def direction(self) -> float:
+        """Return the sign of the wanted change."""
+        return 1.0
+
+
+@inlined
+def activate(
+    kind: int, reading: float, a: float, b: float, low: float, high: float, direction: float
+) -> tuple[float, float]:
+    """Satisfaction and wish of one reading; `a`, `b` are the activator's `parameters`."""
+    if kind == LINEAR:
+        slope = (reading - a) / (b - a)
+        satisfaction = min(max(low + slope * (high - low), low), high)
+        missing = (b - reading) / abs(b - a)
+        wish = min(max(missing, 0.0), 1.0) if direction > 0.0 else min(max(missing, -1.0), 0.0)
+        return satisfaction, wish
+    if kind == GREEDY:
+        return (1.0 if a == 0.0 else 0.0), direction
+    fulfilled = reading == a
+    wish = direction
+    if kind == THRESHOLD:
+        fulfilled = reading >= a if direction > 0.0 else reading <= a
+        if b != 0.0:
+            wish = min(max((a - reading) / b, -1.0), 1.0)
+    return (high, 0.0) if fulfilled else (low, wish)

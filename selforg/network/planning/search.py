@@ -1,0 +1,183 @@
+"""The built-in planner: the cheapest plan by forward search, or the proof that there is none.
+
+A* over the states of a `PlanTask`. Of all plans the answer is the one with the lowest cost, of those the one with the
+fewest steps, of those the first in registration order: compared action by action, the plan whose first different action
+was registered earlier. The answer therefore depends on the problem and the state only, and a robot whose behaviours are
+registered as task chain, patrol, avoidance gets them in this order wherever costs leave a choice.
+
+Plans are remembered: a plan depends on the relevant facts and on how many steps each number is away from its bounds,
+not on the reading itself, so a mission asks few different questions.
+"""
+
+import heapq
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+import numpy as np
+import numpy.typing as npt
+
+from selforg.network.planning.guards import holds, make_guard, make_step, whole
+from selforg.network.planning.problem import AllOf, PlanningProblem
+from selforg.network.planning.reachability import reachable
+from selforg.network.planning.task import STEP_UNIT, PlanTask
+
+REMEMBERED_PLANS = 1 << 16
+"""Answers kept before the memory starts anew (an answer is the same whether it is remembered or found again)."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Indices of the actions in order, and the sum of their costs; an empty plan says that the goals hold already."""
+
+    actions: tuple[int, ...]
+    cost: float
+
+
+@dataclass(frozen=True)
+class Unsolvable:
+    """Proved: no sequence of actions reaches the goals together."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """The search opened `nodes` states without an answer and gave up."""
+
+    nodes: int
+
+
+Outcome: TypeAlias = Plan | Unsolvable | Unknown
+State: TypeAlias = tuple[int, tuple[int, ...]]
+
+
+class Search(ABC):
+    """What finds plans for one problem: the built-in search, or an engine in its place.
+
+    `plan` and `read_state` are the same for all; an implementation answers in `plan_from`.
+    """
+
+    def __init__(self, problem: PlanningProblem) -> None:
+        self.problem = problem
+
+    @final
+    def plan(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]) -> Outcome:
+        """Return the best plan that makes all of `goals` hold together.
+
+        Args:
+            facts: (F,) bool, the facts as they are now.
+            numbers: (K,) float, the readings as they are now, finite.
+            goals: indices of goals of the problem; none at all is satisfied at once.
+
+        """
+        return self.plan_from(self.read_state(facts, numbers), tuple(goals))
+
+    @final
+    def read_state(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64]) -> State:
+        """Return facts (F,) bool and numbers (K,) float as the state the search works on.
+
+        Raises:
+            ValueError: a wrong shape or a reading that is not finite.
+
+        """
+        if facts.shape != (len(self.problem.facts),) or numbers.shape != (len(self.problem.numbers),):
+            expected = f"facts ({len(self.problem.facts)},) and numbers ({len(self.problem.numbers)},)"
+            raise ValueError(f"expected {expected}, got {facts.shape} and {numbers.shape}")
+        bits = int.from_bytes(np.packbits(facts, bitorder="little").tobytes(), "little")
+        values = numbers.tolist()
+        for name, value in zip(self.problem.numbers, values, strict=True):
+            if not math.isfinite(value):
+                raise ValueError(f"number '{name}' must be finite, got {value}")
+        return bits, tuple([whole(value) for value in values])
+
+    @abstractmethod
+    def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
+        """Return the best plan from a state that `read_state` gave."""
+
+    def goal_condition(self, goals: tuple[int, ...]) -> AllOf:
+        """Return the conjunction of goals given by their indices."""
+        for goal in goals:
+            if not 0 <= goal < len(self.problem.goals):
+                raise ValueError(f"goal index must be in 0..{len(self.problem.goals) - 1}, got {goal}")
+        return AllOf(tuple(self.problem.goals[goal].condition for goal in goals))
+
+    def found(self, actions: tuple[int, ...]) -> Plan:
+        """Return the plan of these actions with its cost."""
+        return Plan(actions, math.fsum(self.problem.actions[index].cost for index in actions))
+
+
+class ForwardSearch(Search):
+    """Cost-optimal forward search over one planning problem.
+
+    Args:
+        problem: facts, numbers, actions and goals.
+        node_limit: states a single search may open before it answers `Unknown`.
+
+    >>> from selforg.network.planning.problem import FactIs, PlanningAction, PlanningGoal, SetFact
+    >>> pick = PlanningAction("Pick", (FactIs(0),), (SetFact(1),))
+    >>> problem = PlanningProblem(("at", "carrying"), (), (pick,), (PlanningGoal("Carry", FactIs(1)),))
+    >>> ForwardSearch(problem).plan(np.array([True, False]), np.zeros(0), [0])
+    Plan(actions=(0,), cost=1.0)
+
+    """
+
+    def __init__(self, problem: PlanningProblem, node_limit: int = 20_000) -> None:
+        if node_limit < 1:
+            raise ValueError(f"node_limit must be at least 1, got {node_limit}")
+        super().__init__(problem)
+        self.node_limit = node_limit
+        self._steps = tuple(make_step(index, action) for index, action in enumerate(problem.actions))
+        self._tasks: dict[tuple[int, ...], PlanTask] = {}
+        self._answers: dict[tuple[object, ...], Outcome] = {}
+
+    def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
+        """Return the best plan from a state that `read_state` gave."""
+        task = self._task(goals)
+        bits, numbers = task.start(*state)
+        key = (goals, bits, task.signature(numbers))
+        answer = self._answers.get(key)
+        if answer is None:
+            if len(self._answers) >= REMEMBERED_PLANS:
+                self._answers.clear()
+            answer = self._answers[key] = self._search(task, (bits, numbers))
+        return answer
+
+    def _task(self, goals: tuple[int, ...]) -> PlanTask:
+        task = self._tasks.get(goals)
+        if task is None:
+            guard = make_guard(self.goal_condition(goals))
+            task = self._tasks[goals] = PlanTask(self._steps, guard, len(self.problem.numbers))
+        return task
+
+    def _search(self, task: PlanTask, start: State) -> Outcome:
+        """Open states in order of (cost, steps) reached plus estimated, ties by the sequence of actions."""
+        if holds(task.goal, *start):
+            return Plan((), 0.0)
+        if not reachable(task.steps, task.goal, *start):
+            return Unsolvable()
+        frontier: list[tuple[int, int, tuple[int, ...], int, State]] = [(0, 0, (), 0, start)]
+        best: dict[State, tuple[int, int, tuple[int, ...]]] = {}
+        opened: set[State] = set()
+        while frontier:
+            _, _, sequence, cost, state = heapq.heappop(frontier)
+            if state in opened:
+                continue
+            if holds(task.goal, *state):
+                return self.found(sequence)
+            if len(opened) == self.node_limit:
+                return Unknown(self.node_limit)
+            opened.add(state)
+            for step in task.steps:
+                if not holds(step.guard, *state):
+                    continue
+                following = task.after(step, *state)
+                reached = (cost + step.cost, len(sequence) + 1, (*sequence, step.action))
+                if following in opened or best.get(following, reached) < reached:
+                    continue
+                best[following] = reached
+                ahead = task.estimate(*following)
+                if ahead is not None:
+                    promise = (reached[0] + ahead[0], reached[1] * STEP_UNIT + ahead[1])
+                    heapq.heappush(frontier, (*promise, reached[2], reached[0], following))
+        return Unsolvable()

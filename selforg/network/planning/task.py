@@ -1,0 +1,228 @@
+"""One set of goals made ready for searching: what matters for it, and how far away it is at least.
+
+Three things keep the search small without changing its answer.
+
+*Relevance*: an action that turns no test that matters towards true is in no cheapest plan, and facts or numbers that no
+test reads need no place in a state.
+*Clamping*: a number that relevant actions only raise is the same anywhere above its highest bound, one that they only
+lower the same anywhere below its lowest; counters then stop growing and "unsolvable" can be proved.
+*Estimate*: every unsatisfied test that any plan must make true needs an action of its own; an action that serves n such
+tests pays for 1/n of each. Starting from the goals, the preconditions that all servants of a needed test have in common
+are needed too (the greedy-necessary landmarks of Hoffmann, Porteous and Sebastia 2004, doi:10.1613/jair.1492). The
+estimate never exceeds the true cost and falls along an action by no more than its cost, so the first plan found is the
+cheapest and no state is opened twice.
+"""
+
+from collections.abc import Sequence
+from functools import reduce
+from math import gcd
+from typing import NamedTuple
+
+from selforg.network.planning.guards import (
+    FactTest,
+    Guard,
+    NumberTest,
+    Step,
+    Test,
+    all_tests,
+    mandatory_tests,
+    serves,
+)
+
+STEP_UNIT = 1 << 20
+"""Share of one step in the estimate of the number of steps (steps are counted in these units)."""
+
+
+class Landmark(NamedTuple):
+    """A test that may be needed: what each servant costs at least, and what must have held before it.
+
+    The test is `bits & mask == want` on a fact, or, where `mask` is 0, `bound` on a number.
+    """
+
+    mask: int
+    want: int
+    bound: NumberTest
+    solvable: bool
+    cost_share: int
+    step_share: int
+    stride: int
+    before: tuple[int, ...]
+
+
+class Scale(NamedTuple):
+    """How one number is read: `low`/`high` clamp it (None: no clamp), `grid` is the step all changes share."""
+
+    slot: int
+    low: int | None
+    high: int | None
+    grid: int
+    crossings: tuple[int, ...]
+
+
+class PlanTask:
+    """The relevant part of a problem for one conjunction of goals.
+
+    Args:
+        steps: all actions of the problem.
+        goal: the guard the plan must end in.
+        numbers: K, the number of numbers of a state.
+
+    """
+
+    def __init__(self, steps: Sequence[Step], goal: Guard, numbers: int) -> None:
+        self.goal = goal
+        relevant, tests = _relevant(steps, goal)
+        self.fact_mask = sum(1 << slot for slot in {test.slot for test in tests if isinstance(test, FactTest)})
+        read = {test.slot for test in tests if isinstance(test, NumberTest)}
+        self.steps = tuple(_restricted(step, read) for step in relevant)
+        self.scales = tuple(_scale(slot, self.steps, tests) for slot in sorted(read))
+        self.landmarks, self.roots = _landmarks(self.steps, goal)
+        self._numbers = numbers
+
+    def start(self, bits: int, numbers: Sequence[int]) -> tuple[int, tuple[int, ...]]:
+        """Return the state with everything irrelevant blanked and every number clamped."""
+        values = [0] * self._numbers
+        for slot, low, high, _, _ in self.scales:
+            values[slot] = _clamped(numbers[slot], low, high)
+        return bits & self.fact_mask, tuple(values)
+
+    def after(self, step: Step, bits: int, numbers: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
+        """Return the state an action leads to."""
+        bits = (bits & step.keep | step.gain) & self.fact_mask
+        if step.changes:
+            values = list(numbers)
+            for slot, change in step.changes:
+                values[slot] += change
+            for slot, low, high, _, _ in self.scales:
+                values[slot] = _clamped(values[slot], low, high)
+            numbers = tuple(values)
+        return bits, numbers
+
+    def signature(self, numbers: tuple[int, ...]) -> tuple[int, ...]:
+        """Return what a plan can depend on: how many grid steps each number is away from each of its bounds.
+
+        Two states with equal facts and equal signatures have the same plans, because every change is a whole number of
+        grid steps.
+        """
+        return tuple(
+            -((numbers[slot] - crossing) // grid) if grid else int(numbers[slot] >= crossing)
+            for slot, _, _, grid, crossings in self.scales
+            for crossing in crossings
+        )
+
+    def estimate(self, bits: int, numbers: tuple[int, ...]) -> tuple[int, int] | None:
+        """Return lower bounds for the cost and for the steps (in STEP_UNIT) still to go, None if there is no way."""
+        cost = steps = 0
+        landmarks = self.landmarks
+        pending = list(self.roots)
+        seen = set(pending)
+        while pending:
+            mask, want, bound, solvable, cost_share, step_share, stride, before = landmarks[pending.pop()]
+            if mask:
+                if bits & mask == want:
+                    continue
+                times = 1
+            else:
+                gap = _gap(bound, numbers)
+                if gap <= 0:
+                    continue
+                times = -(-gap // stride)
+            if not solvable:
+                return None
+            cost += cost_share * times
+            steps += step_share * times
+            for needed in before:
+                if needed not in seen:
+                    seen.add(needed)
+                    pending.append(needed)
+        return cost, steps
+
+
+def _clamped(value: int, low: int | None, high: int | None) -> int:
+    if high is not None and value > high:
+        return high
+    return low if low is not None and value < low else value
+
+
+def _gap(bound: NumberTest, numbers: tuple[int, ...]) -> int:
+    """Return by how much a number misses its bound; 0 or less where it holds."""
+    slot, crossing, above = bound
+    return crossing - numbers[slot] if above else numbers[slot] - crossing + 1
+
+
+def _relevant(steps: Sequence[Step], goal: Guard) -> tuple[list[Step], list[Test]]:
+    """Return the actions that can help the goal, directly or by helping each other, and all tests that matter."""
+    tests = dict.fromkeys(all_tests(goal))
+    chosen: set[int] = set()
+    pending = list(tests)
+    while pending:
+        test = pending.pop()
+        for position, step in enumerate(steps):
+            if position not in chosen and serves(step, test):
+                chosen.add(position)
+                fresh = [other for other in all_tests(step.guard) if other not in tests]
+                tests.update(dict.fromkeys(fresh))
+                pending.extend(fresh)
+    return [steps[position] for position in sorted(chosen)], list(tests)
+
+
+def _restricted(step: Step, read: set[int]) -> Step:
+    """Return the action without its changes of numbers that nothing reads."""
+    return step._replace(changes=tuple((slot, change) for slot, change in step.changes if slot in read))
+
+
+def _scale(slot: int, steps: Sequence[Step], tests: Sequence[Test]) -> Scale:
+    changes = [change for step in steps for number, change in step.changes if number == slot]
+    crossings = sorted({test.crossing for test in tests if isinstance(test, NumberTest) and test.slot == slot})
+    low = None if any(change > 0 for change in changes) else crossings[0] - 1
+    high = None if any(change < 0 for change in changes) else crossings[-1]
+    return Scale(slot, low, high, reduce(gcd, changes, 0), tuple(crossings))
+
+
+def _landmarks(steps: Sequence[Step], goal: Guard) -> tuple[tuple[Landmark, ...], tuple[int, ...]]:
+    """Return every test that may be needed and the positions of those the goal itself asks for."""
+    tests = list(mandatory_tests(goal))
+    roots = tuple(range(len(tests)))
+    servants: list[list[Step]] = []
+    before: list[tuple[int, ...]] = []
+    while len(servants) < len(tests):
+        serving = [step for step in steps if serves(step, tests[len(servants)])]
+        servants.append(serving)
+        common = _common(serving)
+        tests.extend(test for test in common if test not in tests)
+        before.append(tuple(tests.index(test) for test in common))
+    served = {step.action: sum(serves(step, test) for test in tests) for step in steps}
+    landmarks = [
+        Landmark(
+            *_comparison(test),
+            bool(serving),
+            min((step.cost // served[step.action] for step in serving), default=0),
+            min((STEP_UNIT // served[step.action] for step in serving), default=0),
+            max((_stride(step, test) for step in serving), default=1),
+            needed,
+        )
+        for test, serving, needed in zip(tests, servants, before, strict=True)
+    ]
+    return tuple(landmarks), roots
+
+
+def _comparison(test: Test) -> tuple[int, int, NumberTest]:
+    """Return (mask, want, bound) of a landmark; the bound of a fact stands for nothing."""
+    if isinstance(test, FactTest):
+        return 1 << test.slot, test.wanted << test.slot, NumberTest(0, 0, True)
+    return 0, 0, test
+
+
+def _common(steps: Sequence[Step]) -> list[Test]:
+    """Return the tests that every one of these actions asks for outside its disjunctions."""
+    if not steps:
+        return []
+    return [
+        test
+        for test in mandatory_tests(steps[0].guard)
+        if all(test in mandatory_tests(other.guard) for other in steps[1:])
+    ]
+
+
+def _stride(step: Step, test: Test) -> int:
+    return 1 if isinstance(test, FactTest) else sum(abs(change) for slot, change in step.changes if slot == test.slot)

@@ -1,0 +1,104 @@
+"""The PettingZoo border while robots leave and join: the library's own checks, whole episodes, who is there when."""
+
+import numpy as np
+import pytest
+from pettingzoo.test import api_test, parallel_api_test
+
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.learning.actions import ActionConfig
+from tests.clean_swarm_env.courses import long_course, mission
+
+EVENTS = [
+    {"at": 3.0, "do": "fail", "robots": [1]},
+    {"at": 5.4, "do": "join", "robots": 2},
+    {"at": 8.0, "do": "remove", "robots": [0, 5]},
+    {"at": 8.0, "do": "join"},
+    {"at": 11.0, "do": "land", "items": 2},
+]
+
+
+def _env(mode="option", **changes):
+    config = mission(events=EVENTS, **{"time_limit": 60.0, **changes})
+    return clean_swarm_v0.parallel_env(config, action=ActionConfig(mode=mode))
+
+
+def _episode(env, seed):
+    """Return who was there and what they saw and got, step by step."""
+    rng, steps = np.random.default_rng(seed), []
+    observations, _ = env.reset(seed=seed)
+    while env.agents:
+        for agent, seen in observations.items():
+            assert env.observation_space(agent).contains(seen)
+        velocity = not hasattr(env.action_space(env.agents[0]), "n")
+        actions = {a: rng.uniform(-1, 1, 2).astype(np.float32) if velocity else rng.integers(3) for a in env.agents}
+        observations, rewards, terminations, truncations, infos = env.step(actions)
+        assert observations.keys() == rewards.keys() == terminations.keys() == truncations.keys() == infos.keys()
+        steps.append((tuple(env.agents), {a: o.tobytes() for a, o in observations.items()}, rewards, terminations,
+                      truncations))  # fmt: skip
+    return steps
+
+
+@pytest.mark.parametrize("mode", ["option", "velocity"])
+def test_the_parallel_environment_passes_pettingzoos_test_while_agents_leave_and_join(mode):
+    parallel_api_test(_env(mode), num_cycles=150)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_turn_based_environment_passes_pettingzoos_test_while_agents_leave_and_join():
+    api_test(clean_swarm_v0.env(mission(events=EVENTS, time_limit=30.0)), num_cycles=200)
+
+
+def test_agents_leave_and_join_when_the_mission_says_so():
+    env = _env()
+    assert env.possible_agents == [f"robot_{k}" for k in range(8)]
+    env.reset(seed=1)
+    there = {0: "01234", 4: "0234", 6: "023456", 9: "23467"}
+    for second in range(1, 15):
+        agents = "".join(agent[-1] for agent in env.agents)
+        latest = max(begin for begin in there if begin < second)
+        assert agents == there[latest]
+        before = set(env.agents)
+        observations, rewards, terminations, truncations, _ = env.step(dict.fromkeys(env.agents, 2))
+        gone = before - set(env.agents)
+        assert set(observations) == before | set(env.agents)
+        assert {agent for agent, ended in terminations.items() if ended} == gone
+        assert not any(truncations.values())
+        assert all(rewards[agent] == 0.0 for agent in set(env.agents) - before)
+    with pytest.raises(ValueError, match=r"unknown \['robot_0'\]"):
+        env.step(dict.fromkeys(["robot_0", *env.agents], 2))
+
+
+@long_course
+@pytest.mark.parametrize("mode", ["option", "velocity"])
+def test_equal_seeds_give_equal_episodes_with_changing_agents(mode):
+    first, second = _env(mode), _env(mode)
+    whole = _episode(first, 4)
+    assert whole == _episode(second, 4)
+    assert whole != _episode(second, 5)
+    assert whole == _episode(second, 4)
+
+
+def test_an_episode_ends_for_those_that_are_there():
+    env = _env(time_limit=12.0)
+    steps = _episode(env, 1)
+    agents, _, _, terminations, truncations = steps[-1]
+    assert agents == ()
+    assert truncations == dict.fromkeys(["robot_2", "robot_3", "robot_4", "robot_6", "robot_7"], True)
+    assert not any(terminations.values())
+    env.reset(seed=2)
+    assert env.agents == [f"robot_{k}" for k in range(5)]
+
+
+def test_robots_that_are_lost_with_their_cargo_have_not_dumped_it():
+    config = mission(events=[{"at": 60.0, "do": "fail", "robots": [0, 1, 2, 3]}])
+    env = clean_swarm_v0.parallel_env(config)
+    env.reset(seed=3)
+    own = team = 0
+    while env.agents:
+        agents = list(env.agents)
+        *_, infos = env.step(dict.fromkeys(env.agents, 2))
+        own += sum(infos[agent]["own_dumped"] for agent in agents)
+        team += infos[agents[0]]["dumped"]
+        if infos[agents[0]]["time_s"] > 70.0:
+            break
+    assert own == team

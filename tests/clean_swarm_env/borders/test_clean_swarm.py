@@ -1,0 +1,225 @@
+"""The PettingZoo border: the library's own checks, whole trajectories, spaces, the ends of episodes and wrong use."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from pettingzoo.test import api_test, parallel_api_test
+
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.reward import RewardConfig
+from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
+
+
+def _episode(env, policy, seed=None, options=None, limit=10_000):
+    """Return an episode as flat bytes for each step: observations, rewards, ends, positions, infos."""
+    observations, infos = env.reset(seed=seed, options=options)
+    steps, rng = [_bytes(env, observations, {}, infos)], np.random.default_rng(policy)
+    while env.agents and len(steps) <= limit:
+        actions = {agent: rng.integers(3) for agent in env.agents}
+        observations, rewards, terminations, truncations, infos = env.step(actions)
+        steps.append(_bytes(env, observations, rewards, (terminations, truncations, infos)))
+    return steps
+
+
+def _bytes(env, observations, rewards, others):
+    seen = b"".join(observations[agent].tobytes() for agent in env.possible_agents)
+    bodies = env.unwrapped._batch.worlds.physics
+    return seen, tuple(rewards.items()), repr(others), bodies.positions.tobytes() + bodies.headings.tobytes()
+
+
+@long_course
+def test_the_parallel_environment_passes_pettingzoos_test():
+    parallel_api_test(clean_swarm_v0.parallel_env(), num_cycles=400)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
+def test_the_turn_based_environment_passes_pettingzoos_test():
+    api_test(clean_swarm_v0.env(), num_cycles=200)
+
+
+@long_course
+@pytest.mark.parametrize("name", ["table1", "reference"])
+def test_equal_seeds_give_equal_episodes_in_two_environments_and_after_other_episodes(name):
+    first, second = clean_swarm_v0.parallel_env(name), clean_swarm_v0.parallel_env(name)
+    whole = _episode(first, policy=1, seed=5)
+    assert len(whole) > 30
+    assert _episode(second, policy=1, seed=5) == whole
+    _episode(second, policy=2)
+    _episode(second, policy=3, seed=8, limit=17)
+    assert _episode(second, policy=1, seed=5) == whole
+    assert _episode(second, policy=1, seed=6) != whole
+
+
+def test_episodes_after_a_seed_are_new_ones_and_repeatable():
+    env = clean_swarm_v0.parallel_env()
+    first = [_episode(env, 1, seed, limit=3) for seed in (5, None, None)]
+    assert len({steps[0] for steps in first}) == 3
+    assert [_episode(env, 1, seed, limit=3) for seed in (5, None, None)] == first
+
+
+def test_without_a_seed_every_environment_begins_elsewhere():
+    first, second = (_episode(clean_swarm_v0.parallel_env(), 1, limit=0) for _ in range(2))
+    assert first != second
+
+
+@long_course
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"robots": {"count": 40}}, {"robots": {"count": 1}, "garbage": {"count": 1}}],
+    ids=["table1", "crowd", "alone"],
+)
+def test_every_observation_of_an_episode_lies_in_its_space(changes):
+    config = mission(**changes, time_limit=300.0)
+    env = clean_swarm_v0.parallel_env(config)
+    observations, _ = env.reset(seed=2)
+    while env.agents:
+        for agent in env.agents:
+            assert env.observation_space(agent).contains(observations[agent])
+        assert env.state_space.contains(env.state())
+        observations, *_ = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
+
+
+def test_spaces_are_the_same_objects_all_the_time():
+    env = clean_swarm_v0.parallel_env()
+    for agent in env.possible_agents:
+        assert env.observation_space(agent) is env.observation_space(agent)
+        assert env.action_space(agent) is env.action_space(agent)
+        assert env.action_space(agent).n == len(OPTIONS)
+    assert env.options == {"AvoidCollision": OPTIONS}
+
+
+@long_course
+def test_an_episode_terminates_when_all_garbage_is_dumped_and_agents_stay_gone():
+    env = clean_swarm_v0.parallel_env()
+    env.reset(seed=1)
+    assert env.agents == env.possible_agents
+    total = 0.0
+    while env.agents:
+        agents = env.agents
+        _, rewards, terminations, truncations, infos = env.step(dict.fromkeys(env.agents, 2))
+        assert set(rewards) == set(terminations) == set(truncations) == set(infos) == set(agents)
+        total += rewards["robot_0"]
+    assert set(terminations.values()) == {True}
+    assert set(truncations.values()) == {False}
+    collisions = infos["robot_0"]["time_s"] * -0.01 + 10.0 - total  # what is left of the reward, at 0.1 an event
+    assert collisions == pytest.approx(round(collisions * 10) / 10, abs=1e-9)
+    with pytest.raises(RuntimeError, match="call reset first"):
+        env.step({})
+    assert env.agents == []
+    env.reset()
+    assert env.agents == env.possible_agents
+
+
+@pytest.mark.parametrize(("limit", "steps"), [(3.0, 3), (2.4, 3), (0.2, 1), (0.01, 1)])
+def test_the_time_limit_truncates_and_does_not_terminate(limit, steps):
+    env = clean_swarm_v0.parallel_env(mission(time_limit=limit))
+    env.reset(seed=1)
+    for step in range(steps):
+        _, _, terminations, truncations, infos = env.step(dict.fromkeys(env.agents, 0))
+        assert set(terminations.values()) == {False}
+        assert set(truncations.values()) == {step == steps - 1}
+    assert infos["robot_0"]["time_s"] == pytest.approx(max(limit, 0.2))
+    assert env.agents == []
+
+
+def test_an_action_is_the_option_held_in_the_next_period():
+    env = clean_swarm_v0.parallel_env()
+    observations, _ = env.reset(seed=1)
+    assert [observations[agent][-3:].tolist() for agent in env.agents] == [[1, 0, 0]] * 5  # the highest score
+    observations, *_ = env.step({"robot_0": 0, "robot_1": 1, "robot_2": 2, "robot_3": 2, "robot_4": 0})
+    assert [int(observations[agent][-3:].argmax()) for agent in env.agents] == [0, 1, 2, 2, 0]
+
+
+@long_course
+def test_actions_change_the_course():
+    env = clean_swarm_v0.parallel_env()
+    ends = []
+    for action in range(3):
+        env.reset(seed=1)
+        while env.agents:
+            *_, infos = env.step(dict.fromkeys(env.agents, action))
+        ends.append(infos["robot_0"]["time_s"])
+    assert len(set(ends)) == 3
+
+
+def test_weights_of_the_reward_are_used():
+    env = clean_swarm_v0.parallel_env(reward=RewardConfig(dumped=0.0, time=-2.0, collision=0.0))
+    env.reset(seed=1)
+    _, rewards, *_ = env.step(dict.fromkeys(env.agents, 0))
+    assert rewards == pytest.approx(dict.fromkeys(env.agents, -2.0))
+
+
+@pytest.mark.parametrize(
+    ("actions", "message"),
+    [
+        ({"robot_0": 0}, r"missing \['robot_1', 'robot_2', 'robot_3', 'robot_4'\]"),
+        ({**{f"robot_{k}": 0 for k in range(5)}, "robot_5": 0}, r"unknown \['robot_5'\]"),
+        ({f"robot_{k}": 3 for k in range(5)}, r"actions\['robot_0'\]: expected 0\.\.2, got 3"),
+        ({f"robot_{k}": -1 for k in range(5)}, r"expected 0\.\.2, got -1"),
+        ({f"robot_{k}": 0.5 for k in range(5)}, r"expected 0\.\.2, got 0\.5"),
+        ({f"robot_{k}": None for k in range(5)}, r"expected 0\.\.2, got None"),
+    ],
+)
+def test_wrong_actions_are_named_and_nothing_moves(actions, message):
+    env = clean_swarm_v0.parallel_env()
+    env.reset(seed=1)
+    before = env.state()
+    with pytest.raises(ValueError, match=message):
+        env.step(actions)
+    assert np.array_equal(env.state(), before)
+
+
+def test_wrong_use_is_an_error_that_says_what_was_expected():
+    with pytest.raises(ConfigurationError, match=r"unknown mission 'tabel1'.*table1"):
+        clean_swarm_v0.parallel_env("tabel1")
+    with pytest.raises(ValueError, match="render_mode: expected None or 'rgb_array', got 'human'"):
+        clean_swarm_v0.parallel_env(render_mode="human")
+    env = clean_swarm_v0.parallel_env()
+    with pytest.raises(RuntimeError, match="call reset first"):
+        env.step({})
+    with pytest.raises(TypeError, match="expected a StartConfiguration, got list"):
+        env.reset(options={"start": [1, 2]})
+    with pytest.raises(ValueError, match="expected 5 robots and 10 items, got 6 and 10"):
+        env.reset(options={"start": random_start(mission(robots={"count": 6}), 1, 0)})
+
+
+def test_a_start_can_be_given():
+    env, start = clean_swarm_v0.parallel_env(), random_start(mission(), 77, 4)
+    env.reset(seed=1, options={"start": start, "of others": 1})
+    assert np.allclose(env._batch.worlds.physics.positions, np.array(start.robots)[:, :2])
+    again = _episode(env, 1, 1, {"start": start}, limit=5)
+    assert _episode(env, 1, 1, {"start": start}, limit=5) == again
+
+
+def test_observations_belong_to_the_caller():
+    env = clean_swarm_v0.parallel_env()
+    observations, _ = env.reset(seed=1)
+    kept = {agent: seen.copy() for agent, seen in observations.items()}
+    env.step(dict.fromkeys(env.agents, 0))
+    assert all(np.array_equal(observations[agent], kept[agent]) for agent in kept)
+
+
+def test_rendering_gives_a_picture_and_changes_nothing():
+    plain, drawn = clean_swarm_v0.parallel_env(), clean_swarm_v0.parallel_env(render_mode="rgb_array")
+    assert plain.render() is None
+    for env in (plain, drawn):
+        env.reset(seed=1)
+    for step in range(41):
+        first, second = (env.step(dict.fromkeys(env.agents, 0))[0] for env in (plain, drawn))
+        assert all(np.array_equal(first[agent], second[agent]) for agent in first)
+        if step % 20 == 0:
+            picture = drawn.render()
+            assert picture.dtype == np.uint8
+            assert picture.ndim == 3
+            assert picture.shape[2] == 3
+            assert len({tuple(pixel) for pixel in picture.reshape(-1, 3)[::97].tolist()}) > 20
+
+
+def test_importing_the_environment_loads_neither_torch_nor_matplotlib():
+    code = "from clean_swarm_env import clean_swarm_v0; import sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {name.partition(".")[0] for name in done.stdout.split()} & {"torch", "stable_baselines3", "matplotlib"}

@@ -1,0 +1,43 @@
+"""What docs/environment.md shows works, and its tables are those of the code."""
+
+import re
+from importlib.util import find_spec
+
+import pytest
+
+from clean_swarm_env.learning.observation.terms import TERMS
+from clean_swarm_env.learning.reward import RewardConfig
+from tests.clean_swarm_env.courses import long_course
+from tests.paths import ROOT
+
+PAGE = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+
+
+def table(name):
+    rows = PAGE.split(f"<!-- begin: {name} -->\n")[1].split(f"<!-- end: {name} -->")[0].splitlines()[2:]
+    return [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+
+
+@long_course
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda text: text.split("\n")[0][:40])
+def test_the_examples_run(example):
+    if re.search("stable_baselines3|clean_swarm_env.sb3", example) and find_spec("stable_baselines3") is None:
+        pytest.skip("needs the extra 'train'")
+    exec(example, {})
+
+
+def test_all_terms_are_on_the_page_as_they_are():
+    rows = {row[0].strip("`"): row[1:] for row in table("terms")}
+    assert list(rows) == list(TERMS)
+    for name, (meaning, components) in TERMS.items():
+        assert rows[name][0] == meaning
+        if components:
+            assert re.findall(r"`(\w+)`", rows[name][1]) == list(components)
+
+
+def test_all_weights_are_on_the_page_as_they_are():
+    rows = {row[0].strip("`"): row[1:] for row in table("rewards")}
+    assert list(rows) == list(RewardConfig.model_fields)
+    for name, field in RewardConfig.model_fields.items():
+        assert rows[name] == [f"{field.default:g}", field.description]

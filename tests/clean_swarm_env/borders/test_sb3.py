@@ -1,0 +1,193 @@
+"""The border to Stable-Baselines3: rows beside the batch, ends of episodes, wrappers, seeds, attributes, learning."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
+
+from stable_baselines3 import PPO
+from stable_baselines3.common.env_checker import check_env
+from stable_baselines3.common.evaluation import evaluate_policy
+from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+
+from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
+from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.joined import family_batches
+from clean_swarm_env.learning.observation.terms import ObservationConfig
+from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
+
+SHORT = mission(garbage={"count": 2}, time_limit=30.0)
+END = ("duration_s", "garbage_done", "mission_collision_events", "completed")
+
+
+def stepped(envs, steps, seed=3):
+    """Seed and reset, then yield what each step brings."""
+    rng = np.random.default_rng(seed)
+    envs.seed(seed)
+    envs.reset()
+    for _ in range(steps):
+        yield envs.step(rng.integers(0, 3, envs.num_envs))
+
+
+@long_course
+def test_rows_are_those_of_the_batch_and_truncation_is_kept_apart():
+    batch, rng, kinds = Batch(SHORT, 2), np.random.default_rng(3), set()
+    batch.reset([3, 4])
+    totals, lengths = np.zeros(10), np.zeros(10)
+    for seen, rewards, dones, infos in stepped(RobotVecEnv(2, mission=SHORT), 120):
+        step = batch.step(rng.integers(0, 3, 10))
+        totals, lengths = totals + step.rewards, lengths + 1
+        assert np.array_equal(seen, step.observations)
+        assert np.array_equal(rewards, step.rewards.astype(np.float32))
+        assert np.array_equal(dones, np.repeat(step.terminated | step.truncated, 5))
+        ends = {end.world: end for end in batch.finished}
+        for row, info in enumerate(infos):
+            assert ("terminal_observation" in info) == dones[row] == ("TimeLimit.truncated" in info)
+            for kind, name in enumerate(("picked", "recycled", "dumped", "collision")):
+                assert info.get(f"own_{name}", 0) == batch.progress.events[kind, row]
+            if dones[row]:
+                assert np.array_equal(info["terminal_observation"], step.final_observations[row])
+                assert info["TimeLimit.truncated"] == step.truncated[row // 5]
+                assert {name: info[name] for name in END} == ends[row // 5].statistics
+                assert (info["episode"]["r"], info["episode"]["l"]) == (pytest.approx(totals[row]), lengths[row])
+                totals[row], lengths[row] = 0.0, 0
+                kinds.add(info["TimeLimit.truncated"])
+    assert kinds == {True, False}
+
+
+def test_seeds_count_for_the_next_reset_and_the_series_goes_on_without():
+    envs = RobotVecEnv(2, mission=SHORT)
+    assert envs.seed(5) == [5] * 5 + [6] * 5
+    first = envs.reset()
+    second = envs.reset()
+    assert not np.array_equal(first, second)
+    envs.seed(5)
+    assert np.array_equal(envs.reset(), first)
+    assert np.array_equal(envs.reset(), second)
+    assert envs.seed() != envs.seed()
+
+
+def test_options_of_a_reset_count_once():
+    envs, start = RobotVecEnv(2, mission=SHORT), random_start(SHORT, 7, 1)
+    envs.set_options({"start": start})
+    envs.reset()
+    positions = envs.batches[0].worlds.physics.positions
+    assert np.allclose(positions, np.tile(np.array(start.robots)[:, :2], (2, 1)))
+    envs.reset()
+    assert not np.allclose(positions[:5], positions[5:])
+
+
+@long_course
+def test_the_monitor_and_the_normaliser_work_on_it():
+    monitored = VecMonitor(RobotVecEnv(2, mission=SHORT), info_keywords=END)
+    envs = VecNormalize(monitored, gamma=0.9)
+    reference = {}
+    for (seen, rewards, dones, infos), (_, _, _, plain) in zip(
+        stepped(envs, 60), stepped(RobotVecEnv(2, mission=SHORT), 60), strict=True
+    ):
+        assert np.isfinite(seen).all()
+        assert np.isfinite(rewards).all()
+        for row in np.flatnonzero(dones):
+            episode, own = infos[row]["episode"], plain[row]["episode"]
+            assert (episode["r"], episode["l"]) == (pytest.approx(own["r"], abs=1e-4), own["l"])
+            assert all(episode[name] == plain[row][name] for name in END)
+            assert infos[row]["terminal_observation"].shape == (envs.observation_space.shape[0],)
+            assert not np.array_equal(infos[row]["terminal_observation"], plain[row]["terminal_observation"])
+            reference[row] = True
+    assert len(reference) == 10
+
+
+def test_attributes_and_methods_of_rows():
+    envs = RobotVecEnv(2, mission=SHORT, action=ActionConfig(serves={"RepulsionFernandez": ("patrol",)}))
+    envs.seed(1)
+    envs.reset()
+    assert envs.get_attr("world") == [0] * 5 + [1] * 5
+    assert envs.get_attr("robot", indices=[0, 6]) == [0, 1]
+    assert envs.get_attr("options", 0) == [{"AvoidCollision": OPTIONS}]
+    masks = np.stack(envs.env_method("action_masks"))
+    assert np.array_equal(masks, envs.batches[0].masks())
+    assert np.array_equal(envs.env_method("action_masks", indices=7)[0], masks[7])
+    assert envs.has_attr("action_masks")
+    assert not envs.has_attr("weather")
+    with pytest.raises(AttributeError, match="weather"):
+        envs.get_attr("weather")
+    envs.set_attr("nickname", "Wall-E", indices=[3])
+    assert envs.get_attr("nickname", 3) == ["Wall-E"]
+    assert not envs.has_attr("nickname")
+    with pytest.raises(AttributeError):
+        envs.set_attr("options", {})
+    assert envs.env_is_wrapped(VecMonitor) == [False] * 10
+
+
+@long_course
+def test_a_single_agent_for_the_team_passes_sb3s_check():
+    check_env(CleanSwarmTeam(SHORT))
+    check_env(CleanSwarmTeam(SHORT, one_for_all=True))
+    check_env(CleanSwarmTeam(SHORT, action=ActionConfig(mode="velocity")))
+
+
+@long_course
+@pytest.mark.parametrize("mode", ["option", "velocity"])
+def test_ppo_learns_on_it_and_equal_seeds_learn_alike(mode):
+    weights = []
+    for _ in range(2):
+        envs = VecNormalize(VecMonitor(RobotVecEnv(3, mission=SHORT, action=ActionConfig(mode=mode))))
+        model = PPO("MlpPolicy", envs, n_steps=32, batch_size=160, n_epochs=2, seed=1, device="cpu")
+        model.learn(2 * 32 * envs.num_envs)
+        assert model.num_timesteps == 960
+        assert len(model.ep_info_buffer) > 0
+        weights.append({name: tensor.numpy().copy() for name, tensor in model.policy.state_dict().items()})
+    assert all(np.array_equal(weights[0][name], weights[1][name]) for name in weights[0])
+    assert all(np.isfinite(tensor).all() for tensor in weights[0].values())
+    envs.training = False
+    mean, _ = evaluate_policy(model, envs, n_eval_episodes=15)
+    assert np.isfinite(mean)
+
+
+def of_two():
+    """Return the worlds of a mission, and those of a family with larger teams."""
+    settings = {"knowledge": "avoidance", "observation": ObservationConfig(terms=["situation", "crowd"])}
+    return [Batch(SHORT, 2, **settings), *family_batches("crowded", 1, **settings)]
+
+
+@long_course
+def test_rows_of_several_batches_are_those_of_each_alone():
+    together, alone = RobotVecEnv(batches=of_two()), [RobotVecEnv(batches=[batch]) for batch in of_two()]
+    assert together.num_envs == 30
+    assert together.seed(5) == [5] * 5 + [6] * 5 + [7] * 20
+    alone[0].seed(5)
+    alone[1].seed(7)
+    assert np.array_equal(together.reset(), np.concatenate([envs.reset() for envs in alone]))
+    assert together.get_attr("world") == [0] * 5 + [1] * 5 + [2] * 20
+    assert together.get_attr("robot", [9, 10, 29]) == [4, 0, 19]
+    assert together.get_attr("batch", [9, 10]) == list(together.batches)
+    ends = 0
+    for options in np.random.default_rng(1).integers(0, 6, (40, 30)):
+        seen, rewards, dones, infos = together.step(options)
+        first, second = alone[0].step(options[:10]), alone[1].step(options[10:])
+        for mine, *others in zip((seen, rewards, dones), first, second, strict=False):
+            assert np.array_equal(mine, np.concatenate(others))
+        for info, other in zip(infos, first[3] + second[3], strict=True):
+            assert info.keys() == other.keys()
+            for key in info.keys() - {"episode"}:
+                assert np.array_equal(info[key], other[key])
+            if "episode" in info:
+                assert [info["episode"][key] for key in "rl"] == [other["episode"][key] for key in "rl"]
+        ends += len(together.finished)
+    assert ends > 0
+    masks = np.stack(together.env_method("action_masks"))
+    assert np.array_equal(masks, np.concatenate([batch.masks() for batch in together.batches]))
+    with pytest.raises(ValueError, match="expected batches or settings of one, got both"):
+        RobotVecEnv(batches=of_two(), knowledge="avoidance")
+
+
+@long_course
+def test_ppo_learns_on_a_mix_of_missions_and_families():
+    envs = VecMonitor(RobotVecEnv(batches=of_two()))
+    model = PPO("MlpPolicy", envs, n_steps=40, batch_size=300, n_epochs=1, seed=1, device="cpu")
+    model.learn(40 * envs.num_envs)
+    assert len(model.ep_info_buffer) > 0
+    assert all(np.isfinite(tensor.numpy()).all() for tensor in model.policy.state_dict().values())

@@ -1,0 +1,176 @@
+"""The Gymnasium borders: the library's checkers, whole trajectories beside the batch, ends of episodes, ids."""
+
+import gymnasium
+import numpy as np
+import pettingzoo
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers.vector import RecordEpisodeStatistics
+
+from clean_swarm_env.borders import registration  # noqa: F401  (registers)
+from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
+from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from tests.clean_swarm_env.courses import long_course, mission
+
+SHORT = mission(garbage={"count": 2}, time_limit=50.0)
+SERVES = ActionConfig(serves={"RepulsionFernandez": ("patrol", "approach")})
+
+
+@long_course
+@pytest.mark.filterwarnings("error::UserWarning")
+@pytest.mark.filterwarnings("ignore:.*not run by the environment checker.*")  # render modes need a spec
+@pytest.mark.parametrize("name", ["CleanSwarm-v0", "CleanSwarmOneForAll-v0"])
+def test_the_environments_of_teams_pass_gymnasiums_check(name):
+    check_env(gymnasium.make(name, mission=SHORT).unwrapped)
+
+
+@long_course
+def test_a_team_steered_by_vectors_passes_gymnasiums_check():
+    env = CleanSwarmTeam(SHORT, action=ActionConfig(mode="velocity"))
+    assert env.action_space.shape == (10,)
+    check_env(env, skip_render_check=True)
+
+
+@long_course
+def test_teams_at_once_go_through_what_gymnasium_makes_of_single_ones():
+    """Gymnasium's own vector environment of single environments, resetting in the same step, is the reference."""
+    reference = SyncVectorEnv([lambda: CleanSwarmTeam(SHORT)] * 3, autoreset_mode=AutoresetMode.SAME_STEP)
+    envs, rng, ends = TeamVectorEnv(3, mission=SHORT), np.random.default_rng(1), 0
+    assert envs.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
+    for name in ("single_observation_space", "single_action_space", "observation_space", "action_space"):
+        assert getattr(envs, name) == getattr(reference, name)
+    (first, _), (second, _) = envs.reset(seed=4), reference.reset(seed=4)
+    assert np.array_equal(first, second)
+    for _ in range(120):
+        actions = rng.integers(0, 3, (3, 5))
+        own, other = envs.step(actions), reference.step(actions)
+        assert envs.observation_space.contains(own[0])
+        for mine, theirs in zip(own[:4], other[:4], strict=True):
+            assert np.array_equal(mine, theirs)
+            assert mine.dtype == theirs.dtype
+        assert ("final_obs" in own[4]) == ("final_obs" in other[4])
+        if "final_obs" in own[4]:
+            ends += 1
+            _compare_ends(own[4], other[4])
+    assert ends > 5
+
+
+def _compare_ends(infos, theirs):
+    assert np.array_equal(infos["_final_obs"], theirs["_final_obs"])
+    for mine, other in zip(infos["final_obs"], theirs["final_obs"], strict=True):
+        assert (mine is None) == (other is None)
+        assert mine is None or np.array_equal(mine, other)
+    final, reference = infos["final_info"], theirs["final_info"]
+    for name, values in reference.items():
+        if name.startswith("_"):
+            assert np.array_equal(final[name], values)
+        else:
+            ended = reference[f"_{name}"]
+            assert np.array_equal(final[name][ended], values[ended]), name
+
+
+@long_course
+def test_robots_as_environments_are_the_rows_of_the_batch():
+    envs, batch, rng, ends = RobotVectorEnv(2, mission=SHORT), Batch(SHORT, 2), np.random.default_rng(1), 0
+    first, infos = envs.reset(seed=4)
+    assert np.array_equal(first, batch.reset([4, 5]))
+    assert infos["time_s"].tolist() == [0.0] * 10
+    for _ in range(60):
+        actions = rng.integers(0, 3, 10)
+        seen, rewards, terminated, truncated, infos = envs.step(actions)
+        step = batch.step(actions)
+        assert np.array_equal(seen, step.observations)
+        assert np.array_equal(rewards, step.rewards)
+        assert np.array_equal(terminated, np.repeat(step.terminated, 5))
+        assert np.array_equal(truncated, np.repeat(step.truncated, 5))
+        assert not (terminated & truncated).any()
+        for end in batch.finished:
+            ends += 1
+            rows = batch.worlds.rows_of(end.world)
+            assert np.array_equal(np.stack(infos["final_obs"][rows]), step.final_observations[rows])
+            assert infos["final_info"]["duration_s"][rows].tolist() == [end.result.duration_s] * 5
+            assert infos["final_info"]["garbage_done"][rows].tolist() == [end.result.garbage_done] * 5
+            assert infos["time_s"][rows] == pytest.approx(end.result.ticks * 0.2)
+    assert ends > 1
+
+
+def test_what_is_returned_belongs_to_the_caller():
+    envs = RobotVectorEnv(1, mission=SHORT)
+    envs.reset(seed=1)
+    seen, rewards, *_, infos = envs.step(np.zeros(5, dtype=np.int64))
+    kept = seen.copy(), rewards.copy(), infos["own_avoiding"].copy()
+    for _ in range(5):
+        envs.step(np.ones(5, dtype=np.int64))
+    assert np.array_equal(seen, kept[0])
+    assert np.array_equal(rewards, kept[1])
+    assert np.array_equal(infos["own_avoiding"], kept[2])
+
+
+@long_course
+def test_gymnasiums_episode_statistics_work_on_it():
+    envs = RecordEpisodeStatistics(RobotVectorEnv(2, mission=SHORT))
+    envs.reset(seed=4)
+    for _ in range(50):
+        *_, infos = envs.step(np.zeros(10, dtype=np.int64))
+    assert infos["episode"]["l"].max() <= 50
+    assert len(envs.return_queue) >= 10
+
+
+def test_masks_are_what_can_serve():
+    envs = RobotVectorEnv(1, mission=SHORT, action=SERVES)
+    _, infos = envs.reset(seed=1)
+    assert np.array_equal(infos["action_mask"], envs.batch.masks())
+    team = TeamVectorEnv(1, mission=SHORT, action=SERVES)
+    _, infos = team.reset(seed=1)
+    assert infos["action_mask"].shape == (1, 15)
+
+
+def test_one_option_serves_all_robots_of_a_team():
+    envs = TeamVectorEnv(2, mission=SHORT, one_for_all=True)
+    envs.reset(seed=1)
+    envs.step(np.array([2, 1]))
+    assert envs.batch.worlds.coordinator.held.tolist() == [2] * 5 + [1] * 5
+
+
+def test_a_start_can_be_given():
+    env = CleanSwarmTeam(SHORT)
+    env.reset(seed=1, options={"start": random_start(SHORT, 7, 3)})
+    first = env.batch.worlds.physics.positions.copy()
+    env.reset(seed=2, options={"start": random_start(SHORT, 7, 3)})
+    assert np.array_equal(env.batch.worlds.physics.positions, first)
+
+
+def test_ids_make_all_kinds():
+    assert gymnasium.make_vec("CleanSwarmRobots-v0", num_envs=10, mission=SHORT).batch.worlds.worlds == 2
+    assert gymnasium.make_vec("CleanSwarm-v0", num_envs=2, mission=SHORT).num_envs == 2
+    assert gymnasium.make("clean_swarm_env.registration:CleanSwarm-v0").action_space.nvec.tolist() == [3] * 5
+    assert gymnasium.make("CleanSwarmOneForAll-v0").action_space.n == 3
+    assert pettingzoo.make("parallel", "CleanSwarm-v0", mission=SHORT).mission is SHORT
+    assert pettingzoo.make("aec", "CleanSwarm-v0").possible_agents[0] == "robot_0"
+
+
+def test_rendering_gives_a_picture():
+    env = gymnasium.make("CleanSwarm-v0", render_mode="rgb_array")
+    env.reset(seed=1)
+    assert env.render().shape[2] == 3
+    assert CleanSwarmTeam(SHORT).render() is None
+
+
+def test_wrong_use_is_an_error_that_says_what_was_expected():
+    with pytest.raises(ValueError, match="expected a multiple of the 5 robots of a world, got 7"):
+        RobotVectorEnv(num_envs=7)
+    with pytest.raises(ValueError, match="expected either worlds or num_envs"):
+        RobotVectorEnv()
+    envs = RobotVectorEnv(1)
+    envs.reset(seed=1)
+    with pytest.raises(ValueError, match=r"actions: expected shape \(5,\), got \(4,\)"):
+        envs.step(np.zeros(4, dtype=np.int64))
+    env = CleanSwarmTeam(SHORT)
+    with pytest.raises(RuntimeError, match="call reset first"):
+        env.step(np.zeros(5, dtype=np.int64))
+    with pytest.raises(ValueError, match="render_mode: expected None or 'rgb_array', got 'human'"):
+        CleanSwarmTeam(SHORT, render_mode="human")

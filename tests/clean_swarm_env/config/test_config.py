@@ -1,0 +1,157 @@
+"""Configuration files: what is shipped loads, and each mistake is one line with file, key, expected and given."""
+
+import math
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel, ValidationError
+
+from clean_swarm_env.config import mission as config
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.files import laid_over, load_experiment, load_mission, names
+from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
+from selector.documents.yaml import Closed
+
+MODELS = [
+    model
+    for model in vars(config).values()
+    if isinstance(model, type) and issubclass(model, Closed) and model is not Closed
+]
+
+
+@pytest.mark.parametrize("name", names("experiments"))
+def test_every_shipped_experiment_loads(name):
+    experiment = load_experiment(name)
+    assert experiment.name == name
+    assert experiment.description
+
+
+@pytest.mark.parametrize("name", names("missions"))
+def test_every_shipped_mission_loads(name):
+    assert load_mission(name).name == name
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
+def test_every_field_says_what_it_is(model: type[BaseModel]):
+    for name, field in model.model_fields.items():
+        assert field.description, name
+        assert field.description.endswith("."), name
+        is_quantity = isinstance(field.default, float) and not isinstance(field.default, bool)
+        is_rate = "per second" in field.description
+        assert not is_quantity or "[" in field.description or is_rate, f"{name} states no unit"
+
+
+def test_the_reference_mission_is_the_one_of_the_robot_model():
+    mission = load_mission("reference")
+    assert mission.world.contacts == "pass_through"
+    assert mission.collision_distances == (0.5, 1.0)
+    assert mission.world.physics_steps_per_tick == 4
+    assert (mission.robots.pose_goal_radius, mission.robots.pose_diffusion) == (0.5, 1.0)
+    assert (mission.network.activation_threshold, mission.network.threshold_decay) == (7.0, 0.8)
+    assert mission.robots.turn_in_place_beyond == pytest.approx(math.radians(60))
+
+
+def test_the_published_table_has_the_published_means():
+    reference = load_experiment("table1").reference
+    assert reference is not None
+    durations = {name: figures["duration_s"] for name, figures in reference.figures.items()}
+    assert sum(durations["RepulsionFernandez"]) / 5 == pytest.approx(846.72, abs=0.01)
+    assert sum(durations["RepulsionGradient"]) / 5 == pytest.approx(266.43, abs=0.01)
+
+
+def _written(tmp_path: Path, mission: str = "", rest: str = "") -> str:
+    path = tmp_path / "x.yaml"
+    mission_line = f"mission: {{{mission}}}\n" if mission else ""
+    path.write_text(f"name: x\nconditions: [{{name: a}}]\n{mission_line}{rest}\n", encoding="utf-8")
+    return str(path)
+
+
+MISTAKES = [
+    ("world: {widht: 3}", "", "mission.world.widht: unknown key 'widht' (known: contacts, "),
+    ("base: table1, world: {widht: 3}", "", "did you mean 'width'?"),
+    ("robots: {radius: -1}", "", "mission.robots.radius: expected greater than 0, got -1"),
+    (
+        "robots: {count: 278}",
+        "",
+        "mission.robots.count: expected at most 277 solid robots of radius 0.25 m on 11 m x 11 m",
+    ),
+    ("robots: {radius: 2.0}", "", "mission.robots.count: expected at most 4 solid robots of radius 2 m"),
+    ("robots: {radius: 2.76, count: 1}", "", "mission.robots.count: expected at most 0"),
+    ("robots: {count: 5.5}", "", "mission.robots.count: expected a valid integer, got 5.5"),
+    ("robots: {radius: yes}", "", "mission.robots.radius: expected a valid number, got True"),
+    ("world: {width: .inf}", "", "mission.world.width: expected a finite number, got inf"),
+    ("stations: {dump: [12, 3]}", "", "mission.stations.dump: expected a point on the torus 11 m x 11 m, got [12, 3]"),
+    ("stations: {recycling: [1, -0.1]}", "", "mission.stations.recycling: expected a point on the torus"),
+    ("world: {width: 8}", "", "mission.stations.dump: expected a point on the torus 8 m x 11 m"),
+    ("stations: {dump: [12]}", "", "mission.stations.dump.1: missing value"),
+    ("world: {control_rate: 3}", "", "mission.world.control_rate: expected a rate that divides physics_rate 20 Hz"),
+    ("decision_period: 0.3", "", "mission.decision_period: expected a whole multiple of the control period 0.2 s"),
+    ("collision_distances: [0]", "", "mission.collision_distances.0: expected greater than 0, got 0"),
+    ("patrol: {min_speed: 2}", "", "mission.patrol.min_speed: expected a speed up to max_speed 1 m/s, got 2"),
+    ("base: tabel1", "", "mission.base: unknown mission 'tabel1' (known: "),
+    ("", "mision: table1", "mision: unknown key 'mision'"),
+    ("", "starts: [{id: 1, robots: [[1, 2]], items: []}]", "starts.0.robots.0.2: missing value"),
+    ("", "starts: nowhere", "starts: unknown set of start configurations 'nowhere' (known: table1"),
+    ("", "name: y", "line 3: key 'name' twice"),
+    ("", "conditions: []", "line 3: key 'conditions' twice"),
+]
+
+
+@pytest.mark.parametrize(("mission", "rest", "expected"), MISTAKES)
+def test_a_mistake_is_one_line_with_file_and_key(tmp_path, mission, rest, expected):
+    with pytest.raises(ConfigurationError) as caught:
+        load_experiment(_written(tmp_path, mission, rest))
+    message = str(caught.value)
+    assert expected in message
+    assert "x.yaml: " in message
+    assert "\n" not in message
+
+
+def test_conditions_with_one_name_are_refused(tmp_path):
+    path = tmp_path / "x.yaml"
+    path.write_text("name: x\nconditions: [{name: a}, {name: a}]\n", encoding="utf-8")
+    with pytest.raises(ConfigurationError, match=r"x\.yaml: conditions: expected unique names, got 'a' twice"):
+        load_experiment(str(path))
+
+
+def test_unknown_experiments_list_what_exists():
+    with pytest.raises(
+        ConfigurationError, match=r"unknown experiment 'tabel1' .*table1, table1-reference.*mean 'table1'"
+    ):
+        load_experiment("tabel1")
+    with pytest.raises(ConfigurationError, match=r"x/y\.yaml: no such file"):
+        load_experiment("x/y.yaml")
+
+
+def test_a_given_directory_is_searched_before_the_shipped_one(tmp_path):
+    (tmp_path / "missions").mkdir()
+    (tmp_path / "missions" / "table1.yaml").write_text("name: mine\ntime_limit: 1e2\n", encoding="utf-8")
+    assert load_mission("table1", [tmp_path]).name == "mine"
+    assert load_mission("table1", [tmp_path]).time_limit == 100.0
+    assert load_experiment("table1", [tmp_path]).mission.name == "mine"
+    assert "table1-reference" in names("experiments", [tmp_path])
+
+
+def test_changes_are_laid_over_mapping_by_mapping():
+    base = {"a": {"b": 1, "c": 2}, "d": 3}
+    assert laid_over(base, {"a": {"b": 5}, "d": {"e": 1}}) == {"a": {"b": 5, "c": 2}, "d": {"e": 1}}
+    assert base == {"a": {"b": 1, "c": 2}, "d": 3}
+
+
+def test_configurations_are_closed_and_frozen():
+    with pytest.raises(ValidationError):
+        MissionConfig.model_validate({"nmae": "x"})
+    with pytest.raises(ValidationError):
+        MissionConfig().time_limit = 3.0  # type: ignore[misc]
+
+
+def test_an_experiment_survives_being_written_and_read():
+    experiment = load_experiment("table1")
+    assert ExperimentConfig.model_validate_json(experiment.model_dump_json()) == experiment
+
+
+def test_robots_that_pass_through_each_other_always_fit():
+    world = WorldConfig(contacts="pass_through")
+    robots = {"count": robots_that_fit(world, 0.25) + 1000}
+    assert MissionConfig.model_validate({"world": world.model_dump(), "robots": robots}).robots.count > 1000

@@ -1,0 +1,115 @@
+"""Families: every scenario is one that can be run, the same for the same seed, and never of two splits."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.families import SPLITS, seed_of
+from clean_swarm_env.config.files import load_family, names
+from clean_swarm_env.config.frames import check_frame, grouped
+from clean_swarm_env.config.starts import for_start
+from clean_swarm_env.world.mission import run_mission
+from clean_swarm_env.world.worlds import Worlds
+from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission
+
+FAMILIES = names("families")
+
+
+def test_all_families_are_shipped():
+    assert FAMILIES == ["careful", "continuous", "crowded", "random", "shifting", "sparse", "table1", "unseen"]
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_scenarios_are_the_same_again_and_all_different(name):
+    first, again = load_family(name), load_family(name)
+    drawn = [first.scenario(3, index, split) for split in SPLITS for index in range(20)]
+    assert drawn == [again.scenario(3, index, split) for split in SPLITS for index in range(20)]
+    assert len({scenario.seed for scenario in drawn}) == len({(s.id) for s in drawn}) == 40
+    starts = {scenario.start.robots for scenario in drawn}
+    assert len(starts) == (25 if name == "table1" else 40)
+    for scenario in drawn:
+        for_start(scenario.mission, scenario.start)  # robots and items on the torus, solid robots apart
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_splits_cannot_overlap(name):
+    train = {seed_of(name, seed, index, "train") for seed in range(20) for index in range(50)}
+    test = {seed_of(name, seed, index, "test") for seed in range(20) for index in range(50)}
+    assert len(train) == len(test) == 1000
+    assert {seed % 2 for seed in train} == {0}
+    assert {seed % 2 for seed in test} == {1}
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_scenarios_of_one_torus_share_a_frame(name):
+    missions = [load_family(name).scenario(1, index, "test").mission for index in range(30)]
+    groups = grouped(missions)
+    assert len(groups) == len({(m.world.width, m.world.height) for m in missions}) == (3 if name == "unseen" else 1)
+    assert sorted(number for group in groups for number in group) == list(range(30))
+    with pytest.raises(ValueError, match="world: expected"):
+        check_frame(mission(world={"width": 12.0}), missions[0])
+
+
+def test_sizes_and_densities_of_unseen_are_those_of_no_other_family():
+    def densities(name):
+        missions = [load_family(name).scenario(1, index, "train").mission for index in range(40)]
+        return {(m.world.width, m.world.height) for m in missions}, {m.robots.count for m in missions}
+
+    unseen_sizes, unseen_robots = densities("unseen")
+    for name in set(FAMILIES) - {"unseen"}:
+        sizes, _ = densities(name)
+        assert not sizes & unseen_sizes
+    assert min(unseen_robots) >= 6
+    assert max(unseen_robots) <= 16
+
+
+@long_course
+@pytest.mark.parametrize("name", ["shifting", "unseen"])
+def test_a_batch_of_different_scenarios_has_the_bits_of_each_alone(name):
+    scenarios = [load_family(name).scenario(2, index, "train") for index in range(6)]
+    group = max(grouped([scenario.mission for scenario in scenarios]), key=len)
+    scenarios = [scenarios[number] for number in group]
+    assert len(scenarios) > 1
+    batch = Worlds(scenarios[0].mission, avoidance(), len(scenarios))
+    for world, scenario in enumerate(scenarios):
+        batch.reset(world, scenario.start, scenario.seed, scenario.mission)
+    ticks = 1500 if name == "shifting" else 300
+    for _ in range(ticks - 20):
+        batch.tick()
+    together = course(batch, len(scenarios) - 1, 20)
+    alone = Worlds(scenarios[-1].mission, avoidance())
+    alone.reset(0, scenarios[-1].start, scenarios[-1].seed)
+    for _ in range(ticks - 20):
+        alone.tick()
+    assert difference(course(alone, 0, 20), together) == ""
+
+
+@long_course
+@pytest.mark.parametrize("name", FAMILIES)
+def test_scenarios_of_every_family_run_and_say_what_they_cost(name):
+    scenario = load_family(name).scenario(1, 0, "test")
+    brief = scenario.mission.model_copy(update={"time_limit": 120.0})
+    result = run_mission(brief, scenario.start, scenario.seed, {})
+    assert result == run_mission(brief, scenario.start, scenario.seed, {})
+    assert result.items_per_min == pytest.approx(60.0 * result.garbage_done / (result.ticks * 0.2))
+    assert np.isfinite(result.cost_s)
+    assert result.cost_s > 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("robots: [5, 4]", "robots: expected the least before the largest, got [5, 4]"),
+        ("changes: {number: [1, 2]}", "changes.kinds: expected at least one kind of event, got none"),
+        ("robots: [900, 900]", "at most 277 solid robots"),
+        ("mission: nowhere", "unknown mission 'nowhere'"),
+        ("starts: table1\nrobots: [4, 4]", "robots: expected the numbers of the given starts, [5], got [4, 4]"),
+        ("colour: red", "colour: unknown key 'colour'"),
+    ],
+)
+def test_impossible_families_are_named(text, message, tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text(f"name: own\ndescription: Own.\n{text}\n")
+    with pytest.raises(ConfigurationError) as error:
+        load_family(str(path))
+    assert message in str(error.value)

@@ -1,0 +1,178 @@
+"""Start configurations: uniform, apart, and the same for a seed whatever else is drawn."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.files import load_experiment, load_mission
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.starts import for_start, load_starts, nearest_distance, random_start, run_seed
+
+
+def _mission(count: int = 5, contacts: str = "solid", items: int = 10, **world: float) -> MissionConfig:
+    return MissionConfig.model_validate(
+        {
+            "world": {"contacts": contacts, **world},
+            "robots": {"count": count},
+            "garbage": {"count": items},
+            "stations": {"recycling": [0, 0], "dump": [1, 1]},
+        }
+    )
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**63), count=st.integers(1, 40), width=st.floats(8, 20), height=st.floats(8, 20))
+def test_random_starts_lie_on_the_torus_and_solid_robots_apart(seed, count, width, height):
+    mission = _mission(count, width=width, height=height)
+    start = random_start(mission, seed, 3)
+    assert for_start(mission, start) == mission
+    robots, items = np.array(start.robots), np.array(start.items)
+    assert robots.shape == (count, 3)
+    assert items.shape == (10, 2)
+    for i in range(count):
+        for j in range(i):  # naive minimum image, apart from the code under test
+            dx, dy = robots[i, :2] - robots[j, :2]
+            images = [np.hypot(dx + a * width, dy + b * height) for a in (-1, 0, 1) for b in (-1, 0, 1)]
+            assert min(images) >= 0.5
+    assert np.all(np.abs(robots[:, 2]) <= np.pi)
+
+
+def test_random_starts_are_uniform():
+    starts = [random_start(_mission(), 11, k) for k in range(400)]
+    robots = np.concatenate([np.array(start.robots) for start in starts])
+    items = np.concatenate([np.array(start.items) for start in starts])
+    for values, low, high in (
+        *((robots[:, c], 0, 11) for c in (0, 1)),
+        (robots[:, 2], -np.pi, np.pi),
+        (items[:, 0], 0, 11),
+    ):
+        share = np.histogram(values, bins=4, range=(low, high))[0] / len(values)
+        assert share == pytest.approx([0.25] * 4, abs=5 * np.sqrt(0.25 * 0.75 / len(values)))
+
+
+def test_a_scenario_does_not_depend_on_the_others_and_its_items_not_on_the_robots():
+    alone = random_start(_mission(), 5, 7)
+    among = [random_start(_mission(), 5, k) for k in range(9)]
+    assert among[7] == alone
+    assert len({start.robots for start in among}) == 9
+    assert random_start(_mission(), 6, 7).robots != alone.robots
+    assert random_start(_mission(9), 5, 7).items == alone.items
+
+
+def test_the_limit_of_solid_robots_can_be_placed_and_the_ones_that_pass_through_anyhow():
+    assert len(random_start(_mission(277), 0, 0).robots) == 277
+    assert len(random_start(_mission(2000, contacts="pass_through"), 0, 0).robots) == 2000
+
+
+def test_a_placement_that_cannot_succeed_ends_with_an_error(monkeypatch):
+    monkeypatch.setattr("clean_swarm_env.config.starts.MAX_TRIES", 20)
+    crowded = _mission().model_copy(update={"robots": _mission().robots.model_copy(update={"count": 500})})
+    with pytest.raises(ConfigurationError, match=r"robots\.count: expected room for 500 robots 0\.51 m apart"):
+        random_start(crowded, 0, 0)
+
+
+def test_run_seeds_depend_on_seed_and_scenario_only():
+    assert run_seed(3, "101") == run_seed(3, "101")
+    assert len({run_seed(seed, str(k)) for seed in range(20) for k in range(20)}) == 400
+
+
+def test_the_start_configurations_of_table_1_are_the_documented_draw():
+    starts = load_experiment("table1").starts
+    assert [start.id for start in starts] == ["1", "2", "3", "4", "5"]
+    for k, start in enumerate(starts):
+        drawn = random_start(load_mission("table1"), 2017, k)
+        assert np.array(start.robots) == pytest.approx(np.array(drawn.robots), abs=5.1e-4)
+        assert np.array(start.items) == pytest.approx(np.array(drawn.items), abs=5.1e-4)
+
+
+CASE = {
+    "id": 101,
+    "robots": [[1.0, 1.0, 0.5], [3.0, 1.0, -0.5]],
+    "items": [[5.0, 5.0]],
+    "measured": {"a": {"duration_s": 3.5}},
+}
+FILE = {"torus_m": [10, 12], "recycling": [1, 2], "dump": [3, 4], "cases": [CASE]}
+
+
+def _file(tmp_path, content: object):
+    path = tmp_path / "starts.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
+    return path
+
+
+def test_a_file_of_starts_brings_its_world_and_counts(tmp_path):
+    starts = load_starts(_file(tmp_path, FILE))
+    mission = starts.world_of(MissionConfig())
+    assert (mission.world.width, mission.world.height) == (10.0, 12.0)
+    assert (mission.stations.recycling, mission.stations.dump) == ((1.0, 2.0), (3.0, 4.0))
+    mission = for_start(mission, starts.starts[0])
+    assert (mission.robots.count, mission.garbage.count) == (2, 1)
+    assert starts.starts[0] == StartConfiguration(id="101", robots=((1, 1, 0.5), (3, 1, -0.5)), items=((5, 5),))
+    assert starts.measured == {"101": {"a": {"duration_s": 3.5}}}
+
+
+def test_measured_figures_and_further_keys_are_optional(tmp_path):
+    case = {key: value for key, value in CASE.items() if key != "measured"} | {"note": "mine"}
+    starts = load_starts(_file(tmp_path, FILE | {"cases": [case], "source": "elsewhere"}))
+    assert starts.measured == {"101": {}}
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        ("{", "expected JSON"),
+        ("[]", "expected an object"),
+        ({"torus_m": [1, 1]}, "missing key"),
+        (FILE | {"cases": []}, "cases: expected at least 1 item"),
+        (FILE | {"torus_m": [0, 1]}, "torus_m.0: expected greater than 0, got 0"),
+        (FILE | {"cases": [CASE | {"robots": [[1, 2]]}]}, "cases.0.robots.0.2: missing value"),
+        (FILE | {"cases": [CASE | {"items": [[1, "x"]]}]}, "cases.0.items.0.1: expected a valid number, got 'x'"),
+        (FILE | {"cases": [CASE, CASE]}, "cases: expected unique ids, got '101' twice"),
+    ],
+)
+def test_a_malformed_file_of_starts_is_one_line(tmp_path, content, expected):
+    path = _file(tmp_path, content)
+    with pytest.raises(ConfigurationError) as caught:
+        load_starts(path)
+    assert expected in str(caught.value)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_of_starts_is_one_line(tmp_path):
+    with pytest.raises(ConfigurationError, match="No such file"):
+        load_starts(tmp_path / "none.json")
+
+
+@pytest.mark.parametrize(
+    ("robots", "items", "expected"),
+    [
+        ([[1, 1, 0], [11.5, 1, 0]], [[1, 1]], r"scenario 7: robots\.1: expected a point on the torus 11 m x 11 m, got"),
+        ([[1, 1, 0]], [[1, -1]], r"scenario 7: items\.0: expected a point on the torus"),
+        (
+            [[0.1, 5, 0], [10.9, 5, 0]],
+            [],
+            r"scenario 7: robots\.1: expected solid robots at least 0\.5 m apart, got 0\.2 m",
+        ),
+    ],
+)
+def test_a_start_that_does_not_fit_the_mission_is_refused(robots, items, expected):
+    start = StartConfiguration.model_validate({"id": 7, "robots": robots, "items": items})
+    with pytest.raises(ConfigurationError, match=expected):
+        for_start(MissionConfig(), start)
+
+
+def test_robots_that_pass_through_may_start_on_each_other():
+    start = StartConfiguration.model_validate({"id": 7, "robots": [[1, 1, 0], [1, 1, 0]], "items": []})
+    assert for_start(load_mission("reference"), start).robots.count == 2
+
+
+def test_nearest_distance_crosses_the_seam():
+    size = np.array([11.0, 11.0])
+    others = np.array([[5.0, 5.0], [10.9, 10.9]])
+    assert nearest_distance(np.array([0.1, 0.1]), others, size) == pytest.approx(0.2 * np.sqrt(2))
+    assert nearest_distance(np.array([0.1, 0.1]), others[:0], size) == np.inf

@@ -1,0 +1,90 @@
+"""What the tests of worlds and environment share: missions, worlds at their start, and the course they take."""
+
+import os
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel
+from selector.knowledge import load_knowledge
+
+long_course = pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="takes minutes in plain Python; the short courses do run"
+)
+OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
+
+
+def mission(name: str = "table1", **changes) -> MissionConfig:
+    """Return a shipped mission with changes, mapping by mapping."""
+    return MissionConfig.model_validate(laid_over(load_mission(name).model_dump(), changes))
+
+
+def avoidance() -> CoordinatorModel:
+    return CoordinatorModel(GOAL, load_knowledge("cleaning"), Library())
+
+
+def worlds_at_start(config: MissionConfig, seeds: list[int], option: int = 2) -> Worlds:
+    """Return one world per seed, each at the random start of its seed, all robots holding `option`."""
+    worlds = Worlds(config, avoidance(), len(seeds))
+    for world, seed in enumerate(seeds):
+        begin(worlds, world, seed)
+    worlds.hold(np.full(worlds.rows, option))
+    return worlds
+
+
+def begin(worlds: Worlds, world: int, seed: int) -> None:
+    worlds.reset(world, random_start(worlds.mission, seed, 0), run_seed(seed, "test"))
+
+
+def snapshot(worlds: Worlds, world: int) -> dict[str, np.ndarray]:
+    """Return copies of all that a world is, its robots' minds included, by name."""
+    rows, garbage, network = worlds.rows_of(world), worlds.garbage, worlds.network
+    parts = {
+        "positions": worlds.physics.positions[rows],
+        "headings": worlds.physics.headings[rows],
+        "stage": garbage.stage[world],
+        "cargo": garbage.cargo[rows],
+        "recycled": garbage.recycled[rows],
+        "samples": worlds.collisions.samples[world],
+        "events": worlds.collisions.events[world],
+        "readings": network.readings[rows],
+        "executing": network.executing[rows],
+        "values": network.state.values[:, rows],  # activations and their terms
+        "row_values": network.state.row_values[:, rows],
+        "inner": np.concatenate(
+            [content.network.state.values[0, rows] for c in worlds.coordinators for content in c.contents], axis=1
+        ),
+        "held": np.stack([coordinator.held[rows] for coordinator in worlds.coordinators]),
+    }
+    return {name: part.copy() for name, part in parts.items()}
+
+
+def course(worlds: Worlds, world: int, ticks: int) -> list[dict[str, np.ndarray]]:
+    """Tick all worlds and return a snapshot of one after each tick."""
+    steps = []
+    for _ in range(ticks):
+        worlds.tick()
+        steps.append(snapshot(worlds, world))
+    return steps
+
+
+def difference(first: list[dict[str, np.ndarray]], second: list[dict[str, np.ndarray]]) -> str:
+    """Return where two courses differ in any bit for the first time; empty if nowhere."""
+    if len(first) != len(second):
+        return f"{len(first)} and {len(second)} steps"
+    for step, (one, other) in enumerate(zip(first, second, strict=True)):
+        for name, part in one.items():
+            if part.tobytes() != other[name].tobytes():
+                return f"step {step}: {name}"
+    return ""
+
+
+def moved(start: StartConfiguration, order: np.ndarray) -> StartConfiguration:
+    """Return the start with its robots in another order."""
+    return start.model_copy(update={"robots": tuple(start.robots[k] for k in order)})

@@ -1,0 +1,179 @@
+"""What an action is: options with masks, and movement vectors in place of the network's."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.terms import PHASES
+from clean_swarm_env.world.garbage import NOTHING
+from selector.documents.yaml import DocumentError
+from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
+
+SERVES = ActionConfig(
+    serves={"RepulsionFernandez": ("patrol", "approach"), "RepulsionGradient": ("to_recycling", "to_dump", "patrol")}
+)
+TABLE = {
+    "patrol": [True, True, True],
+    "approach": [True, True, False],
+    "to_recycling": [False, True, True],
+    "to_dump": [False, True, True],
+}
+
+
+@long_course
+def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
+    batch, rng, met = Batch(mission(), 2, action=SERVES), np.random.default_rng(1), set()
+    batch.reset([1, 2])
+    for _ in range(150):
+        phases = [PHASES[phase] for phase in batch.observer.phases]
+        met |= set(phases)
+        carrying = batch.worlds.garbage.cargo != NOTHING
+        assert carrying.tolist() == [phase.startswith("to_") for phase in phases]
+        masks, options = batch.masks(), rng.integers(0, 3, 10)
+        assert masks.tolist() == [TABLE[phase] for phase in phases]
+        batch.step(options)
+        if batch.finished:
+            break
+        stand_in = [0 if TABLE[phase][0] else 2 for phase in phases]  # scores: 1.0, 0.0, 0.5
+        expected = np.where(masks[np.arange(10), options], options, stand_in)
+        assert batch.worlds.coordinator.held.tolist() == expected.tolist()
+    assert met == set(PHASES)
+
+
+def test_without_limits_everything_can_serve():
+    batch = Batch()
+    batch.reset([1])
+    assert batch.masks().all()
+    assert batch.masks().shape == (5, 3)
+
+
+def test_infos_hold_the_mask_as_the_space_takes_it():
+    env = clean_swarm_v0.parallel_env(action=SERVES)
+    _, infos = env.reset(seed=1)
+    for _ in range(30):
+        actions = {agent: env.action_space(agent).sample(infos[agent]["action_mask"]) for agent in env.agents}
+        assert all(infos[agent]["action_mask"][action] == 1 for agent, action in actions.items())
+        *_, infos = env.step(actions)
+        held = env.unwrapped._batch.worlds.coordinator.held
+        assert held.tolist() == [int(action) for action in actions.values()]
+
+
+@pytest.mark.parametrize(
+    ("serves", "message"),
+    [
+        ({"Repulsion": ("patrol",)}, "actions: serves: unknown option 'Repulsion'"),
+        (
+            dict.fromkeys(OPTIONS, ("patrol",)),
+            "expected an option for goal AvoidCollision in phase 'approach', got none",
+        ),
+    ],
+)
+def test_limits_that_cannot_be_kept_are_refused(serves, message):
+    with pytest.raises(DocumentError, match=message):
+        Batch(action=ActionConfig(serves=serves))
+
+
+def test_unknown_modes_and_phases_are_refused():
+    with pytest.raises(ValueError, match="mode"):
+        ActionConfig(mode="torque")
+    with pytest.raises(ValueError, match="serves"):
+        ActionConfig(serves={"RepulsionGradient": ("resting",)})
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (np.zeros((5, 2), dtype=np.int64), r"expected shape \(5, 1\), got \(5, 2\)"),
+        (np.zeros(5), "expected whole numbers, got float64"),
+        (np.array([0, 1, 2, 3, 0]), r"options\[3\]: expected 0\.\.2, got 3"),
+        (np.array([0, -1, 2, 2, 0]), r"options\[1\]: expected 0\.\.2, got -1"),
+    ],
+)
+def test_wrong_options_are_named(options, message):
+    batch = Batch()
+    batch.reset([1])
+    with pytest.raises(ValueError, match=message):
+        batch.step(options)
+
+
+VELOCITY = ActionConfig(mode="velocity")
+
+
+def velocity_batch(worlds: int = 1, **changes) -> Batch:
+    return Batch(mission(**changes), worlds, action=VELOCITY)
+
+
+def test_a_velocity_is_a_vector_in_the_frame_that_the_robot_has_when_it_is_given():
+    for action, turned in (([0.5, 0.0], 0.0), ([0.0, 0.3], np.pi / 2), ([-0.2, 0.0], np.pi)):
+        batch = velocity_batch(robots={"count": 1}, garbage={"count": 1})
+        batch.reset([1])
+        heading = float(batch.worlds.physics.headings[0])
+        for _ in range(3):  # turning on the spot takes its time
+            before = batch.worlds.physics.positions[0].copy()
+            batch.step(np.array([action], dtype=np.float32))
+            away = heading + turned - batch.worlds.physics.headings[0]
+            action = [np.hypot(*action) * np.cos(away), np.hypot(*action) * np.sin(away)]
+        moved = batch.worlds.physics.positions[0] - before
+        expected = np.hypot(*action) * np.array([np.cos(heading + turned), np.sin(heading + turned)])
+        np.testing.assert_allclose(moved, expected, atol=0.02)
+
+
+def test_zero_means_to_stand_still_and_what_is_beyond_the_bounds_counts_as_the_bound():
+    batch, other = velocity_batch(), velocity_batch()
+    for one in (batch, other):
+        one.reset([1])
+    before = batch.worlds.physics.positions.copy()
+    batch.step(np.zeros((5, 2), dtype=np.float32))
+    assert np.array_equal(batch.worlds.physics.positions, before)
+    other.step(np.zeros((5, 2), dtype=np.float32))
+    batch.step(np.tile([7.0, -3.0], (5, 1)))
+    other.step(np.tile([1.0, -1.0], (5, 1)))
+    assert np.array_equal(batch.worlds.physics.positions, other.worlds.physics.positions)
+
+
+def steered_by_hand(batch: Batch) -> np.ndarray:
+    """Return vectors (R, 2) towards the nearest item, with cargo towards its station, else straight on."""
+    seen = dict(zip(batch.observer.names, batch.observations.T, strict=True))
+    to_item = np.stack([seen["garbage_ahead"], seen["garbage_left"]], axis=1)
+    to_station = np.stack([seen["target_ahead"], seen["target_left"]], axis=1)
+    vectors = np.where(seen["garbage_seen"][:, None] > 0, to_item, [[0.9, 0.1]])
+    return np.where(seen["carrying"][:, None] > 0, to_station, vectors)
+
+
+@long_course
+def test_a_team_steered_by_hand_completes_its_mission_alone_as_in_a_batch():
+    """Robots that pass through each other: the paper's simulator, and nobody is in the way."""
+    config, courses = mission("reference"), []
+    for seeds, world in (([4], 0), ([3, 4, 5], 1)):
+        batch = Batch(config, len(seeds), action=VELOCITY)
+        batch.reset(seeds)
+        course = []
+        while world not in [end.world for end in batch.finished] and len(course) < 600:
+            step = batch.step(steered_by_hand(batch))
+            rows = batch.worlds.rows_of(world)
+            course.append(
+                (step.rewards[rows].tobytes(), step.observations[rows].tobytes(), bool(step.terminated[world]))
+            )
+        courses.append(course)
+    assert courses[0] == courses[1]
+    assert courses[0][-1][2]
+
+
+@pytest.mark.parametrize("actions", [np.zeros((5, 3)), np.zeros(5), np.full((5, 2), np.nan)])
+def test_wrong_vectors_are_refused(actions):
+    batch = velocity_batch()
+    batch.reset([1])
+    with pytest.raises(ValueError, match=r"actions: expected finite numbers of shape \(5, 2\)"):
+        batch.step(actions)
+
+
+def test_pettingzoo_takes_vectors():
+    env = clean_swarm_v0.parallel_env(action=VELOCITY)
+    env.reset(seed=1)
+    actions = {agent: env.action_space(agent).sample() for agent in env.agents}
+    observations, *_ = env.step(actions)
+    assert all(env.observation_space(agent).contains(observations[agent]) for agent in env.agents)
+    with pytest.raises(ValueError, match=r"actions\['robot_0'\]: expected Box"):
+        env.step({**actions, "robot_0": 1})

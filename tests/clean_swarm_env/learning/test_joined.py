@@ -1,0 +1,129 @@
+"""Batches side by side beside each alone, what a source gives, what a shared seed deals out, wrong use."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.files import load_family
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.episodes import episodes_of
+from clean_swarm_env.learning.joined import Joined, family_batches
+from clean_swarm_env.learning.observation.terms import ObservationConfig
+from selector.documents.yaml import DocumentError
+from tests.clean_swarm_env.courses import long_course, mission
+
+SHORT = mission(garbage={"count": 2}, time_limit=30.0)
+UNSEEN = ((8.0, 8.0), (16.0, 9.0), (18.0, 18.0))
+
+
+def mix():
+    """Return batches of two missions and a family, with 3, 5 and up to 5 robots a world."""
+    small = mission(robots={"count": 3}, garbage={"count": 1}, time_limit=20.0)
+    return [Batch(SHORT, 2), Batch(small, 1), *family_batches("random", 1, knowledge="cleaning")]
+
+
+def options_of(rows, steps):
+    return np.random.default_rng(1).integers(0, 2, (steps, rows))
+
+
+@long_course
+def test_rows_and_worlds_are_those_of_the_batches_one_after_the_other():
+    joined, alone, ended = Joined(mix()), mix(), []
+    assert joined.world_of.tolist() == [0] * 5 + [1] * 5 + [2] * 3 + [3] * alone[2].robots
+    assert joined.first_rows.tolist() == [0, 5, 10, 13]
+    seeds = [[5, 6], [7], [8]]
+    first = joined.reset([5, 6, 7, 8])
+    assert np.array_equal(first, np.concatenate([b.reset(s) for b, s in zip(alone, seeds, strict=True)]))
+    for options in options_of(joined.rows, 60):
+        step = joined.step(options)
+        parts = [b.step(own) for b, own in zip(alone, np.split(options, [10, 13]), strict=True)]
+        for name in step._fields:
+            assert np.array_equal(getattr(step, name), np.concatenate([getattr(part, name) for part in parts])), name
+        assert np.array_equal(joined.masks(), np.concatenate([b.masks() for b in alone]))
+        assert np.array_equal(joined.events, np.concatenate([b.progress.events for b in alone], axis=1))
+        firsts = zip((0, 2, 3), alone, strict=True)
+        expected = [(first + e.world, e.scenario, e.result) for first, b in firsts for e in b.finished]
+        assert [(e.world, e.scenario, e.result) for e in joined.finished] == expected
+        ended += [end.world for end in joined.finished]
+    assert {0, 1, 2} <= set(ended)
+    assert joined.present.all() == all(b.worlds.physics.present.all() for b in alone)
+
+
+def test_a_shared_seed_is_dealt_out_to_the_worlds():
+    batch, episodes = Batch(SHORT, 2), episodes_of(SHORT)
+    batch.share(9)
+    for first in (0, 2):
+        batch.reset()
+        assert batch.doing == [next(episodes(9, first, 1)), next(episodes(9, first + 1, 1))]
+    batch.reset([4, None])
+    assert batch.doing == [next(episodes(4, 0, 1)), next(episodes(9, 5, 1))]
+
+
+def test_a_family_of_several_tori_makes_a_batch_for_each():
+    batches = family_batches("unseen", 5)
+    sizes = [(batch.mission.world.width, batch.mission.world.height) for batch in batches]
+    assert (tuple(sizes), [batch.worlds.worlds for batch in batches]) == (UNSEEN, [2, 2, 1])
+    unlike = {load_family("unseen").scenario(3, k, "train").mission.world.width for k in range(6)}
+    assert len(unlike) > 1
+    batches[1].reset([3, 4])
+    for _ in range(3):
+        assert {scenario.mission.world.width for scenario in batches[1].doing} == {16.0}
+        batches[1].reset()
+    assert [batch.worlds.worlds for batch in family_batches("unseen", 1, sizes=UNSEEN[2:])] == [1]
+    assert len(family_batches("crowded", 3)) == 1
+
+
+@long_course
+def test_worlds_do_what_a_source_gives_and_stay_where_it_gives_nothing():
+    episodes = episodes_of(SHORT)(3, 0, 1)
+    given = [next(episodes) for _ in range(3)]
+    waiting, ends = iter(given), []
+    batch = Batch(SHORT, 4, source=lambda world: next(waiting, None))
+    batch.reset()
+    assert batch.doing == [*given, None]
+    while len(ends) < 3:
+        step = batch.step(np.zeros(20, dtype=np.int64))
+        assert not step.rewards[15:].any()
+        ends += batch.finished
+    assert sorted(end.world for end in ends) == [0, 1, 2]
+    assert all(end.scenario == given[end.world] for end in ends)
+    idle = batch.step(np.zeros(20, dtype=np.int64))
+    assert (idle.terminated | idle.truncated).all()
+    assert not idle.rewards.any()
+    assert batch.finished == ()
+    alone = Batch(SHORT)
+    alone.reset([3])
+    result = None
+    while result is None:
+        alone.step(np.zeros(5, dtype=np.int64))
+        result = alone.finished[0].result if alone.finished else None
+    assert next(end for end in ends if end.world == 0).result == result
+
+
+def test_wrong_use_is_named():
+    batch = Batch(SHORT, source=lambda world: None)
+    with pytest.raises(ValueError, match="seeds: expected none, because a source"):
+        batch.reset([1])
+    with pytest.raises(ValueError, match="batches: expected at least one"):
+        Joined([])
+    with pytest.raises(ValueError, match="batches: expected each one once"):
+        Joined([batch, batch])
+    joined = Joined([Batch(SHORT), Batch(SHORT)])
+    with pytest.raises(ValueError, match="starts: expected one for each of 2 worlds, got 1"):
+        joined.reset(starts=[None])
+    joined.reset()
+    with pytest.raises(ValueError, match=r"actions: expected one for each of 10 rows, got shape \(9,\)"):
+        joined.step(np.zeros(9, dtype=np.int64))
+
+
+@pytest.mark.parametrize(
+    ("settings", "what"),
+    [
+        ({"knowledge": "avoidance"}, "options"),
+        ({"action": ActionConfig(mode="velocity")}, "action"),
+        ({"observation": ObservationConfig(terms=["crowd"])}, "observations and their bounds"),
+    ],
+)
+def test_batches_that_no_learner_could_decide_for_together_are_refused(settings, what):
+    with pytest.raises(DocumentError, match=rf"batches\[1\]: {what}: expected .* as in the first, got"):
+        Joined([Batch(SHORT), Batch(SHORT, **settings)])

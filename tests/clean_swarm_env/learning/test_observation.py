@@ -1,0 +1,194 @@
+"""Observations against a naive account of each robot, their bounds in crowds and deserts, and the choice of terms."""
+
+from math import atan2, cos, hypot, pi, sin
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.terms import PHASES, TERMS, ObservationConfig
+from clean_swarm_env.world.garbage import LYING, NOTHING
+from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
+
+RANGES = (1.0, 1.5, 2.5)
+
+
+def _offset(worlds, place, other):
+    half = worlds.extent / 2
+    return (np.asarray(other) - place + half) % worlds.extent - half
+
+
+def _way(worlds, row, other, scale):
+    """Distance by `scale` and the direction in the robot's frame."""
+    x, y = _offset(worlds, worlds.physics.positions[row], other)
+    angle = atan2(y, x) - worlds.physics.headings[row]
+    return [min(hypot(x, y) / scale, 1.0), cos(angle), sin(angle)]
+
+
+def _task(batch, row):
+    worlds, garbage = batch.worlds, batch.worlds.garbage
+    world, stations = row // worlds.robots, worlds.mission.stations
+    place, diagonal = worlds.physics.positions[row], hypot(*worlds.extent) / 2
+    carrying, recycled = garbage.cargo[row] != NOTHING, garbage.recycled[row] == 1
+    items = garbage.positions[world][garbage.stage[world] == LYING]
+    near = sorted((hypot(*_offset(worlds, place, item)), k) for k, item in enumerate(items))
+    seen = bool(near) and near[0][0] <= 2.0
+    phase = ("to_dump" if recycled else "to_recycling") if carrying else ("approach" if seen else "patrol")
+    ways = [_way(worlds, row, station, diagonal) for station in (stations.recycling, stations.dump)]
+    distances = [hypot(*_offset(worlds, place, station)) for station in (stations.recycling, stations.dump)]
+    place_name = ("carrying" if carrying else "free") + ("_near" if min(distances) <= 2.0 else "_far")
+    return {
+        "garbage": [1.0, *_way(worlds, row, items[near[0][1]], 2.0)] if seen else [0.0, 1.0, 0.0, 0.0],
+        "cargo": [float(carrying), float(recycled)],
+        "phase": [float(phase == name) for name in PHASES],
+        "situation": [float(place_name == name) for name in TERMS["situation"][1]],
+        "recycling": ways[0],
+        "dump": ways[1],
+        "nearness": [max(1.0 - distance / 2.0, 0.0) for distance in distances],
+        "target": ways[int(recycled)] if carrying else [1.0, 0.0, 0.0],
+    }
+
+
+def _others(batch, row):
+    worlds, physics = batch.worlds, batch.worlds.physics
+    loaded = worlds.garbage.cargo != NOTHING
+    others = [other for other in worlds.rows_of(row // worlds.robots) if other != row]
+    offsets = {other: _offset(worlds, physics.positions[row], physics.positions[other]) for other in others}
+    near = sorted((hypot(*offset), other) for other, offset in offsets.items() if hypot(*offset) <= RANGES[-1])
+    terms = {
+        "neighbour": [0.0, 1.0, 0.0, 0.0],
+        "encounter": [0.0] * 4,
+        "crowd": [sum(distance <= reach for distance, _ in near) / 6 for reach in RANGES],
+        "carriers": [sum(bool(loaded[other]) for _, other in near) / 6],
+        "density": [(len(others) + 1) * pi / 121],
+    }
+    if near:
+        distance, other = near[0]
+        turned = physics.headings[other] - physics.headings[row]
+        relative = physics.velocities[row] - physics.velocities[other]
+        closing = float(relative @ offsets[other]) / distance / 2.0
+        terms["neighbour"] = [len(near) / len(others), *_way(worlds, row, physics.positions[other], RANGES[-1])]
+        terms["encounter"] = [cos(turned), sin(turned), closing, float(loaded[other])]
+    return terms
+
+
+def _expected(batch, row, idle):
+    worlds, config, garbage = batch.worlds, batch.mission, batch.worlds.garbage
+    world, network = row // worlds.robots, worlds.network
+    length = network.readings[row, network.model.sensor_index["rep_len"]]
+    avoiding = network.executing[row, network.model.behaviour_index["AvoidCollision"]]
+    terms = {
+        **_task(batch, row),
+        **_others(batch, row),
+        "avoidance": [min(length / 1.5, 1.0), float(avoiding)],
+        "movement": [worlds.drive.speed[row], worlds.drive.turn_rate[row] / 2.0],
+        "mission": [
+            garbage.done[world] / config.garbage.count, 1.0 - worlds.ticks[world] * 0.2 / config.time_limit,
+        ],
+        "idle": [min(idle / 60.0, 1.0)],
+        "holds": [float(worlds.coordinator.held[row] == k) for k in range(3)],
+    }  # fmt: skip
+    return np.concatenate([terms[name] for name in TERMS])
+
+
+@long_course
+@pytest.mark.parametrize("name", ["table1", "reference"])
+def test_every_term_is_what_its_name_says(name):
+    batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
+    seen = batch.reset([1, 2])
+    met = np.zeros(batch.width)
+    for _ in range(120):
+        for row in range(10):
+            np.testing.assert_allclose(seen[row], _expected(batch, row, idle[row]), atol=1e-6, err_msg=str(row))
+        met += np.abs(seen).max(axis=0) > 0
+        seen = batch.step(rng.integers(0, 3, 10)).observations
+        assert not batch.finished
+        idle = np.where(batch.progress.events[:3].any(axis=0), batch.progress.idle * 0.2, idle + 1.0)
+    assert met.all(), [name for name, count in zip(batch.observer.names, met, strict=True) if not count]
+
+
+def test_names_are_those_of_the_terms_and_unique():
+    names = Batch().observer.names
+    assert len(set(names)) == len(names)
+    assert names[-3:] == tuple(f"holds_{option}" for option in OPTIONS)
+    assert [name for name in names if name.startswith("crowd")] == ["crowd_1m", "crowd_1.5m", "crowd_2.5m"]
+    assert names[: len(TERMS["garbage"][1])] == TERMS["garbage"][1]
+
+
+def test_terms_are_chosen_ordered_and_weighted():
+    whole = Batch()
+    chosen = ["holds", {"name": "mission", "weight": -2.0}, "cargo", {"name": "neighbour", "weight": 0.5}]
+    batch = Batch(observation=ObservationConfig(terms=chosen))
+    full, part = whole.reset([3]), batch.reset([3])
+    names = batch.observer.names
+    weight = {"garbage_done": -2.0, "time_left": -2.0, **dict.fromkeys(TERMS["neighbour"][1], 0.5)}
+    for k, name in enumerate(names):
+        expected = full[:, whole.observer.names.index(name)] * np.float32(weight.get(name, 1.0))
+        assert np.array_equal(part[:, k], expected)
+        assert batch.observer.bounds[k] == abs(weight.get(name, 1.0))
+    assert names[:3] == tuple(f"holds_{option}" for option in OPTIONS)
+    assert len(names) == 3 + 2 + 2 + 4
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"terms": ["garbag"]}, "unknown term 'garbag'.*did you mean 'garbage'"),
+        ({"terms": ["cargo", "cargo"]}, "terms: 'cargo' is given twice"),
+        ({"terms": []}, "at least 1"),
+        ({"terms": [{"name": "cargo", "wait": 1.0}]}, "wait"),
+        ({"neighbour_ranges": [1.0, 1.0]}, "expected growing distances"),
+        ({"full_crowd": 0}, "greater than or equal to 1"),
+    ],
+)
+def test_impossible_choices_are_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        ObservationConfig.model_validate(given)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"robots": {"count": 60}},
+        {"robots": {"count": 1}},
+        {"robots": {"count": 1}, "garbage": {"count": 0}},
+        {"robots": {"pose_diffusion": 0.0, "pose_goal_radius": 0.0}},
+        {"world": {"width": 3.0, "height": 40.0}, "stations": {"recycling": [0.0, 0.0], "dump": [3.0, 40.0]}},
+    ],
+    ids=["crowd", "alone", "nothing to do", "no reach", "narrow"],
+)
+def test_observations_stay_within_their_bounds(changes):
+    batch = Batch(mission(**changes), observation=ObservationConfig(full_crowd=2))
+    seen = batch.reset([1])
+    for _ in range(40):
+        assert (np.abs(seen) <= 1.0).all()
+        seen = batch.step(np.full(batch.rows, 1)).observations
+
+
+def test_looking_changes_nothing():
+    batch = Batch()
+    seen = batch.reset([1]).copy()
+    before = batch.worlds.network.readings.copy(), batch.worlds.physics.positions.copy()
+    batch.observer.observe(batch.observations)
+    assert np.array_equal(seen, batch.observations)
+    assert np.array_equal(before[0], batch.worlds.network.readings)
+    assert np.array_equal(before[1], batch.worlds.physics.positions)
+
+
+def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
+    mission = laid_over(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
+    batch = Batch(MissionConfig.model_validate(mission))
+    names, seen = batch.observer.names, batch.reset([4])
+    places, extent = batch.worlds.physics.positions, batch.worlds.extent
+    apart = places[:, None] - places[None]
+    apart -= extent * np.round(apart / extent)
+    distances = np.hypot(*np.moveaxis(apart, 2, 0)) + np.diag(np.full(70, 1e9))
+    ranges = batch.observer.config.neighbour_ranges
+    for distance in ranges:
+        crowd = np.minimum((distances <= distance).sum(axis=1) / batch.observer.config.full_crowd, 1.0)
+        np.testing.assert_allclose(seen[:, names.index(f"crowd_{distance:g}m")], crowd, rtol=1e-6)
+    nearest = np.minimum(distances.min(axis=1) / ranges[-1], 1.0)
+    np.testing.assert_allclose(seen[:, names.index("neighbour_distance")], nearest, rtol=1e-6)
+    assert 0 < (nearest < 1.0).sum() < 70

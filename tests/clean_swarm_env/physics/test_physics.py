@@ -1,0 +1,279 @@
+"""The torus without a seam: free motion, contacts anywhere alike, same bits whoever else is there."""
+
+import math
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.physics import motion as motion
+from clean_swarm_env.physics.contact_space import SHARED_MEMORY, ContactSpace
+from clean_swarm_env.physics.physics import Physics
+from clean_swarm_env.physics.settings import PhysicsSettings
+
+SIZE = 11.0
+MIDDLE = (5.5, 5.5)
+PLACES = {
+    "left and right seam": (0.0, 5.5),
+    "lower and upper seam": (5.5, 0.0),
+    "corner": (0.0, 0.0),
+    "just inside the upper right corner": (10.9, 10.9),
+    "just inside the lower right corner": (10.9, 0.1),
+    "just inside the upper left corner": (0.1, 10.9),
+}
+MEETINGS = {  # relative places [m] and headings [rad] of two robots driving at 1 m/s
+    "head-on": ([(-0.613, 0.0), (0.613, 0.0)], [0.0, math.pi]),
+    "head-on, touching at exactly two radii": ([(-0.75, 0.0), (0.75, 0.0)], [0.0, math.pi]),
+    "head-on, upwards": ([(0.0, -0.613), (0.0, 0.613)], [math.pi / 2, -math.pi / 2]),
+    "head-on, along the diagonal": ([(-0.5, -0.5), (0.5, 0.5)], [math.pi / 4, -3 * math.pi / 4]),
+    "head-on, along the other diagonal": ([(0.5, -0.5), (-0.5, 0.5)], [3 * math.pi / 4, -math.pi / 4]),
+    "glancing": ([(-0.7, 0.0), (0.7, 0.21)], [0.0, math.pi]),
+    "from the side": ([(-0.6, 0.1), (0.0, -0.7)], [0.0, math.pi / 2]),
+    "one pushes a standing one": ([(-0.8, 0.02), (0.0, 0.0)], [0.0, 0.0]),
+}
+
+
+def shorter(offsets, size=SIZE):
+    return (offsets + size / 2) % size - size / 2
+
+
+def placed(worlds, robots, seed, **settings):
+    """Worlds of robots at random places, all in motion soon."""
+    physics = Physics(worlds, robots, **settings)
+    for world in range(worlds):
+        rng = np.random.default_rng((seed, world))
+        physics.place(world, rng.uniform(0, physics.settings.width, (robots, 2)), rng.uniform(-3, 3, robots))
+    return physics
+
+
+def wander(physics, substeps, seed):
+    """Positions (T, R, 2) of a walk whose commands depend on the seed and the world only."""
+    worlds, robots = physics.settings.worlds, physics.settings.robots
+    streams = [np.random.default_rng((seed, world)) for world in range(worlds)]
+    history = []
+    for substep in range(substeps):
+        if substep % 4 == 0:
+            speed = np.concatenate([stream.uniform(0, 1, robots) for stream in streams])
+            turn_rate = np.concatenate([stream.uniform(-2, 2, robots) for stream in streams])
+        physics.substep(speed, turn_rate)
+        history.append(physics.positions.copy())
+    return np.array(history)
+
+
+def meeting(place, start, headings, speeds=(1.0, 1.0), substeps=80):
+    """Positions (T, 2, 2) of two robots relative to the place at which they meet."""
+    physics = Physics(1, 2, SIZE, SIZE)
+    physics.place(0, np.array(start) + place, np.array(headings))
+    history = []
+    for _ in range(substeps):
+        physics.substep(np.array(speeds), np.zeros(2))
+        assert (physics.positions >= 0.0).all()
+        assert (physics.positions < SIZE).all()
+        history.append(shorter(physics.positions - place))
+    return np.array(history)
+
+
+@pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
+@pytest.mark.parametrize("name", MEETINGS)
+def test_two_robots_meet_across_a_seam_as_in_the_middle(name, place):
+    start, headings = MEETINGS[name]
+    speeds = (1.0, 0.0) if "standing" in name else (1.0, 1.0)
+    expected = meeting(np.array(MIDDLE), start, headings, speeds)
+    distances = np.linalg.norm(expected[:, 0] - expected[:, 1], axis=1)
+    free = np.array(start) + np.cumsum(0.05 * np.ones((80, 1, 1)), 0) * np.array(
+        [
+            [speed * math.cos(heading), speed * math.sin(heading)]
+            for speed, heading in zip(speeds, headings, strict=True)
+        ]
+    )
+    assert np.abs(expected - free).max() > 0.02, "they did not touch, so nothing is compared"
+    assert distances.min() > 0.4 - 1e-9
+    found = meeting(np.array(place), start, headings, speeds)
+    assert np.abs(shorter(found - expected)).max() < 1e-6
+
+
+def test_robots_that_push_each_other_stay_apart_and_stand_still():
+    history = meeting(np.array(MIDDLE), [(-0.613, 0.0), (0.613, 0.0)], [0.0, math.pi])
+    distances = np.linalg.norm(history[:, 0] - history[:, 1], axis=1)
+    assert distances.min() >= 0.5 - 2.0 * 0.05  # seen one substep late at most, at 2 m/s towards each other
+    assert (distances[30:] > 0.48).all()
+    assert distances[-1] == pytest.approx(0.495, abs=0.002)  # two radii without the slop
+
+
+@pytest.mark.parametrize("contacts", ["solid", "pass_through"])
+def test_free_robots_move_by_speed_along_the_heading_before_the_turn(contacts):
+    physics = Physics(1, 2, SIZE, SIZE, contacts=contacts)
+    places, headings = np.array([[1.0, 1.0], [6.0, 6.0]]), np.array([0.3, -2.0])
+    physics.place(0, places, headings)
+    speed, turn_rate = np.array([0.7, 0.4]), np.array([1.5, -2.0])
+    for _ in range(40):
+        step = speed[:, None] * np.stack([np.cos(headings), np.sin(headings)], 1)
+        places = (places + 0.05 * step) % SIZE
+        headings = headings + 0.05 * turn_rate
+        physics.substep(speed, turn_rate)
+        np.testing.assert_allclose(physics.positions, places, atol=1e-12)
+        np.testing.assert_allclose(physics.velocities, step, atol=1e-12)
+        np.testing.assert_allclose(np.exp(1j * physics.headings), np.exp(1j * headings), atol=1e-12)
+        assert (np.abs(physics.headings) <= math.pi).all()
+
+
+def test_robots_pass_through_each_other_only_where_they_may():
+    start, headings = np.array([[4.0, 5.0], [6.0, 5.0]]), np.array([0.0, math.pi])
+    ends = {}
+    for contacts in ("solid", "pass_through"):
+        physics = Physics(1, 2, SIZE, SIZE, contacts=contacts)
+        physics.place(0, start, headings)
+        for _ in range(40):
+            physics.substep(np.ones(2), np.zeros(2))
+        ends[contacts] = physics.positions[:, 0].tolist()
+    assert ends["pass_through"] == pytest.approx([6.0, 4.0])
+    assert ends["solid"][0] < 5.0 < ends["solid"][1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_free_motion_and_pymunk_are_one_integrator(seed):
+    """Pymunk asked in every substep gives what pymunk gives that is asked while robots touch."""
+    sparing, always = (placed(1, 2, seed, width=2.0, height=2.0) for _ in range(2))
+    always._search = motion.ALWAYS
+    engaged = []
+    for walk in range(20):
+        apart = shorter(wander(sparing, 20, walk) - wander(always, 20, walk), 2.0)
+        np.testing.assert_allclose(apart, 0.0, atol=1e-9)
+        engaged.append(bool(sparing._patience[0]))
+    assert True in engaged
+    assert False in engaged
+
+
+def test_a_robot_that_is_pushed_over_a_seam_stays_in_contact():
+    """A chain of three across the corner: only copies of copies could miss a pair here."""
+    start = np.array([(-0.9, -0.05), (0.0, 0.0), (0.55, 0.6)])
+    runs = []
+    for place in (MIDDLE, (0.0, 0.0), (0.2, 10.9)):
+        physics = Physics(1, 3, SIZE, SIZE)
+        physics.place(0, start + place, np.array([0.0, 0.0, -math.pi / 2]))
+        history = []
+        for _ in range(60):
+            physics.substep(np.array([1.0, 0.0, 1.0]), np.zeros(3))
+            history.append(shorter(physics.positions - place))
+        runs.append(np.array(history))
+    assert np.abs(runs[0][-1, 1]).max() > 0.3, "the robot in the middle was not pushed"
+    # Three bodies are solved by iteration, which begins anew where a contact changes to another copy.
+    np.testing.assert_allclose(shorter(runs[1] - runs[0]), 0.0, atol=5e-3)
+    np.testing.assert_allclose(shorter(runs[2] - runs[0]), 0.0, atol=5e-3)
+
+
+def test_a_crowd_stays_solid_and_inside():
+    physics = placed(1, 60, 11)
+    wander(physics, 200, 12)  # random places overlap at first
+    for positions in wander(physics, 200, 13):
+        offsets = shorter(positions[:, None] - positions[None, :])
+        distances = np.linalg.norm(offsets, axis=2)[np.triu_indices(60, 1)]
+        assert distances.min() > 0.3
+    assert (positions >= 0.0).all()
+    assert (positions < SIZE).all()
+
+
+@pytest.mark.parametrize("robots", [5, 70])
+def test_same_calls_same_bits(robots):
+    runs = [wander(placed(2, robots, 1), 120, 2) for _ in range(2)]
+    assert np.array_equal(*runs)
+
+
+def test_a_world_of_a_batch_has_the_bits_it_has_alone():
+    batch = placed(4, 12, 3)
+    walk = wander(batch, 200, 4)
+    for world in (0, 3):
+        alone = Physics(1, 12)
+        rng = np.random.default_rng((3, world))
+        alone.place(0, rng.uniform(0, SIZE, (12, 2)), rng.uniform(-3, 3, 12))
+        stream = np.random.default_rng((4, world))
+        for substep in range(200):
+            if substep % 4 == 0:
+                speed, turn_rate = stream.uniform(0, 1, 12), stream.uniform(-2, 2, 12)
+            alone.substep(speed, turn_rate)
+            assert np.array_equal(alone.positions, walk[substep, 12 * world : 12 * world + 12])
+
+
+def test_place_leaves_no_trace():
+    used, fresh = placed(2, 20, 5), placed(2, 20, 5)
+    wander(used, 150, 6)
+    for world in range(2):
+        rng = np.random.default_rng((5, world))
+        used.place(world, rng.uniform(0, SIZE, (20, 2)), rng.uniform(-3, 3, 20))
+    assert not used.velocities.any()
+    assert np.array_equal(wander(used, 150, 9), wander(fresh, 150, 9))
+
+
+def test_place_changes_one_world_and_wraps():
+    physics = placed(2, 3, 5)
+    other = physics.positions[:3].copy()
+    physics.place(1, np.array([[-1.0, 12.0], [11.0, 0.0], [-1e-18, 5.0]]), np.array([4.0, -math.pi, 3 * math.pi]))
+    assert np.array_equal(physics.positions[:3], other)
+    np.testing.assert_allclose(physics.positions[3:], [[10.0, 1.0], [0.0, 0.0], [0.0, 5.0]])
+    np.testing.assert_allclose(physics.headings[3:], [4.0 - 2 * math.pi, math.pi, math.pi])
+
+
+def test_arrays_stay_the_same_objects_and_commands_are_only_read():
+    physics = placed(1, 30, 2)
+    arrays = physics.positions, physics.headings, physics.velocities
+    speed, turn_rate = np.full(30, 0.5), np.full(30, 0.1)
+    for _ in range(50):
+        physics.substep(speed, turn_rate)
+    assert all(
+        new is old for new, old in zip((physics.positions, physics.headings, physics.velocities), arrays, strict=True)
+    )
+    assert physics.positions.flags.c_contiguous
+    assert (speed == 0.5).all()
+    assert (turn_rate == 0.1).all()
+
+
+def test_both_ways_to_pymunk_give_the_same_bits():
+    settings = PhysicsSettings(1, 8, 4.0, 4.0)
+    rng = np.random.default_rng(0)
+    start = np.hstack([rng.uniform(0, 4, (8, 2)), np.zeros((8, 2))])
+    copies = rng.integers(0, 16, (50, 8)).astype(np.uint8)
+    pushes = rng.normal(0, 5, (50, 8, 2))
+    ends = []
+    for shared_memory in (SHARED_MEMORY, False):
+        bodies, forces = start.copy(), np.zeros((8, 2))
+        space = ContactSpace(settings, bodies, forces, shared_memory)
+        space.load()
+        for step in range(50):
+            space.set_copies(copies[step])
+            forces[:] = pushes[step]
+            space.step(0.05)
+        ends.append(bodies)
+    assert np.abs(ends[0] - start).max() > 0.1
+    assert np.array_equal(*ends)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"worlds": 0}, "worlds: expected at least 1, got 0"),
+        ({"robots": 0}, "robots: expected at least 1, got 0"),
+        ({"radius": -0.25}, "radius: expected a positive number, got -0.25"),
+        ({"timestep": 0.0}, "timestep: expected a positive number, got 0.0"),
+        ({"mass": math.nan}, "mass: expected a positive number, got nan"),
+        ({"width": math.inf}, "width: expected a positive number, got inf"),
+        ({"contacts": "soft"}, r"contacts: expected one of \('solid', 'pass_through'\), got 'soft'"),
+        ({"height": 0.9}, r"height: expected at least 4 \* radius = 1.0 m"),
+        ({"robots": 559}, "robots: at most 558 discs of radius 0.25 m fit"),
+    ],
+)
+def test_impossible_settings_are_refused_by_name(change, message):
+    with pytest.raises(ValueError, match=message):
+        Physics(**({"worlds": 1, "robots": 5} | change))
+
+
+@pytest.mark.parametrize(
+    ("world", "positions", "headings", "message"),
+    [
+        (1, np.zeros((2, 2)), np.zeros(2), "world: expected 0 to 0, got 1"),
+        (0, np.zeros((3, 2)), np.zeros(2), r"positions of world 0: expected finite numbers of shape \(2, 2\)"),
+        (0, np.full((2, 2), np.nan), np.zeros(2), "positions of world 0: expected finite"),
+        (0, np.zeros((2, 2)), np.zeros(1), r"headings of world 0: expected finite numbers of shape \(2,\)"),
+    ],
+)
+def test_wrong_placements_are_refused(world, positions, headings, message):
+    with pytest.raises(ValueError, match=message):
+        Physics(1, 2).place(world, positions, headings)

@@ -1,0 +1,63 @@
+"""Several coordinators in a cleaning robot: the same course as without nesting, and options of their own."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import Course, run_mission
+from clean_swarm_env.world.robot import coordinators_of
+from clean_swarm_env.world.worlds import Worlds
+from selector.configurations.library import Library
+from selector.documents.yaml import DocumentError
+from selector.knowledge import load_knowledge
+from selector.strategies.registry import StrategySpec
+from tests.clean_swarm_env.courses import snapshot
+
+
+def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
+    plain, coordinated = load_mission("table1"), load_mission("cleaning-patrol")
+    start = random_start(plain, 5, 0)
+    one, other = Course(plain, start, 3, {}), Course(coordinated, start, 3, {})
+    for _ in range(1000):
+        one.tick()
+        other.tick()
+    parts = snapshot(other.worlds, 0)
+    for name, part in snapshot(one.worlds, 0).items():
+        if name not in ("inner", "held"):  # of the coordinators, of which one has one more
+            assert np.array_equal(part, parts[name]), name
+    assert other.worlds.pheromones.count(0, "pheromone") == one.worlds.pheromones.count(0, "pheromone") > 100
+
+
+def test_what_robots_patrol_by_decides_the_mission():
+    mission = load_mission("cleaning-patrol")
+    start = random_start(mission, 5, 1)
+    scores = ({}, {"ExplorationPatrol": {"RandomWalk": 2.0}}, {"ExplorationPatrol": {"Patrol-period10": 2.0}})
+    assert len({run_mission(mission, start, 1, score).duration_s for score in scores}) == 3
+
+
+def test_the_same_seed_takes_the_same_course_however_options_change():
+    mission = load_mission("cleaning-patrol")
+    start = random_start(mission, 5, 1)
+    courses = [Course(mission, start, 7, {}, StrategySpec(name="Random")) for _ in range(2)]
+    held = set()
+    for _ in range(200):
+        for course in courses:
+            course.tick()
+        held.add(tuple(courses[0].worlds.coordinators[1].held.tolist()))
+    parts = snapshot(courses[0].worlds, 0)
+    assert all(np.array_equal(part, parts[name]) for name, part in snapshot(courses[1].worlds, 0).items())
+    assert len(held) > 20
+
+
+def test_each_coordinator_wants_an_option():
+    mission = load_mission("cleaning-patrol")
+    models = coordinators_of(mission.network, load_knowledge(mission.knowledge), Library())
+    assert [model.goal for model in models] == ["ExplorationPatrol", "AvoidCollision"]
+    worlds = Worlds(mission, models)
+    worlds.hold(np.tile([2, 1], (5, 1)))
+    assert [coordinator.held.tolist() for coordinator in worlds.coordinators] == [[2] * 5, [1] * 5]
+    with pytest.raises(ValueError, match=r"one option for each of ExplorationPatrol, AvoidCollision, got shape \(5,\)"):
+        worlds.hold(np.zeros(5, np.int64))
+    with pytest.raises(DocumentError, match="unknown coordinated goal 'ExplorationPatrol'"):
+        Worlds(mission, models[1:])

@@ -1,0 +1,103 @@
+"""Garbage and cargo against plain Python."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, Garbage, handle_cargo, nearest_lying
+
+EXTENT = np.array([11.0, 7.0])
+PICK, RECYCLE, DUMP = 0, 2, 3  # columns of `started`, one of which means something else
+COLUMNS = np.array([PICK, RECYCLE, DUMP])
+
+
+def _handle(garbage, robots, started):
+    picked = np.zeros((len(robots), 2), np.int64)
+    worlds = np.arange(len(robots)) // garbage.robots
+    nearest = np.array(
+        [
+            nearest_lying(*robot, garbage.positions[world], garbage.stage[world], EXTENT)[0]
+            for world, robot in zip(worlds, np.asarray(robots, float), strict=True)
+        ]
+    )
+    count = handle_cargo(
+        np.asarray(started), COLUMNS, np.asarray(robots, float), EXTENT, 0.6, nearest, garbage.positions, garbage.stage,
+        garbage.leftover, garbage.cargo, garbage.recycled, garbage.done, picked,
+    )  # fmt: skip
+    return picked[:count].tolist()
+
+
+def _starting(robots, **what):
+    started = np.zeros((robots, 4), np.int64)
+    for row, column in what.items():
+        started[int(row[1:]), column] = 1
+    return started
+
+
+def _garbage(items, robots=2, worlds=1):
+    garbage = Garbage(worlds, len(items), robots)
+    for world in range(worlds):
+        garbage.place(world, np.asarray(items, float))
+    return garbage
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 10_000))
+def test_the_nearest_lying_item_on_the_torus(seed):
+    rng = np.random.default_rng(seed)
+    items, stage = rng.random((6, 2)) * EXTENT, rng.integers(3, size=6)
+    x, y = rng.random(2) * EXTENT
+    item, near = nearest_lying(x, y, items, stage, EXTENT)
+    offsets = np.abs(items - [x, y])
+    distances = np.where(stage == LYING, np.hypot(*np.minimum(offsets, EXTENT - offsets).T), np.inf)
+    assert near == pytest.approx(distances.min())
+    assert item == (NOTHING if (stage != LYING).all() else distances.argmin())
+
+
+def test_an_item_goes_through_its_stages():
+    garbage = _garbage([[1.0, 1.0], [5.0, 5.0]])
+    robots = [[1.0, 1.5], [9.0, 3.0]]
+    assert _handle(garbage, robots, _starting(2, r0=PICK)) == [[0, 0]]
+    assert garbage.stage.tolist() == [[CARRIED, LYING]]
+    assert garbage.cargo.tolist() == [0, NOTHING]
+    _handle(garbage, robots, _starting(2, r0=DUMP))  # what is not recycled is not dumped
+    assert garbage.done.tolist() == [0]
+    _handle(garbage, robots, _starting(2, r0=RECYCLE))
+    assert garbage.recycled.tolist() == [1, 0]
+    _handle(garbage, robots, _starting(2, r0=DUMP))
+    assert garbage.stage.tolist() == [[DONE, LYING]]
+    assert garbage.cargo.tolist() == [NOTHING, NOTHING]
+    assert garbage.recycled.tolist() == [0, 0]
+    assert garbage.done.tolist() == [1]
+
+
+def test_the_first_of_two_robots_gets_the_item_and_the_other_nothing():
+    garbage = _garbage([[1.0, 1.0]])
+    assert _handle(garbage, [[1.3, 1.0], [1.0, 1.0]], _starting(2, r0=PICK, r1=PICK)) == [[0, 0]]
+    assert garbage.cargo.tolist() == [0, NOTHING]
+
+
+def test_nobody_takes_a_second_item_or_one_out_of_reach():
+    garbage = _garbage([[1.0, 1.0], [1.2, 1.0], [10.9, 6.9]])
+    _handle(garbage, [[1.0, 1.0], [4.0, 4.0]], _starting(2, r0=PICK, r1=PICK))
+    assert _handle(garbage, [[1.0, 1.0], [4.0, 4.0]], _starting(2, r0=PICK, r1=PICK)) == []
+    assert garbage.cargo.tolist() == [0, NOTHING]
+    assert _handle(garbage, [[1.0, 1.0], [0.1, 0.1]], _starting(2, r1=PICK)) == [[1, 2]]  # across the corner
+
+
+def test_recycling_and_dumping_without_cargo_do_nothing():
+    garbage = _garbage([[1.0, 1.0]])
+    _handle(garbage, [[1.0, 1.0], [4.0, 4.0]], _starting(2, r0=RECYCLE, r1=DUMP))
+    assert garbage.recycled.tolist() == [0, 0]
+    assert garbage.done.tolist() == [0]
+
+
+def test_worlds_have_items_of_their_own_and_are_laid_out_one_by_one():
+    garbage = _garbage([[1.0, 1.0]], robots=1, worlds=2)
+    assert _handle(garbage, [[1.0, 1.0], [1.0, 1.0]], _starting(2, r1=PICK)) == [[1, 0]]
+    assert garbage.stage.tolist() == [[LYING], [CARRIED]]
+    garbage.place(1, np.array([[2.0, 2.0]]))
+    assert garbage.stage.tolist() == [[LYING], [LYING]]
+    assert garbage.cargo.tolist() == [NOTHING, NOTHING]
+    assert garbage.positions.tolist() == [[[1.0, 1.0]], [[2.0, 2.0]]]

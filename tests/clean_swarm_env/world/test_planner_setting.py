@@ -1,0 +1,31 @@
+"""The planner of the robots, by name."""
+
+import pytest
+from pydantic import ValidationError
+
+from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.world.worlds import Worlds
+from tests.clean_swarm_env.courses import avoidance, mission
+
+
+@pytest.mark.parametrize(("given", "name"), [(True, "built-in"), (False, "off"), ("off", "off"), ("aries", "aries")])
+def test_the_planner_is_named_and_truth_values_are_read_as_before(given, name):
+    assert NetworkConfig(planner=given).planner == name
+
+
+@pytest.mark.parametrize("given", [1, "", None, ["built-in"]])
+def test_what_is_no_name_is_refused(given):
+    with pytest.raises(ValidationError):
+        NetworkConfig(planner=given)
+
+
+def test_robots_without_planner_have_none():
+    assert Worlds(mission(network={"planner": "off"}), avoidance()).network.planner is None
+    assert Worlds(mission(), avoidance()).network.planner is not None
+
+
+def test_an_engine_plans_for_the_robots():
+    pytest.importorskip("up_aries")
+    worlds = Worlds(mission(network={"planner": "aries"}), avoidance())
+    worlds.tick()
+    assert worlds.network.plans.marks[2].any()  # a plan is known

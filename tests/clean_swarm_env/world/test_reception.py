@@ -1,0 +1,119 @@
+"""Messages with a range and losses: what each robot has received, world by world."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.mission import StartConfiguration
+from selforg.gradients.queries import Filter, Queries
+from tests.clean_swarm_env.courses import begin, course, difference, long_course, mission, worlds_at_start
+
+LOSSY = {"delivery": {"reach": 3.0, "loss": 0.4}}
+
+
+def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), **changes):
+    """Robots in a row that stand still."""
+    config = mission(robots={"count": len(places)}, garbage={"count": 0}, delivery=delivery, **changes)
+    worlds = worlds_at_start(config, [1])
+    start = StartConfiguration(id="row", robots=tuple((x, y, 0.0) for x, y in places), items=())
+    worlds.reset(0, start, 1)
+    return worlds
+
+
+def _spread(worlds, ticks=1):
+    """Let poses be spread as in a tick, without moving; return how many poses each robot sees."""
+    for _ in range(ticks):
+        worlds.poses.update(worlds.physics.positions, worlds.physics.headings, worlds.now)
+        worlds.reception.listen()
+        worlds._now_ticks += 1
+    everything = Filter(static=False, view_distance=np.inf)
+    return [len(Queries(worlds.gradients).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
+
+
+def test_poses_reach_robots_within_range():
+    assert _spread(_still({"reach": 2.5})) == [1, 1, 0]
+    assert _spread(_still({"reach": 3.5})) == [1, 2, 1]
+    assert _spread(_still({"own_contents": True})) == [2, 2, 2]
+    assert _spread(_still({"loss": 1.0})) == [0, 0, 0]
+
+
+def test_a_pose_is_kept_for_its_time_and_then_forgotten():
+    worlds = _still({"own_contents": True, "pose_memory": 0.6})
+    assert _spread(worlds) == [2, 2, 2]
+    worlds.reception.set(0, 1.0, 0.0)
+    worlds.physics.positions[0, 0] += 0.5
+    assert _spread(worlds) == [2, 2, 2]
+    seen = Queries(worlds.gradients).gradients(1, worlds.now, Filter(static=False, view_distance=np.inf))
+    assert sorted(gradient.position[0] for gradient in seen) == [1.0, 6.0]  # where robot 0 was when last heard
+    assert _spread(worlds, 2) == [2, 2, 2]
+    assert _spread(worlds) == [0, 0, 0]
+
+
+def test_losses_have_the_given_probability():
+    worlds = _still({"loss": 0.3, "pose_memory": 0.0}, tuple((0.3 + 1.1 * k, 5.0) for k in range(9)))
+    seen = [_spread(worlds) for _ in range(300)]
+    # a pose of the tick before is still kept: it is missed where two in a row are lost
+    assert np.mean(seen) == pytest.approx((1.0 - 0.3**2) * 8, rel=0.01)
+
+
+def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
+    worlds = _still({"reach": 2.5})
+    _spread(worlds)
+    worlds.patrol.deposit(worlds.now, np.array([0]))
+    trail = Filter(("pheromone",), moving=False, view_distance=np.inf)
+    known = [len(Queries(worlds.pheromones).gradients(row, worlds.now, trail)) for row in range(3)]
+    assert known == [1, 1, 0]
+
+
+@long_course
+@pytest.mark.parametrize("contacts", ["solid", "pass_through"])
+def test_contents_of_their_own_change_nothing_while_all_arrives(contacts):
+    shared = course(worlds_at_start(mission(world={"contacts": contacts}), [5], 0), 0, 500)
+    own = mission(world={"contacts": contacts}, delivery={"own_contents": True})
+    assert difference(shared, course(worlds_at_start(own, [5], 0), 0, 500)) == ""
+
+
+@long_course
+def test_a_lossy_world_has_the_same_bits_alone_in_a_batch_and_later():
+    config = mission(**LOSSY, events=[{"at": 20.0, "do": "deliver", "loss": 0.8}, {"at": 40.0, "do": "deliver"}])
+    alone = course(worlds_at_start(config, [5], 0), 0, 350)
+    assert difference(alone, course(worlds_at_start(config, [9, 5, 7], 0), 1, 350)) == ""
+    worlds = worlds_at_start(config, [1, 2], 0)
+    for _ in range(137):
+        worlds.tick()
+    begin(worlds, 1, 5)
+    assert difference(alone, course(worlds, 1, 350)) == ""
+    assert difference(alone, course(worlds_at_start(mission(), [5], 0), 0, 350)) != ""
+
+
+def test_a_robot_out_of_reach_that_goes_changes_nothing_for_the_others_losses():
+    places = ((5.0, 5.0), (6.0, 5.0), (5.5, 6.5), (30.0, 30.0))
+    courses = []
+    for goes in (False, True):
+        worlds = _still({"reach": 9.0, "loss": 0.5}, places, world={"width": 60.0, "height": 60.0})
+        course(worlds, 0, 10)
+        if goes:
+            worlds.team.remove(np.array([3]))
+        courses.append([step["positions"][:3].tobytes() for step in course(worlds, 0, 80)])
+    assert courses[0] == courses[1]
+
+
+def test_a_robot_taken_away_is_heard_no_more():
+    worlds = _still({"reach": 5.0})
+    assert _spread(worlds) == [2, 2, 2]
+    worlds.team.remove(np.array([1]))
+    assert _spread(worlds)[::2] == [1, 1]
+
+
+def test_events_of_the_delivery_happen_in_their_time():
+    events = [{"at": 1.0, "do": "deliver", "reach": 2.5, "loss": 0.25}, {"at": 2.0, "do": "deliver"}]
+    worlds = worlds_at_start(mission(events=events), [1])
+    seen = []
+    for _ in range(12):
+        worlds.tick()
+        seen.append((float(worlds.reception._reaches[0]), float(worlds.reception._losses[0])))
+    assert seen == [(1e9, 0.0)] * 5 + [(2.5, 0.25)] * 5 + [(1e9, 0.0)] * 2
+
+
+def test_a_world_whose_robots_share_all_refuses_losses():
+    with pytest.raises(ValueError, match=r"expected a mission with delivery\.own_contents"):
+        worlds_at_start(mission(), [1]).reception.set(0, 1.0, 0.0)

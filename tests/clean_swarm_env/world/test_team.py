@@ -1,0 +1,272 @@
+"""Teams that change: who is gone is nowhere, who is far is not disturbed, and cargo is not lost."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.files import laid_over
+from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
+from clean_swarm_env.world.mission import run_mission
+from selforg.gradients.queries import Filter, Queries
+from tests.clean_swarm_env.courses import (
+    begin,
+    course,
+    difference,
+    long_course,
+    mission,
+    moved,
+    snapshot,
+    worlds_at_start,
+)
+
+CHANGING = {
+    "events": [
+        {"at": 8.0, "do": "fail", "robots": [1]},
+        {"at": 12.0, "do": "join", "robots": 2, "places": [[5.5, 9.0, 0.0]]},
+        {"at": 20.0, "do": "remove", "robots": [0, 5]},
+        {"at": 25.0, "do": "land", "items": 3},
+        {"at": 30.0, "do": "move_stations", "recycling": [1.0, 1.0], "dump": [6.0, 1.0]},
+        {"at": 35.0, "do": "respawn", "rate": 20.0},
+        {"at": 50.0, "do": "respawn", "rate": 0.0},
+    ]
+}
+
+
+def _far_apart(robots):
+    """A start of robots on a large torus: three that meet in one corner, the others far away, nothing to carry."""
+    return StartConfiguration(id="apart", robots=robots, items=())
+
+
+def _without_last(steps):
+    rows = {"samples", "events", "stage"}
+    cut = []
+    for step in steps:
+        part = {name: value if name in rows else value[..., :-1, :] if value.ndim > 1 else value[:-1]
+                for name, value in step.items() if name not in {"values", "row_values", "inner"}}  # fmt: skip
+        cut.append(part | {"values": step["values"][:, :-1], "row_values": step["row_values"][:, :-1],
+                           "inner": step["inner"][:, :-1]})  # fmt: skip
+    return cut
+
+
+@pytest.mark.parametrize("way", ["remove", "fail"])
+@pytest.mark.parametrize("contacts", ["solid", "pass_through"])
+@pytest.mark.parametrize("tick", [0, 7, 33])
+def test_a_robot_out_of_reach_that_goes_changes_nothing_for_the_others(way, contacts, tick):
+    cluster = ((10.0, 10.0, 0.9), (10.5, 10.0, 2.1), (10.25, 10.44, -1.6), (10.75, 10.44, -2.9))
+    robots = (*cluster, (40.0, 40.0, 0.3))
+    config = mission(world={"width": 60.0, "height": 60.0, "contacts": contacts}, garbage={"count": 0})
+    courses = []
+    for goes in (False, True):
+        worlds = worlds_at_start(config, [3], 0)
+        worlds.reset(0, _far_apart(robots), 3)
+        steps = course(worlds, 0, tick)
+        if goes:
+            getattr(worlds.team, way)(np.array([4]))
+        courses.append(_without_last(steps + course(worlds, 0, 100 - tick)))
+    assert worlds.collisions.samples[0, 0] > 0  # they did meet
+    assert difference(*courses) == ""
+
+
+@pytest.mark.parametrize("name", ["table1", "reference"])
+def test_rows_that_are_absent_change_nothing(name):
+    plain = course(worlds_at_start(mission(name), [5]), 0, 300)
+    roomy = course(worlds_at_start(mission(name, robots={"capacity": 9}), [5]), 0, 300)
+    for name in (
+        "positions", "headings", "cargo", "samples", "events", "stage", "readings", "executing",
+    ):  # fmt: skip
+        rows = slice(None) if name in {"samples", "events", "stage"} else slice(5)
+        assert all(a[name].tobytes() == b[name][rows].tobytes() for a, b in zip(plain, roomy, strict=True)), name
+
+
+@long_course
+@pytest.mark.parametrize("contacts", ["solid", "pass_through"])
+def test_a_changing_world_has_the_same_bits_alone_in_a_batch_and_later(contacts):
+    config = mission(world={"contacts": contacts}, **CHANGING)
+    alone = course(worlds_at_start(config, [5], 0), 0, 400)
+    assert difference(alone, course(worlds_at_start(config, [9, 5, 7], 0), 1, 400)) == ""
+    worlds = worlds_at_start(config, [1, 2], 0)
+    for _ in range(137):
+        worlds.tick()
+    begin(worlds, 1, 5)
+    assert difference(alone, course(worlds, 1, 400)) == ""
+    assert difference(alone, course(worlds_at_start(config, [6], 0), 0, 400)) != ""
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_order_of_the_robots_does_not_matter_while_the_team_changes(seed):
+    config = mission("reference", events=[{"at": 2.0, "do": "fail", "robots": [1]},
+                                          {"at": 3.0, "do": "remove", "robots": [2]}])  # fmt: skip
+    order = np.random.default_rng(seed).permutation(5)
+    places = np.argsort(order)
+    other = config.model_copy(update={"events": tuple(
+        event.model_copy(update={"robots": (int(places[event.robots[0]]),)}) for event in config.events)})  # fmt: skip
+    start = random_start(config, seed, 0)
+    first, second = worlds_at_start(config, [seed]), worlds_at_start(other, [seed])
+    first.reset(0, start, seed)
+    second.reset(0, moved(start, order), seed)
+    streams = np.random.SeedSequence(seed).spawn(5)
+    second.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
+    for one, two in zip(course(first, 0, 40), course(second, 0, 40), strict=True):
+        np.testing.assert_allclose(one["positions"][order], two["positions"], atol=1e-6)
+        assert np.array_equal(one["samples"], two["samples"])
+
+
+def _poses_seen(worlds, row):
+    everything = Filter(static=False, view_distance=np.inf)
+    return len(Queries(worlds.gradients).gradients(row, worlds.now, everything))
+
+
+def test_a_robot_taken_away_is_nowhere():
+    worlds = worlds_at_start(mission(), [1])
+    course(worlds, 0, 3)
+    place = worlds.physics.positions[2].copy()
+    worlds.team.remove(np.array([2]))
+    worlds.tick()
+    assert [_poses_seen(worlds, row) for row in (0, 1, 3, 4)] == [3] * 4
+    for _ in range(20):
+        worlds.physics.positions[:2] = np.add(place, [[0.0, 0.01], [0.1, 3.0]])  # drive through where it was
+        worlds.collisions.count(worlds.physics.positions, worlds.physics.present)
+        assert not worlds.collisions.in_contact[2]
+        worlds.tick()
+    assert (worlds.physics.positions[2] == place).all()
+    assert not worlds.network.executing[2].any()
+    assert worlds.team.working.tolist() == [True, True, False, True, True]
+
+
+@pytest.mark.parametrize(("pose", "seen"), [("seen", 4), ("unseen", 3)])
+def test_a_failed_robot_is_an_obstacle(pose, seen):
+    config = mission(robots={"count": 5, "failed_pose": pose}, garbage={"count": 0})
+    worlds = worlds_at_start(config, [1])
+    worlds.team.fail(np.array([2]))
+    worlds.tick()
+    assert [_poses_seen(worlds, row) for row in (0, 1, 3, 4)] == [seen] * 4
+    for _ in range(100):
+        worlds.tick()
+    assert worlds.physics.present.all()
+    assert not worlds.network.executing[2].any()
+    worlds.physics.positions[0] = worlds.physics.positions[2] + [0.45, 0.0]
+    worlds.collisions.count(worlds.physics.positions, worlds.physics.present)
+    assert worlds.collisions.in_contact[2]
+
+
+def test_robots_cannot_drive_through_a_failed_one_but_through_where_one_was_taken_away():
+    start = StartConfiguration(id="two", robots=((3.0, 5.0, 0.0), (6.0, 5.0, 0.0)), items=())
+    gaps = {}
+    for way in ("fail", "remove"):
+        worlds = worlds_at_start(mission(robots={"count": 2}, garbage={"count": 0}), [1])
+        worlds.reset(0, start, 1)
+        getattr(worlds.team, way)(np.array([1]))
+        for _ in range(60):
+            worlds.physics.substep(np.array([1.0, 0.0]), np.zeros(2))
+        gaps[way] = worlds.physics.positions[1, 0] - worlds.physics.positions[0, 0]
+    assert gaps["fail"] == pytest.approx(0.5, abs=0.05)
+    assert gaps["remove"] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("way", ["remove", "fail"])
+@pytest.mark.parametrize("recycled", [0, 1])
+def test_cargo_lies_where_its_robot_is_lost_and_is_picked_up_as_it_was(way, recycled):
+    worlds = worlds_at_start(mission(), [1])
+    while not (worlds.garbage.cargo != NOTHING).any() or worlds.garbage.recycled.max() < recycled:
+        worlds.tick()
+    row = int(np.flatnonzero((worlds.garbage.cargo != NOTHING) & (worlds.garbage.recycled == recycled))[0])
+    item, place = int(worlds.garbage.cargo[row]), worlds.physics.positions[row].copy()
+    lying = worlds.items.count(0, "garbage")
+    getattr(worlds.team, way)(np.array([row]))
+    assert worlds.garbage.stage[0, item] == LYING
+    assert (worlds.garbage.positions[0, item] == place).all()
+    assert worlds.items.count(0, "garbage") == lying + 1
+    assert (worlds.garbage.cargo[row], worlds.garbage.recycled[row]) == (NOTHING, 0)
+    for _ in range(3000):
+        worlds.tick()
+        if worlds.garbage.stage[0, item] == CARRIED:
+            break
+    assert worlds.garbage.stage[0, item] == CARRIED
+    carrier = int(np.flatnonzero(worlds.garbage.cargo == item)[0])
+    assert worlds.garbage.recycled[carrier] == recycled
+
+
+@long_course
+def test_missions_complete_although_robots_fail_with_their_cargo():
+    events = [{"at": 40.0, "do": "fail", "robots": [0, 1]}, {"at": 60.0, "do": "fail", "robots": [2]}]
+    for seed in range(4):
+        config = mission(events=events)
+        assert run_mission(config, random_start(config, seed, 0), seed, {}).completed
+
+
+@long_course
+def test_a_robot_that_joins_works_like_the_others():
+    config = mission(robots={"count": 1}, events=[{"at": 5.0, "do": "join", "places": [[1.0, 2.0, 0.5]]}])
+    worlds = worlds_at_start(config, [3])
+    for _ in range(25):
+        worlds.tick()
+        assert not worlds.physics.present[1]
+    worlds.tick()
+    assert worlds.team.working.all()
+    assert np.hypot(*(worlds.physics.positions[1] - [1.0, 2.0])) <= 0.2 + 1e-9
+    dumped = 0
+    for _ in range(800):
+        before = worlds.garbage.cargo[1]
+        worlds.tick()
+        dumped += before != NOTHING and worlds.garbage.cargo[1] == NOTHING
+    assert 0 < dumped < 10
+
+
+def test_a_robot_joins_only_where_and_when_there_is_room():
+    config = mission(robots={"count": 2, "capacity": 3}, garbage={"count": 0})
+    worlds = worlds_at_start(config, [3])
+    x, y = worlds.physics.positions[0]
+    with pytest.raises(ValueError, match="another robot is at the place"):
+        worlds.team.add(0, (x + 0.3, y, 0.0))
+    assert worlds.team.add(0, (x + 1.0, y, 0.0)) == 2
+    with pytest.raises(ValueError, match="at most 3 robots over the mission"):
+        worlds.team.add(0, (x - 1.0, y, 0.0))
+    with pytest.raises(ValueError, match="unknown robot at work '3' \\(known: 0, 1, 2\\)"):
+        worlds.team.fail(np.array([3]))
+    worlds.team.fail(np.array([1]))
+    with pytest.raises(ValueError, match="unknown robot at work '1'"):
+        worlds.team.remove(np.array([1]))
+
+
+def test_robots_join_at_random_places_without_touching_anybody():
+    config = mission(robots={"count": 1}, events=[{"at": 0.0, "do": "join", "robots": 30}])
+    worlds = worlds_at_start(config, [3, 4])
+    worlds.agendas.let_happen(0)
+    for world in range(2):
+        places = worlds.physics.positions[worlds.rows_of(world)]
+        offsets = np.abs(places[:, None] - places[None])
+        distances = np.hypot(*np.minimum(offsets, worlds.extent - offsets).T) + 9.0 * np.eye(31)
+        assert distances.min() > 0.5
+    assert not np.allclose(worlds.physics.positions[:31], worlds.physics.positions[31:])
+
+
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        ({"do": "fail", "robots": [5]}, "events.0.robots: expected robots at work then (0, 1, 2, 3, 4), got 5"),
+        ({"do": "remove", "robots": [0, 1, 2, 3, 4]}, "events.0.robots: expected a robot that stays at work, got none"),
+        ({"do": "join", "robots": 900}, "events.0.robots: expected at most 277 solid robots"),
+        ({"do": "join", "places": [[0, 0, 0], [1, 1, 1]]}, "expected at most 1, one for each robot, got 2"),
+        ({"do": "dance"}, "'join', 'remove', 'fail'"),
+        ({"do": "move_stations", "recycling": [1.0, 1.0], "dump": [12.0, 1.0]}, "events.0.dump: expected a point on"),
+    ],
+)
+def test_impossible_events_are_named(event, message, tmp_path):
+    from clean_swarm_env.config.errors import ConfigurationError
+    from clean_swarm_env.config.files import load_mission
+
+    path = tmp_path / "own.yaml"
+    path.write_text(f"events: [{ {'at': 3.0, **event} }]".replace("'", ""))
+    with pytest.raises(ConfigurationError) as error:
+        load_mission(str(path))
+    assert message in str(error.value)
+
+
+def test_snapshots_of_changing_worlds_stay_finite():
+    worlds = worlds_at_start(mission(**CHANGING), [2], 1)
+    for _ in range(320):
+        worlds.tick()
+    assert all(np.isfinite(part).all() for part in snapshot(worlds, 0).values())
+    assert worlds.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0]]
+    assert laid_over({}, CHANGING)["events"][0]["do"] == "fail"

@@ -1,0 +1,210 @@
+"""Worlds: a world of a batch is the world alone, rows do not matter, and garbage goes its way."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
+from tests.clean_swarm_env.courses import (
+    begin,
+    course,
+    difference,
+    long_course,
+    mission,
+    moved,
+    snapshot,
+    worlds_at_start,
+)
+from tests.paths import ROOT
+
+MISSIONS = ("table1", "reference")
+
+
+@long_course
+@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("option", [0, 2])
+def test_a_world_of_a_batch_has_the_bits_it_has_alone(name, option):
+    alone = course(worlds_at_start(mission(name), [5], option), 0, 400)
+    batch = course(worlds_at_start(mission(name), [9, 5, 7], option), 1, 400)
+    assert difference(alone, batch) == ""
+
+
+@long_course
+@pytest.mark.parametrize("name", MISSIONS)
+def test_a_world_has_the_same_bits_later_and_while_others_begin_anew(name):
+    """300 s: pheromones of the first course are long gone, those of the second evaporate ten times."""
+    alone = course(worlds_at_start(mission(name), [5], 0), 0, 1500)
+    worlds = worlds_at_start(mission(name), [11, 12, 13], 0)
+    for _ in range(437):
+        worlds.tick()
+    begin(worlds, 1, 5)
+    again = []
+    for tick in range(1500):
+        worlds.tick()
+        again.append(snapshot(worlds, 1))
+        if tick % 100 == 50:
+            begin(worlds, 2 * (tick // 100 % 2), tick)
+    assert difference(alone, again) == ""
+
+
+def test_equal_seeds_are_equal_and_others_are_not():
+    first, second, other = (course(worlds_at_start(mission(), [seed]), 0, 100) for seed in (1, 1, 2))
+    assert difference(first, second) == ""
+    assert difference(first, other) == "step 0: positions"
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("seed", range(5))
+def test_the_order_of_the_robots_does_not_matter(name, seed):
+    """Up to the rounding of sums, which chaos makes visible after some ten seconds."""
+    config, order = mission(name), np.random.default_rng(seed).permutation(5)
+    start = random_start(config, seed, 0)
+    first, second = worlds_at_start(config, [seed]), worlds_at_start(config, [seed])
+    second.reset(0, moved(start, order), seed)
+    first.reset(0, start, seed)
+    streams = np.random.SeedSequence(seed).spawn(5)
+    second.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
+    for one, other in zip(course(first, 0, 40), course(second, 0, 40), strict=True):
+        np.testing.assert_allclose(one["positions"][order], other["positions"], atol=1e-6)
+        np.testing.assert_allclose(one["values"][:, order], other["values"], atol=1e-6)
+        assert np.array_equal(one["cargo"][order], other["cargo"])
+        assert np.array_equal(one["samples"], other["samples"])
+
+
+@long_course
+@pytest.mark.parametrize("name", MISSIONS)
+def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
+    worlds = worlds_at_start(mission(name), [3])
+    stations = worlds.mission.stations
+    before = snapshot(worlds, 0)
+    picked = recycled = dumped = 0
+    while worlds.garbage.done[0] < 10:
+        worlds.tick()
+        now = snapshot(worlds, 0)
+        assert ((now["stage"] - before["stage"] >= 0) & (now["stage"] - before["stage"] <= 1)).all()
+        carried = now["cargo"][now["cargo"] != NOTHING]
+        assert len(set(carried)) == len(carried)  # no item has two robots (a robot cannot have two items: cargo is one)
+        assert set(carried) == set(np.flatnonzero(now["stage"] == CARRIED))
+        assert not now["recycled"][now["cargo"] == NOTHING].any()
+        for robot in range(5):
+            place, had, has = before["positions"][robot], before["cargo"][robot], now["cargo"][robot]
+            if had == NOTHING and has != NOTHING:
+                picked += 1
+                assert _apart(place, worlds.garbage.positions[0, has], worlds) <= 0.6
+            if now["recycled"][robot] > before["recycled"][robot]:
+                recycled += 1
+                assert _apart(place, stations.recycling, worlds) <= 0.5
+            if had != NOTHING and has == NOTHING:
+                dumped += 1
+                assert before["recycled"][robot]
+                assert now["stage"][had] == DONE
+                assert _apart(place, stations.dump, worlds) <= 0.5
+        assert (now["stage"] == DONE).sum() == worlds.garbage.done[0] == dumped
+        assert worlds.items.count(0, "garbage") == (now["stage"] == LYING).sum()
+        before = now
+    assert picked == recycled == dumped == 10
+
+
+def _apart(place, other, worlds):
+    offset = np.abs(place - np.asarray(other))
+    return np.hypot(*np.minimum(offset, worlds.extent - offset))
+
+
+def test_of_two_robots_at_one_item_one_gets_it():
+    config = mission("reference", robots={"count": 2}, garbage={"count": 1})
+    worlds = worlds_at_start(config, [1])
+    start = StartConfiguration(id="one", robots=((5.0, 8.0, 0.0), (5.4, 8.0, 3.0)), items=((5.2, 8.0),))
+    worlds.reset(0, start, 1)
+    for _ in range(150):
+        worlds.tick()
+        assert (worlds.garbage.cargo != NOTHING).sum() <= 1
+    assert worlds.garbage.stage[0, 0] != LYING
+
+
+@long_course
+@pytest.mark.parametrize("name", MISSIONS)
+def test_a_forced_option_is_held_and_the_only_one_that_runs(name):
+    for option in range(3):
+        worlds = worlds_at_start(mission(name), [1], option)
+        for _ in range(300):
+            worlds.tick()
+            assert (worlds.coordinator.held == option).all()
+        ran = [bool(content.network.state.values.any()) for content in worlds.coordinator.contents]
+        assert ran == [k == option for k in range(3)]
+
+
+def test_the_option_decides_the_course():
+    fernandez, nearer, balch = (course(worlds_at_start(mission(), [1], k), 0, 200) for k in range(3))
+    assert difference(fernandez, nearer) != ""
+    assert difference(nearer, balch) != ""
+
+
+@long_course
+def test_switching_at_random_in_every_period_is_deterministic_and_the_same_in_a_batch():
+    def switched(seeds: list[int], world: int) -> list[dict[str, np.ndarray]]:
+        worlds, steps, rng = worlds_at_start(mission(), seeds), [], np.random.default_rng(4)
+        for _ in range(1000):
+            worlds.hold(rng.integers(3, size=5), worlds.rows_of(world))
+            worlds.tick()
+            steps.append(snapshot(worlds, world))
+        return steps
+
+    alone = switched([5], 0)
+    assert difference(alone, switched([5], 0)) == ""
+    assert difference(alone, switched([8, 5], 1)) == ""
+    assert np.isfinite([step["positions"] for step in alone]).all()
+    assert alone[-1]["executing"].shape == (5, 8)
+
+
+def test_holding_what_is_held_already_changes_nothing():
+    plain, repeated = worlds_at_start(mission(), [6]), worlds_at_start(mission(), [6])
+    first, second = [], []
+    for _ in range(300):
+        repeated.hold(np.full(5, 2))
+        first += course(plain, 0, 1)
+        second += course(repeated, 0, 1)
+    assert difference(first, second) == ""
+
+
+def test_robots_of_one_world_may_hold_different_options():
+    worlds = worlds_at_start(mission(), [6])
+    worlds.hold(np.array([0, 1]), np.array([3, 4]))
+    for _ in range(200):
+        worlds.tick()
+    assert worlds.coordinator.held.tolist() == [2, 2, 2, 0, 1]
+
+
+def test_what_cannot_be_is_refused():
+    worlds = worlds_at_start(mission(), [1])
+    with pytest.raises(ValueError, match=r"expected options 0\.\.2"):
+        worlds.hold(np.full(5, 3))
+    start = random_start(mission(robots={"count": 4}), 1, 0)
+    with pytest.raises(ValueError, match="expected 5 robots and 10 items, got 4 and 10"):
+        worlds.reset(0, start, 1)
+
+
+def test_the_clock_of_the_buffers_keeps_time():
+    worlds = worlds_at_start(mission(garbage={"count": 0}), [1])
+    for _ in range(150):
+        worlds.tick()
+    assert 30.0 <= worlds.now < 30.0 + 1e-6  # a period of whole ticks is over with its last tick, not one later
+
+
+def test_compiled_and_plain_python_take_the_same_course():
+    """The kernels are plain functions: what the compiler makes of them must not differ from what they say."""
+    code = (
+        "import numpy as np; from tests.clean_swarm_env.courses import course, mission, worlds_at_start;"
+        "steps = course(worlds_at_start(mission(), [5], 0), 0, 40);"
+        "print(*np.ravel([step['positions'] for step in steps]).tolist())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True,
+        text=True, check=True,
+    )  # fmt: skip
+    compiled = np.ravel([step["positions"] for step in course(worlds_at_start(mission(), [5], 0), 0, 40)])
+    np.testing.assert_allclose([float(number) for number in done.stdout.split()], compiled, atol=1e-9)

@@ -1,0 +1,67 @@
+"""What docs/selector.md shows works."""
+
+import re
+
+import numpy as np
+import pytest
+
+from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel
+from selector.documents.yaml import DocumentError
+from selector.knowledge import load_knowledge
+from selector.vocabulary import components as words
+from tests.paths import ROOT
+
+PAGE = (ROOT / "docs" / "selector.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", PAGE, flags=re.DOTALL)
+
+
+@pytest.fixture
+def mine(tmp_path):
+    configuration, knowledge = blocks("yaml")
+    for kind, name, text in (("mechanisms", "Shy", configuration), ("knowledge", "mine", knowledge)):
+        (tmp_path / kind).mkdir()
+        (tmp_path / kind / f"{name}.yaml").write_text(text)
+    return tmp_path
+
+
+def test_the_configuration_serves_its_goal_with_the_options_parameters(mine):
+    model = CoordinatorModel("AvoidCollision", load_knowledge("mine", [mine]), Library([mine]))
+    assert model.options == ("Shy-near", "RepulsionGradient")
+    assert model.configurations[0].mechanisms["shy"].parameters["view_distance"] == 1.0
+    assert "Eleven lines" in PAGE
+    assert len(blocks("yaml")[0].splitlines()) == 11
+
+
+def test_a_mistake_in_it_is_one_line(mine):
+    path = mine / "mechanisms" / "Shy.yaml"
+    path.write_text(path.read_text().replace("type: AvoidAll", "type: AvoidNone"))
+    with pytest.raises(DocumentError, match=r"Shy\.yaml: mechanisms\.shy\.type: unknown mechanism 'AvoidNone'"):
+        Library([mine])
+
+
+def test_the_host_of_the_page_brings_its_robots_to_the_goal():
+    (code,) = blocks("python")
+    names = {}
+    exec(code, names)
+    offsets = np.abs(names["positions"] - 6.0)
+    assert (np.hypot(*np.minimum(offsets, 12.0 - offsets).T) <= 2.5).all()  # goal radii, and the others around
+
+
+def test_every_goal_and_option_of_the_library_stands_in_the_table():
+    knowledge = load_knowledge("library")
+    table = {row[0]: row[1].split(", ") for row in re.findall(r"^\| ([A-Z]\w+) \| ([A-Z].*) \|$", PAGE, re.MULTILINE)}
+    assert table == {goal: [option.name for option in knowledge.options(goal)] for goal in knowledge.goals}
+    assert len(table) == 14
+    for goal in knowledge.goals:
+        assert np.argmax(knowledge.scores(goal)) == 0
+
+
+def test_all_words_are_explained():
+    specs = [name.removesuffix("Spec") for name in vars(words) if name.endswith("Spec") and name != "TargetSpec"]
+    types = [name for name in specs if name not in ("Sensor", "Action", "Mechanism")]
+    assert len(types) == 17
+    assert [name for name in types if f"`{name}`" not in PAGE] == []

@@ -1,0 +1,137 @@
+"""Robots in YAML: the shipped one, coordinators, parameters, and mistakes that only a file can have."""
+
+import copy
+
+import pytest
+import yaml
+
+import configs
+from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel
+from selector.coordination.robot_document import load_network, network_from
+from selector.documents.yaml import DocumentError
+from selector.knowledge import load_knowledge
+from selforg.network.model.activators import Linear
+from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings
+from selforg.network.model.conditions import Condition, Negation
+from tests.selforg.network.cleaning import TASKS, condition, effect
+
+GOAL = "AvoidCollision"
+PATH = configs.directory() / "robots" / "cleaning.yaml"
+
+
+@pytest.fixture(scope="module")
+def coordinators():
+    return {GOAL: CoordinatorModel(GOAL, load_knowledge("cleaning"), Library())}
+
+
+def changed(*path, to):
+    whole = yaml.safe_load(PATH.read_text())
+    part = whole
+    for key in path[:-1]:
+        part = part[key]
+    if to is None:
+        del part[path[-1]]
+    else:
+        part[path[-1]] = copy.deepcopy(to)
+    return whole
+
+
+def behaviour(name, **fields):
+    return changed("networks", "robot", "behaviours", name, to=fields)
+
+
+def test_the_shipped_robot_is_the_one_declared_in_python(coordinators):
+    nested = load_network(PATH, coordinators)
+    assert nested.inner == {}
+    model = nested.model
+    assert model.behaviours == (
+        *(
+            Behaviour(
+                name, tuple(map(condition, needs.split())), tuple(map(effect, does.split())), ready_threshold=ready
+            )
+            for name, (needs, does, ready) in TASKS.items()
+        ),
+        coordinators[GOAL].behaviour(),
+    )
+    assert model.goals == (
+        Goal("PatrolEnvironment", (condition("patrolled"),)),
+        Goal("GarbageCleaned", (condition("!garbage_found"),)),
+        Goal(GOAL, (Negation(condition("rep_bool")),)),
+    )
+    assert model.sensors[-2:] == coordinators[GOAL].sensors
+
+
+def test_parameters_and_settings_are_laid_over_the_file(coordinators):
+    settings = NetworkSettings(max_parallel=3)
+    model = load_network(PATH, coordinators, {"transport_full_range": 5.5}, settings).model
+    transport = model.behaviours[model.behaviour_index["MoveToDump"]]
+    assert Condition("dist_dump", Linear(0.0, 5.5)) in transport.preconditions
+    assert model.settings is settings
+    with pytest.raises(DocumentError, match=r"cleaning\.yaml: parameters: unknown parameter 'far' \(known: transport_"):
+        load_network(PATH, coordinators, {"far": 1.0})
+
+
+def test_a_coordinator_may_have_conditions_and_a_priority_of_its_own(coordinators):
+    own = behaviour(GOAL, type="Coordinator", goal=GOAL, preconditions=["no garbage"], priority=2)
+    coordinator = network_from(own, coordinators=coordinators).model.behaviours[-1]
+    assert coordinator.preconditions == (condition("!garbage_found"),)
+    assert coordinator.priority == 2
+    assert coordinator.alternatives == coordinators[GOAL].behaviour().alternatives
+
+
+@pytest.mark.parametrize(
+    ("document", "message"),
+    [
+        (
+            behaviour("Avoid", type="Coordinator", goal=GOAL),
+            f"networks.robot: behaviours.Avoid.goal: expected the name of the coordinator, got '{GOAL}'",
+        ),
+        (
+            behaviour("Rest", type="Coordinator", goal="Rest"),
+            "behaviours.Rest.goal: unknown coordinated goal 'Rest' (known: AvoidCollision",
+        ),
+        (behaviour("Rest", type="Coordinator"), "expected a coordinator with a goal and without a network"),
+        (behaviour("Rest", goal=GOAL), "expected a goal for a coordinator only"),
+        (behaviour("Rest", type="Coordinater"), "behaviours.Rest.type: expected 'Behaviour' or 'Coordinator', got 'C"),
+        (behaviour(GOAL, preconditions=["no garbage"]), "goal 'AvoidCollision': unknown sensor 'rep_bool'"),
+        (
+            changed("networks", "robot", "sensors", "rep_len", to="number"),
+            "networks.robot: sensor names must be unique, got more than once: rep_len",
+        ),
+        (
+            behaviour("Rest", preconditions=[{"sensor": "at_dump", "activator": {"type": "Bolean"}}]),
+            "behaviours.Rest.preconditions.0.Condition.activator: ",
+        ),
+        (changed("parameters", "idle", to=1.0), "parameters.idle: nothing in the configuration uses $idle"),
+    ],
+)
+def test_a_mistake_is_one_line_that_says_where(document, message, coordinators):
+    with pytest.raises(DocumentError) as caught:
+        network_from(document, "my.yaml", coordinators)
+    assert str(caught.value).startswith("my.yaml: ")
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_activator_lists_the_known():
+    rest = behaviour("Rest", preconditions=[{"sensor": "at_dump", "activator": {"type": "Bolean"}}])
+    with pytest.raises(DocumentError, match=r"'Bolean'.*'Boolean', 'Threshold', 'Linear', 'Greedy', 'Equal'"):
+        network_from(rest)
+
+
+def test_inner_networks_have_no_coordinators(coordinators):
+    whole = behaviour("Rest", network="inner")
+    whole["networks"]["inner"] = {
+        "sensors": {"at_dump": "fact"},
+        "behaviours": {GOAL: {"type": "Coordinator", "goal": GOAL}},
+    }
+    with pytest.raises(DocumentError, match=r"networks\.inner: behaviours\..*unknown coordinated goal .*known: none"):
+        network_from(whole, coordinators=coordinators)
+
+
+def test_a_name_given_twice_names_the_line(tmp_path):
+    path = tmp_path / "twice.yaml"
+    path.write_text("root: a\nnetworks:\n  a:\n    sensors: {x: fact}\n    sensors: {y: fact}\n")
+    with pytest.raises(DocumentError, match=r"twice\.yaml: line 5: key 'sensors' twice"):
+        load_network(path)

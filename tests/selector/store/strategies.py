@@ -1,0 +1,76 @@
+"""What stores may hold, as hypothesis strategies."""
+
+import numpy as np
+from hypothesis import strategies as st
+
+from selector.knowledge import Option
+from selector.store.batch import Batch
+from selector.store.exact_sums import NOTHING, REWARD_LIMIT, on_grid, sums_by_cell
+from selector.store.records import Contents, Entry, Key, Rated
+
+rewards = st.floats(-REWARD_LIMIT, REWARD_LIMIT)
+short = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), min_size=1, max_size=8)
+names = short | st.sampled_from(["1e-9", "no", "null", "12", "1.5", "-", "a b", "2026-11-21", "'", '"', "#", "{}", "é"])
+times = st.integers(0, 4 * 10**15)
+
+
+def moments_of(values):
+    cell = np.zeros(len(values), dtype=np.int64)
+    return sums_by_cell(cell, on_grid(np.array(values)), 1)[0] if values else NOTHING
+
+
+moments = st.lists(rewards, min_size=1, max_size=5).map(moments_of)
+keys = st.builds(Key, names, names, st.just("") | names, names)
+few_keys = st.builds(Key, *[st.sampled_from("ab")] * 4)
+finite = st.floats(allow_nan=False, allow_infinity=False)
+json_values = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(10**20), 10**20)
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | names,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(names, inner, max_size=3),
+    max_leaves=6,
+)
+options = st.builds(
+    Option,
+    configuration=names,
+    name=names,
+    score=finite,
+    parameters=st.dictionaries(names, json_values, max_size=3),
+)
+
+
+@st.composite
+def rated_table(draw, of=names):
+    """Expert options by goal and name; what a name of `few` means is always the same."""
+    table = {}
+    for goal, name in draw(st.sets(st.tuples(of, of), max_size=4)):
+        option = draw(options).model_copy(update={"name": name})
+        if of is not names:
+            option = option.model_copy(update={"configuration": f"of {name}", "parameters": {"goal": goal}})
+        table[goal, name] = Rated(option, draw(st.integers(0, 9)), draw(names), draw(times))
+    return table
+
+
+def contents(of=None):
+    """Contents of a store; with a strategy of few names, two of them have much in common."""
+    entries = st.dictionaries(keys if of is None else few_keys, st.builds(Entry, moments, times), max_size=5)
+    return st.builds(Contents, rated_table(names if of is None else of), entries)
+
+
+overlapping = contents(st.sampled_from("ab"))
+
+
+@st.composite
+def updates(draw, most=12):
+    """Single updates: option, context and reward."""
+    one = st.tuples(st.integers(0, 1), st.sampled_from(["", "far"]), rewards)
+    return draw(st.lists(one, max_size=most))
+
+
+def batch_of(some):
+    batch = Batch("Avoid", ["near", "far"])
+    for option, context, reward in some:
+        batch.record(np.array([option]), np.array([reward]), context)
+    return batch

@@ -1,0 +1,106 @@
+"""Exact sums: what they are, and that no order of adding changes a bit."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from selector.store.batch import Batch
+from selector.store.exact_sums import CHUNK, COUNT_LIMIT, GRID_BITS, Moments, on_grid, sums_by_cell
+from tests.selector.store import strategies as some
+
+
+@given(st.lists(some.rewards, min_size=1, max_size=20))
+def test_sums_mean_and_variance_are_those_of_fractions(values):
+    grid = [Fraction(int(whole), 2**GRID_BITS) for whole in on_grid(np.array(values))]
+    assert all(abs(g - Fraction(v)) <= Fraction(1, 2 ** (GRID_BITS + 1)) for g, v in zip(grid, values, strict=True))
+    moments = some.moments_of(values)
+    assert moments.count == len(values)
+    assert Fraction(moments.total, 2**GRID_BITS) == sum(grid)
+    assert Fraction(moments.squares, 2 ** (2 * GRID_BITS)) == sum(g * g for g in grid)
+    mean = sum(grid) / len(grid)
+    assert moments.mean == float(mean)
+    assert moments.variance == float(sum((g - mean) ** 2 for g in grid) / len(grid))
+    assert moments.impossible() == ""
+
+
+@given(st.lists(some.moments, min_size=1, max_size=6), st.randoms(use_true_random=False))
+def test_adding_is_exact_in_any_order_and_grouping(parts, random):
+    forwards = sum(parts, Moments(0, 0, 0))
+    random.shuffle(parts)
+    while len(parts) > 1:
+        k = random.randrange(len(parts) - 1)
+        parts[k : k + 2] = [parts[k] + parts[k + 1]]
+    assert parts[0] == forwards
+
+
+def test_floats_would_not_do():
+    values = [0.1, 0.2, 0.3]
+    assert sum(values) != sum(reversed(values))
+    assert some.moments_of(values) == some.moments_of(values[::-1])
+    assert math.isclose(some.moments_of(values).mean, 0.2, abs_tol=2.0**-24)
+
+
+def test_sums_of_more_rows_than_fit_into_64_bits_at_once():
+    rows = 2 * CHUNK + 3
+    largest = np.full(rows, -(2.0**20))
+    cell = np.arange(rows) % 2
+    first, second = sums_by_cell(cell, on_grid(largest), 2)
+    assert first == Moments(CHUNK + 2, -(CHUNK + 2) * 2**44, (CHUNK + 2) * 2**88)
+    assert second == Moments(CHUNK + 1, -(CHUNK + 1) * 2**44, (CHUNK + 1) * 2**88)
+
+
+@pytest.mark.parametrize("reward", [math.nan, math.inf, -math.inf, 2.0**20 + 1, -1e300])
+def test_rewards_that_fit_nowhere_are_refused_and_nothing_is_recorded(reward):
+    batch = Batch("G", ["a"])
+    with pytest.raises(ValueError, match=r"reward of row 1: expected a number from -1048576 to 1048576, got "):
+        batch.record(np.array([0, 0]), np.array([1.0, reward]))
+    assert batch.moments == {}
+
+
+@pytest.mark.parametrize(
+    ("moments", "message"),
+    [
+        (Moments(0, 0, 0), "expected a count from 1 to 68719476736, got 0"),
+        (Moments(COUNT_LIMIT + 1, 0, 0), "expected a count"),
+        (Moments(1, 2**44 + 1, 2**88), "expected a sum of at most"),
+        (Moments(2, 4, 7), "do not belong to 2 rewards"),
+        (Moments(2, 0, -1), "do not belong"),
+        (Moments(2, 0, 2**89 + 1), "do not belong"),
+    ],
+)
+def test_moments_of_no_rewards_are_recognised(moments, message):
+    assert message in moments.impossible()
+
+
+@settings(max_examples=30)
+@given(some.updates(40))
+def test_a_batch_sums_rows_by_option_and_context(updates):
+    batch = Batch("Avoid", ["near", "far"])
+    if updates:
+        option, contexts, reward = zip(*updates, strict=True)
+        batch.record(np.array(option), np.array(reward), contexts)
+    assert batch.moments == some.batch_of(updates).moments
+    assert batch.count == len(updates)
+    for (option, context), moments in batch.moments.items():
+        number = ["near", "far"].index(option)
+        assert moments == some.moments_of([r for o, c, r in updates if (o, c) == (number, context)])
+
+
+@pytest.mark.parametrize(
+    ("option", "reward", "contexts", "message"),
+    [
+        ([2], [0.0], "", r"unknown option '2' \(known: 0, 1"),
+        ([-1], [0.0], "", "unknown option '-1'"),
+        ([0.0], [0.0], "", r"option: expected integers \(R,\), got \(1,\) of float64"),
+        ([[0]], [[0.0]], "", r"option: expected integers \(R,\), got \(1, 1\)"),
+        ([0, 1], [0.0], "", r"reward: expected shape \(2,\), got \(1,\)"),
+        ([0, 1], [0.0, 0.0], ["a"], "contexts: expected 2 of them, one a row, got 1"),
+    ],
+)
+def test_updates_that_do_not_fit_are_refused(option, reward, contexts, message):
+    with pytest.raises(ValueError, match=message):
+        Batch("G", ["a", "b"]).record(np.array(option), np.array(reward), contexts)

@@ -1,0 +1,181 @@
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from selector.documents.yaml import DocumentError
+from selector.strategies.policy_file import PolicySpec, TrainedPolicy, load_policy, save_policy
+from selector.strategies.problem import Problem
+from selector.strategies.registry import create
+from selector.strategies.streams import row_keys
+from tests.selector.strategies.policies import exported, untrained
+
+OPTIONS, OBSERVATIONS = ("a", "b", "c"), tuple(f"x{k}" for k in range(7))
+PROBLEM = Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS)
+
+
+def reference(policy, context):
+    """Return the network's outputs, by plain float64 products."""
+    spec, weights = policy.spec, policy.weights
+    values = (context - np.array(spec.mean)) / np.sqrt(np.array(spec.variance) + spec.epsilon)
+    values = np.clip(values, -spec.clip, spec.clip)
+    for k in range(len(spec.hidden)):
+        values = values @ weights[f"hidden.{k}.weight"].T.astype(float) + weights[f"hidden.{k}.bias"]
+        values = np.tanh(values) if spec.activation == "tanh" else np.maximum(values, 0.0)
+    return values @ weights["options.weight"].T.astype(float) + weights["options.bias"]
+
+
+def strategy_of(directory, problem=PROBLEM, rows=200, **parameters):
+    keys = row_keys(np.random.SeedSequence(1), rows)
+    return create("Policy", problem, keys, {"policy": str(directory), **parameters})
+
+
+@pytest.mark.parametrize("activation", ["tanh", "relu"])
+@pytest.mark.parametrize("hidden", [(), (8,), (64, 64)])
+def test_outputs_are_those_of_the_network(tmp_path, activation, hidden):
+    policy = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, activation=activation, hidden=hidden, clip=1.5)
+    strategy = strategy_of(tmp_path)
+    context = 3 * np.random.default_rng(0).normal(size=(200, 7))
+    expected = reference(policy, context)
+    np.testing.assert_allclose(strategy.network.outputs(context), expected, atol=1e-4)
+    chosen = strategy.select(context)
+    clear = np.diff(np.sort(expected, axis=1))[:, -1] > 1e-3
+    assert clear.sum() > 150
+    np.testing.assert_array_equal(chosen[clear], expected.argmax(axis=1)[clear])
+
+
+@pytest.mark.parametrize("activation", ["tanh", "relu"])
+def test_outputs_are_those_of_torch(tmp_path, activation):
+    torch = pytest.importorskip("torch", reason="torch is not installed (extra train)")
+    policy = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, activation=activation, hidden=(64, 32))
+    kind = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}[activation]
+    names = ("hidden.0", "hidden.1", "options")
+    linear = [torch.nn.Linear(*reversed(policy.weights[f"{name}.weight"].shape)) for name in names]
+    for layer, name in zip(linear, names, strict=True):
+        parts = {part: torch.from_numpy(policy.weights[f"{name}.{part}"]) for part in ("weight", "bias")}
+        layer.load_state_dict(parts)
+    network = torch.nn.Sequential(linear[0], kind(), linear[1], kind(), linear[2])
+    context = np.random.default_rng(0).normal(size=(50, 7))
+    normal = (context - np.array(policy.spec.mean)) / np.sqrt(np.array(policy.spec.variance) + 1e-8)
+    with torch.no_grad():
+        expected = network(torch.from_numpy(normal.astype(np.float32))).numpy()
+    outputs = strategy_of(tmp_path).network.outputs(context)
+    np.testing.assert_allclose(outputs, expected, atol=2e-6 * np.abs(expected).max())
+
+
+def test_sampled_options_have_the_networks_probabilities(tmp_path):
+    policy, rows = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS), 20_000
+    context = np.tile(np.random.default_rng(3).normal(size=7), (rows, 1))
+    outputs = reference(policy, context[:1])[0]
+    chances = np.exp(outputs - outputs.max()) / np.exp(outputs - outputs.max()).sum()
+    counts = np.bincount(strategy_of(tmp_path, rows=rows, sampled=True).select(context), minlength=3)
+    # five standard deviations: a false alarm in a million for each option
+    assert (np.abs(counts / rows - chances) < 5 * np.sqrt(chances * (1 - chances) / rows)).all()
+    assert chances.min() > 0.001
+
+
+def test_a_row_gets_the_same_bits_alone_and_in_a_batch(tmp_path):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, hidden=(64, 64))
+    network = strategy_of(tmp_path).network
+    context = np.random.default_rng(0).normal(size=(333, 7))
+    together = network.outputs(context)
+    for row in range(0, 333, 17):
+        np.testing.assert_array_equal(network.outputs(context[row : row + 1])[0], together[row])
+
+
+def test_other_orders_of_names_give_the_same_decisions(tmp_path):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
+    turned = Problem("Goal", OPTIONS[::-1], np.zeros(3), OBSERVATIONS[::-1])
+    context = np.random.default_rng(0).normal(size=(200, 7))
+    straight = strategy_of(tmp_path).select(context)
+    np.testing.assert_array_equal(2 - strategy_of(tmp_path, turned).select(context[:, ::-1]), straight)
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    policy = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, training={"seed": 3, "command": "clean-swarm train ppo"})
+    read = load_policy(tmp_path)
+    assert read.spec.model_copy(update={"weights_sha256": ""}) == policy.spec
+    assert read.weights.keys() == policy.weights.keys()
+    for name, array in policy.weights.items():
+        np.testing.assert_array_equal(read.weights[name], array)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["policy.json", "policy.safetensors"]
+
+
+@pytest.mark.parametrize(
+    ("problem", "message"),
+    [
+        (Problem("Other", OPTIONS, np.zeros(3), OBSERVATIONS), "goal: expected Other, got Goal"),
+        (Problem("Goal", ("a", "b", "d"), np.zeros(3), OBSERVATIONS), "options: does not know d; knows c, which"),
+        (Problem("Goal", ("a", "b"), np.zeros(2), OBSERVATIONS), "options: knows c, which does not exist here"),
+        (Problem("Goal", OPTIONS, np.zeros(3), (*OBSERVATIONS, "new")), "observations: does not know new"),
+        (Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS[2:]), "observations: knows x0, x1, which does not"),
+    ],
+)
+def test_a_policy_for_something_else_says_what_differs(tmp_path, problem, message):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
+    with pytest.raises(DocumentError, match=message):
+        strategy_of(tmp_path, problem)
+
+
+def edit(directory, **changes):
+    path = directory / "policy.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+
+
+def damage(directory):
+    path = directory / "policy.safetensors"
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda d: (d / "policy.json").write_text("{"), "cannot be read"),
+        (lambda d: (d / "policy.json").write_text("[]"), r"policy\.json: .*expected a valid"),
+        (lambda d: (d / "policy.safetensors").unlink(), r"cannot be read .*policy\.safetensors"),
+        (damage, r"policy\.json: weights_sha256: expected that of policy\.safetensors"),
+        (lambda d: edit(d, version=2), "version: expected 1, got 2"),
+        (lambda d: edit(d, mean=[0.0]), "mean: expected 7 numbers, one an observation, got 1"),
+        (lambda d: edit(d, luck=7), "luck: unknown key"),
+        (lambda d: edit(d, activation="sine"), "activation: expected 'tanh' or 'relu', got 'sine'"),
+        (lambda d: edit(d, hidden=[5, 9]), r"hidden\.1\.weight: expected \(9, 5\) of float32, got \(4, 5\)"),
+        (lambda d: edit(d, hidden=[5]), r"weights: knows hidden\.1\.bias, hidden\.1\.weight, which"),
+    ],
+)
+def test_files_that_do_not_fit_are_one_line(tmp_path, change, message):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
+    change(tmp_path)
+    with pytest.raises(DocumentError, match=message) as caught:
+        load_policy(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_policy_that_does_not_exist_is_one_line(tmp_path):
+    with pytest.raises(DocumentError, match=r"unknown policy 'luck' .*no directory with a policy\.json"):
+        create("Policy", PROBLEM, np.zeros(1, np.uint64), {"policy": "luck"})
+
+
+def test_weights_that_are_not_numbers_are_not_written(tmp_path):
+    policy = untrained("Goal", OPTIONS, OBSERVATIONS)
+    policy.weights["options.bias"][1] = np.nan
+    with pytest.raises(DocumentError, match=r"options\.bias: expected finite numbers, got nan"):
+        save_policy(tmp_path / "new", policy)
+    assert not (tmp_path / "new").exists()
+    with pytest.raises(DocumentError, match="weights: does not know hidden"):
+        save_policy(tmp_path / "new", TrainedPolicy(policy.spec, {}))
+
+
+def test_the_same_policy_gives_the_same_files(tmp_path):
+    for name in ("one", "two"):
+        exported(tmp_path / name, "Goal", OPTIONS, OBSERVATIONS)
+    for file in ("policy.json", "policy.safetensors"):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+
+
+def test_a_policy_can_be_moved(tmp_path):
+    exported(tmp_path / "here", "Goal", OPTIONS, OBSERVATIONS)
+    shutil.move(tmp_path / "here", tmp_path / "there")
+    assert isinstance(load_policy(tmp_path / "there").spec, PolicySpec)

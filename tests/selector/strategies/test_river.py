@@ -1,0 +1,195 @@
+"""Agreement with the bandits of river (Montiel et al. 2021) on the same rewards and the same random numbers.
+
+Where river's policy is the same algorithm its choices have to be ours, one by one: its source of randomness is replaced
+by one that hands out the row's own draws. Where it is another one (its Thompson sampling draws from the distribution of
+the rewards, not of their mean; its LinUCB adds the noise of a reward to the bound), what both estimate is compared.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from selector.strategies.problem import Problem
+from selector.strategies.registry import create
+from selector.strategies.streams import row_keys, student_t, uniforms
+
+bandit = pytest.importorskip("river.bandit", reason="river is not installed (extra dev)")
+from river import proba  # noqa: E402
+
+ARMS = (0, 1, 2, 3)
+MEANS = np.array([0.3, 0.45, 0.5, 0.2])
+NO_CONTEXT = np.zeros((1, 0))
+
+
+class OurDraws:
+    """Stands in for random.Random: uniform numbers are those of the row's decision."""
+
+    def __init__(self, strategy):
+        self.strategy = strategy
+        self.used = 0
+
+    def next(self):
+        counters = self.strategy.counters - np.uint64(1)  # the strategy has decided before river does
+        self.used += 1
+        return uniforms(self.strategy.keys, counters, self.used)[0, self.used - 1]
+
+    def uniform(self, low, high):
+        return low + (high - low) * self.next()
+
+    def choice(self, options):
+        return options[int(self.next() * len(options))]
+
+    def choices(self, options, weights):
+        return [options[int(np.searchsorted(np.cumsum(list(weights)), self.next(), side="right"))]]
+
+
+def made(name, parameters, features=()):
+    problem = Problem("Goal", tuple("abcd"), np.zeros(4), features)
+    return create(name, problem, row_keys(np.random.SeedSequence(11), 1), parameters)
+
+
+def together(strategy, policy, steps=2000, seed=5):
+    """Let both decide and learn; return the options (steps,), which have to be the same."""
+    generator, draws = np.random.default_rng(seed), OurDraws(strategy)
+    policy._rng = draws
+    chosen = []
+    for _ in range(steps):
+        option = strategy.select(NO_CONTEXT)
+        draws.used = 0
+        arm = policy.pull(list(ARMS))
+        assert arm == option[0]
+        reward = float(np.clip(MEANS[arm] + 0.2 * generator.normal(), 0.0, 1.0))
+        policy.update(arm, reward)
+        strategy.update(option, np.array([reward]), NO_CONTEXT)
+        chosen.append(arm)
+    assert len(set(chosen)) > 1
+    return np.array(chosen)
+
+
+@pytest.mark.parametrize("decay", [0.0, 0.002])
+def test_epsilon_greedy_takes_the_same_options(decay):
+    strategy = made("EpsilonGreedy", {"epsilon": 0.3, "decay": decay, "prior": 0.0})
+    policy = bandit.EpsilonGreedy(epsilon=0.3, decay=decay)
+    together(strategy, policy)
+    np.testing.assert_allclose(strategy.estimates()[0], [policy._rewards[arm].get() for arm in ARMS], rtol=1e-10)
+
+
+@pytest.mark.parametrize("delta", [0.3, 1.0])
+def test_ucb1_takes_the_same_options(delta):
+    strategy, policy = made("UCB1", {"exploration": delta, "prior": 0.0}), bandit.UCB(delta=delta)
+
+    class First(OurDraws):
+        def choice(self, options):
+            return options[0]  # of equal bounds ours is the first; river draws one
+
+    generator = np.random.default_rng(5)
+    policy._rng = First(strategy)
+    for _ in range(2000):
+        option, arm = int(strategy.select(NO_CONTEXT)[0]), policy.pull(list(ARMS))
+        assert arm == option
+        reward = float(MEANS[arm] + 0.2 * generator.normal())
+        policy.update(arm, reward)
+        strategy.update(np.array([option]), np.array([reward]), NO_CONTEXT)
+    np.testing.assert_array_equal(strategy.counts[0], [policy._counts[arm] for arm in ARMS])
+
+
+@pytest.mark.parametrize("gamma", [0.05, 0.4])
+def test_exp3_takes_the_same_options(gamma):
+    strategy, policy = made("EXP3", {"gamma": gamma, "prior": 0.0}), bandit.Exp3(gamma=gamma)
+    for arm in ARMS:
+        policy._weights[arm] = 1.0  # river counts an arm from its first pull on; all of them take part here
+    together(strategy, policy)
+    weights = np.array([policy._weights[arm] for arm in ARMS])
+    np.testing.assert_allclose(np.exp(strategy.log_weights[0]), weights / weights.max(), rtol=1e-8)
+
+
+def rewarded(steps=1500):
+    generator = np.random.default_rng(8)
+    option = generator.integers(4, size=steps)
+    return option, MEANS[option] + 0.2 * generator.normal(size=steps)
+
+
+def test_gaussian_thompson_knows_the_same_means_and_variances():
+    strategy, policy = made("GaussianThompson", {}), bandit.ThompsonSampling(reward_obj=proba.Gaussian(), seed=1)
+    for option, reward in zip(*rewarded(), strict=True):
+        policy.update(int(option), float(reward))
+        strategy.update(np.array([option]), np.array([reward]), NO_CONTEXT)
+    laws = [policy._rewards[arm] for arm in ARMS]
+    np.testing.assert_allclose(strategy.means[0], [law.mu for law in laws], rtol=1e-12)
+    np.testing.assert_allclose(
+        strategy.spreads[0] / (strategy.counts[0] - 1), [law.sigma**2 for law in laws], rtol=1e-11
+    )
+
+
+class MeanOfNormal(proba.base.ContinuousDistribution):
+    """The mean of normal rewards under a normal-inverse-gamma prior, for river's Thompson sampling."""
+
+    def __init__(self, seed=None):
+        super().__init__(seed)
+        self.location, self.kappa, self.alpha, self.beta = 0.0, 1.0, 1.0, 1.0
+
+    @property
+    def n_samples(self):
+        return self.kappa - 1.0
+
+    @property
+    def mode(self):
+        return self.location
+
+    def update(self, x):
+        self.beta += self.kappa * (x - self.location) ** 2 / (2 * (self.kappa + 1))
+        self.location = (self.kappa * self.location + x) / (self.kappa + 1)
+        self.kappa, self.alpha = self.kappa + 1, self.alpha + 0.5
+
+    def revert(self, x):
+        raise NotImplementedError
+
+    def cdf(self, x):
+        raise NotImplementedError
+
+    def __call__(self, x):
+        raise NotImplementedError
+
+    def sample(self):
+        draws = np.array([[self._rng.random(), self._rng.random()]])
+        deviate = np.empty((1, 1))
+        student_t(draws, np.array([[2 * self.alpha]]), deviate)
+        return self.location + math.sqrt(self.beta / (self.alpha * self.kappa)) * deviate[0, 0]
+
+
+def test_gaussian_thompson_chooses_as_often_as_rivers_with_the_same_posterior():
+    rows, count = 4000, 40
+    problem = Problem("Goal", tuple("abcd"), np.zeros(4))
+    strategy = create("GaussianThompson", problem, row_keys(np.random.SeedSequence(3), rows))
+    policy = bandit.ThompsonSampling(reward_obj=MeanOfNormal(), seed=2)
+    option, reward = (values[:count] for values in rewarded())
+    strategy.update(option, reward, np.zeros((count, 0)), np.zeros(count, int))
+    for arm, value in zip(option, reward, strict=True):
+        policy.update(int(arm), float(value))
+    ours = np.bincount(strategy.select(np.zeros((rows, 0))), minlength=4)
+    theirs = np.bincount([policy.pull(list(ARMS)) for _ in range(rows)], minlength=4)
+    shared = (ours + theirs) / (2 * rows)
+    # five standard deviations of a difference: a false alarm in a million for each option
+    assert (np.abs(ours - theirs) / rows <= 5 * np.sqrt(2 * shared * (1 - shared) / rows)).all()
+    assert (ours > 0).sum() > 2
+
+
+def test_lin_ucb_has_the_same_regressions():
+    strategy = made("LinUCB", {"prior": 2.0}, features=("x", "y"))
+    policy = bandit.LinUCBDisjoint(alpha=2.0, beta=1.0, seed=1)
+    generator = np.random.default_rng(4)
+    for _ in range(300):
+        x, arm = generator.normal(size=2), int(generator.integers(4))
+        reward = float(x @ (arm, 1 - arm) + 0.1 * generator.normal())
+        policy.update(arm, {"constant": 1.0, "x": x[0], "y": x[1]}, reward)
+        strategy.update(np.array([arm]), np.array([reward]), x[None])
+    for x in generator.normal(size=(20, 2)):
+        laws = [
+            policy._bayes_lin_regs[arm].predict_one({"constant": 1.0, "x": x[0], "y": x[1]}, with_dist=True)
+            for arm in ARMS
+        ]
+        # river's variance is that of a reward: the noise, 1 / beta, and the variance of the estimate
+        errors = np.sqrt([law.sigma**2 - 1.0 for law in laws])
+        bounds = np.array([law.mu for law in laws]) + errors
+        assert strategy.select(x[None])[0] == bounds.argmax()

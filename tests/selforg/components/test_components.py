@@ -1,0 +1,167 @@
+"""Each source, sensor and action by itself, on robots and gradients placed by hand."""
+
+import numpy as np
+import pytest
+
+from selforg.components import (
+    Changed,
+    Commands,
+    Decide,
+    DecideState,
+    DecisionSource,
+    FartherThan,
+    GoalDistance,
+    GoalPresent,
+    GoalReached,
+    GoalSource,
+    Knowledge,
+    Known,
+    Move,
+    MovementSource,
+    SetState,
+    StateIs,
+    Turn,
+    Value,
+    VectorLength,
+    VectorPresent,
+)
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+from selforg.mechanisms import FollowAll, GossipMax, Patrol, Pheromone, Quorum, RepulsionGradient
+from selforg.network.step.readings import ReadingError
+from selforg.space import Euclidean
+
+ALL, SOME = np.arange(3), np.array([2, 0])
+PLACES = np.array([[0.0, 0.0], [1.2, 0.0], [9.0, 0.0]])
+
+
+@pytest.fixture
+def buffer():
+    """Three robots on a line, the first two close together, the last alone; goals at x = 10 and x = 30."""
+    poses = OwnPoses(Euclidean(2), 3, goal_radius=0.25, diffusion=1.0)
+    poses.update(PLACES, np.zeros(3), 1.0)
+    made = SoBuffer(BufferSettings(view_distance=2.0), poses.space, poses)
+    made.store_static(0, "goal", np.array([[10.0, 0.0], [30.0, 0.0]]), 1.0, diffusion=1.0, goal_radius=0.25)
+    return made
+
+
+def asked(source, now=1.0, rows=ALL):
+    source.ask(now, rows)
+    return source
+
+
+def test_presence_and_length_of_a_movement(buffer):
+    source = asked(MovementSource(RepulsionGradient(buffer)))
+    assert VectorPresent(source).read(ALL).tolist() == [1.0, 1.0, 0.0]
+    lengths = VectorLength(source).read(ALL)
+    np.testing.assert_allclose(lengths, np.linalg.norm(source.vectors, axis=1))
+    assert lengths[0] == pytest.approx(0.3)  # clearance 0.7 of a diffusion of 1.0
+    assert VectorPresent(source, longer_than=0.31).read(ALL).tolist() == [0.0, 0.0, 0.0]
+    assert VectorLength(source).read(SOME).tolist() == lengths[SOME].tolist()
+
+
+def test_a_source_renews_only_the_rows_it_is_asked_for(buffer):
+    source = asked(MovementSource(RepulsionGradient(buffer)))
+    before = source.vectors.copy()
+    buffer.poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.9]]), np.zeros(3), 2.0)
+    asked(source, 2.0, np.array([2]))
+    np.testing.assert_array_equal(source.vectors[:2], before[:2])
+    assert source.active[2]
+
+
+def test_sensors_over_a_goal(buffer):
+    goal = asked(GoalSource(buffer))
+    assert GoalPresent(goal).read(ALL).tolist() == [0.0, 0.0, 1.0]
+    np.testing.assert_allclose(goal.offsets, [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]])
+    np.testing.assert_allclose(GoalDistance(goal, unseen=5.0).read(ALL), [5.0, 5.0, 0.5])
+    assert FartherThan(goal, 0.4).read(ALL).tolist() == [0.0, 0.0, 1.0]
+    assert FartherThan(goal, 0.6).read(ALL).tolist() == [0.0, 0.0, 0.0]
+    assert GoalReached(goal).read(ALL).tolist() == [0.0, 0.0, 0.0]
+    buffer.poses.update(np.array([[0.0, 0.0], [1.2, 0.0], [9.6, 0.0]]), np.zeros(3), 2.0)
+    asked(goal, 2.0)
+    assert GoalReached(goal).read(ALL).tolist() == [0.0, 0.0, 1.0]
+    assert GoalDistance(goal, unseen=5.0).read(SOME).tolist() == [0.0, 5.0]
+
+
+def test_an_unseen_distance_must_be_one():
+    with pytest.raises(ValueError, match="GoalDistance: unseen must be a distance, got inf"):
+        GoalDistance(None, unseen=np.inf)
+
+
+def test_sensors_over_a_decision(buffer):
+    quorum = Quorum(buffer, threshold=1.0)
+    source = asked(DecisionSource(quorum))
+    assert Value(source).read(ALL).tolist() == [1.0, 1.0, 0.0]
+    assert StateIs(source, "True").read(ALL).tolist() == [1.0, 1.0, 0.0]
+    assert Changed(source).read(ALL).tolist() == [1.0, 1.0, 0.0]
+    Decide(quorum).leave(1.0, np.array([0]))
+    asked(source)
+    assert Changed(source).read(ALL).tolist() == [0.0, 1.0, 0.0]  # the second has not kept what it would decide
+    with pytest.raises(ValueError, match="StateIs: state must be one of False, True, got 'Many'"):
+        StateIs(source, "Many")
+
+
+def test_deciding_spreads_to_the_others(buffer):
+    gossip = GossipMax(buffer, channel="highest", value=[3.0, 5.0, 9.0], view_distance=3.0)
+    source = DecisionSource(gossip)
+    decide = Decide(gossip)
+    decide.leave(1.0, np.array([1]))
+    assert Value(asked(source)).read(ALL).tolist() == [5.0, 5.0, 9.0]
+    decide.leave(1.0, np.array([0]))
+    assert gossip.values.tolist() == [5.0, 5.0, 9.0]
+
+
+def test_a_decided_state_becomes_knowledge(buffer):
+    knowledge = Knowledge(3, {"crowded": False, "role": 0.0})
+    crowded = DecideState(Quorum(buffer, threshold=1.0), knowledge, "crowded")
+    crowded.leave(1.0, np.array([1, 2]))
+    assert Known(knowledge, "crowded").kind == "fact"
+    assert Known(knowledge, "crowded").read(ALL).tolist() == [0.0, 1.0, 0.0]
+    with pytest.raises(ValueError, match="knowledge: unknown name 'crowd'"):
+        DecideState(Quorum(buffer, threshold=1.0), knowledge, "crowd")
+
+
+def test_a_set_state_is_known_from_the_start_of_its_behaviour_on():
+    knowledge = Knowledge(3, {"role": 0.0, "home": True})
+    leave_home = SetState(knowledge, "home", False)
+    leave_home.act(1.0, ALL, np.array([1]), Commands.none(3, 2))
+    SetState(knowledge, "role", 4.0).act(1.0, ALL, np.array([0, 2]), Commands.none(3, 2))
+    assert Known(knowledge, "home").read(ALL).tolist() == [1.0, 0.0, 1.0]
+    assert Known(knowledge, "role").read(SOME).tolist() == [4.0, 4.0]
+    knowledge.reset([0, 1])
+    assert (knowledge.values("role").tolist(), knowledge.values("home").tolist()) == ([0.0, 0.0, 4.0], [1.0, 1.0, 1.0])
+
+
+def test_what_cannot_be_known_is_refused():
+    knowledge = Knowledge(2, {"home": True, "charge": 1.0})
+    with pytest.raises(ValueError, match=r"knowledge 'home' is a fact: expected True or False, got 0\.5"):
+        SetState(knowledge, "home", 0.5)
+    with pytest.raises(ValueError, match="knowledge 'charge': expected numbers, got nan"):
+        knowledge.write("charge", [0], np.nan)
+    with pytest.raises(ValueError, match=r"unknown name 'charg' \(known: home, charge\)"):
+        Known(knowledge, "charg")
+    with pytest.raises(ReadingError, match="sensor 'charge': expected a number, got 'full'"):
+        Knowledge(1, {"charge": "full"})
+
+
+def test_move_and_turn_command_what_their_source_says(buffer):
+    source = asked(MovementSource(RepulsionGradient(buffer)))
+    commands = Commands.none(3, 2)
+    Move(source).act(1.0, np.array([0, 2]), np.array([0]), commands)
+    np.testing.assert_array_equal(commands.vectors[[0, 1]], [source.vectors[0], [0.0, 0.0]])
+    assert commands.commanded.tolist() == [True, False, False]
+    Turn(asked(GoalSource(buffer))).act(1.0, np.array([1, 2]), ALL, commands)
+    np.testing.assert_allclose(commands.vectors[2], [1.0, 0.0])
+    assert commands.commanded.tolist() == [True, False, True]
+    assert commands.in_place.tolist() == [False, True, True]
+
+
+def test_a_depositing_mechanism_deposits_when_all_movements_are_known(buffer):
+    trail = Pheromone("trail", -1, 1.0, 0.9, 30.0)
+    move = Move(asked(MovementSource(Patrol(buffer, pheromone=trail, channels=("trail",)))))
+    seen = FollowAll(buffer, channels=("trail",))
+    move.act(1.0, np.array([1]), ALL, Commands.none(3, 2))
+    assert not seen.move(1.0)[1].any()
+    move.leave(1.0, np.array([1]))
+    assert seen.move(1.0)[1].tolist() == [True, True, False]

@@ -1,0 +1,101 @@
+import numpy as np
+import pytest
+
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.delivery import Delivery
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.settings import BufferSettings
+from selforg.mechanisms import Carried, GossipMax, Patrol, SpreadGradient
+from selforg.space import Euclidean
+
+EVERYTHING = Filter(view_distance=np.inf)
+
+
+def line(rows=4, teams=None, **delivery):
+    """Robots 1 m apart on a line, each with a content of its own."""
+    space = Euclidean(2)
+    poses = OwnPoses(space, rows, teams)
+    poses.update(np.arange(float(rows))[:, None] * [1.0, 0.0], None, 0.0)
+    return SoBuffer(BufferSettings(aggregation_distance=0.0), space, poses, Delivery(**delivery))
+
+
+def heard(buffer, now):
+    return [len(Queries(buffer).gradients(row, now, EVERYTHING)) for row in range(buffer.poses.rows)]
+
+
+def test_a_limited_range_reaches_the_near_ones_only():
+    buffer = line(reach=1.0)
+    SpreadGradient(buffer, carried=Carried("beacon")).spread(0.0)
+    assert heard(buffer, 0.0) == [1, 2, 2, 1]
+
+
+def test_a_deposit_stays_with_the_one_who_left_it_too():
+    buffer = line(reach=1.0)
+    Patrol(buffer).deposit(0.0, np.array([0]))
+    assert heard(buffer, 0.0) == [1, 1, 0, 0]
+
+
+def test_delayed_messages_come_when_they_are_due():
+    buffer = line(delay=0.5)
+    SpreadGradient(buffer, carried=Carried("beacon")).spread(0.0)
+    buffer.deliver(0.4)
+    assert heard(buffer, 0.4) == [0, 0, 0, 0]
+    buffer.deliver(0.5)
+    assert heard(buffer, 0.5) == [3, 3, 3, 3]
+
+
+def test_losses_have_the_given_probability_and_differ_among_receivers():
+    buffer = line(rows=20, loss=0.3, generators=[np.random.default_rng(1)])
+    for tick in range(40):
+        SpreadGradient(buffer, carried=Carried(f"beacon{tick}")).spread(0.0)
+    counts = heard(buffer, 0.0)
+    assert np.mean(counts) == pytest.approx(0.7 * 19 * 40, rel=0.03)
+    assert len(set(counts)) > 1
+
+
+def test_nothing_arrives_when_everything_is_lost():
+    buffer = line(loss=1.0)
+    SpreadGradient(buffer, carried=Carried("beacon")).spread(0.0)
+    assert heard(buffer, 0.0) == [0, 0, 0, 0]
+
+
+def test_one_teams_losses_do_not_depend_on_another_team():
+    counts = []
+    for teams, own in ([0] * 6, [0] * 6), ([1, 0] * 6, [1] * 12):
+        rows = len(teams)
+        buffer = line(rows=rows, teams=teams, loss=0.5,
+                      generators=[np.random.default_rng(s) for s in ((3,) if rows == 6 else (99, 3))])  # fmt: skip
+        buffer.poses.forget(np.arange(rows))
+        places = np.repeat(np.arange(6.0), rows // 6)[:, None] * [1.0, 0.0]
+        buffer.poses.update(places, None, 1.0)
+        SpreadGradient(buffer, carried=Carried("beacon")).spread(1.0)
+        everybody = heard(buffer, 1.0)
+        counts.append([c for c, team in zip(everybody, teams, strict=True) if rows == 6 or team == 1])
+        assert own
+    assert counts[0] == counts[1]
+
+
+def test_clearing_a_team_also_drops_what_is_under_way():
+    buffer = line(teams=[0, 0, 1, 1], delay=1.0)
+    SpreadGradient(buffer, carried=Carried("beacon")).spread(0.0)
+    buffer.clear(0)
+    buffer.deliver(2.0)
+    assert heard(buffer, 2.0) == [0, 0, 1, 1]
+
+
+def test_gossip_still_converges_along_a_chain_of_short_range():
+    buffer = line(rows=5, reach=1.0)
+    gossip = GossipMax(buffer, value=[9, 1, 1, 1, 1])
+    for tick in range(5):
+        buffer.poses.update(np.arange(5.0)[:, None] * [1.0, 0.0], None, 1.0 + tick)
+        gossip.spread(1.0 + tick)
+    assert (gossip.values == 9).all()
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("reach", -1.0), ("loss", 1.5), ("loss", 0.5), ("delay", -1.0), ("delay", np.inf)]
+)
+def test_impossible_deliveries_are_refused(field, value):
+    with pytest.raises(ValueError, match="Delivery"):
+        Delivery(**{field: value})

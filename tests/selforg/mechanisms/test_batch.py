@@ -1,0 +1,93 @@
+"""A world in a batch equals the world alone, bit for bit; rows only meet through the buffer."""
+
+import numpy as np
+import pytest
+
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+from selforg.gradients.store.columns import FACTOR, FAR, PERIOD
+from selforg.mechanisms import ChemotaxisBalch, Patrol, RepulsionFernandez, RepulsionGradient
+from selforg.randomness import DirectionStream
+from selforg.space import Torus
+
+TICKS, ROBOTS = 150, 5
+
+
+def run(worlds, capacity=64, late=()):
+    """Run robots that follow the sum of all mechanisms; return the trajectory of each world (T, ROBOTS, 2)."""
+    space = Torus(11.0, 11.0)
+    rngs = [np.random.default_rng(seed) for seed in worlds]
+    rows = len(worlds) * ROBOTS
+    poses = OwnPoses(space, rows, np.repeat(np.arange(len(worlds)), ROBOTS))
+    items = SoBuffer(BufferSettings(aggregation={"DEFAULT": "new"}, view_distance=1.0), space, poses)
+    trail = SoBuffer(BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3), space, poses)
+    trail.table.reserve(capacity)
+    streams = [np.random.default_rng((seed, row)) for seed in worlds for row in range(ROBOTS)]
+    patrol = Patrol(trail, directions=DirectionStream(streams, block=16), channels=["Pheromone"])
+    patrol._message[[FAR + FACTOR, FAR + PERIOD]] = 0.9, 1.0  # evaporates fast: much comes and goes
+    mechanisms = [
+        RepulsionFernandez(poses, view_distance=2.0),
+        RepulsionGradient(poses),
+        ChemotaxisBalch(items),
+        patrol,
+    ]
+    positions = np.concatenate([rng.random((ROBOTS, 2)) * 11 for rng in rngs])
+    for team, rng in enumerate(rngs):
+        items.store_static(team, "garbage", rng.random((10, 2)) * 11, 0.0)
+    trace = []
+    for tick in range(TICKS):
+        now = tick * 0.2
+        poses.update(positions, None, now)
+        step = sum(mechanism.move(now)[0].copy() for mechanism in mechanisms)
+        patrol.deposit(now)
+        positions = space.wrap(positions + 0.2 * np.clip(step, -1, 1))
+        trace.append(positions)
+    return np.array(trace).reshape(TICKS, len(worlds), ROBOTS, 2).swapaxes(0, 1)
+
+
+def test_a_world_alone_equals_the_world_in_a_batch():
+    together = run([3, 1, 4, 15, 9])
+    np.testing.assert_array_equal(run([4])[0], together[2])
+    np.testing.assert_array_equal(run([9, 4], capacity=100_000)[1], together[2])
+    np.testing.assert_array_equal(run([9, 4])[0], together[4])
+
+
+def test_a_batch_repeats_itself():
+    np.testing.assert_array_equal(run([3, 1]), run([3, 1]))
+
+
+@pytest.mark.parametrize("rows", [6, 60])
+def test_permuted_rows_give_permuted_results(rows):
+    space, rng = Torus(11.0, 11.0), np.random.default_rng(2)
+    positions, order = rng.random((rows, 2)) * 11, rng.permutation(rows)
+    vectors = []
+    for places in (positions, positions[order]):
+        poses = OwnPoses(space, rows)
+        poses.update(places, None, 0.0)
+        vectors.append(RepulsionFernandez(poses, view_distance=2.0).move(0.0)[0])
+    np.testing.assert_allclose(vectors[0][order], vectors[1], atol=1e-12)
+
+
+@pytest.mark.parametrize("rows", [6, 60])
+def test_a_robot_out_of_reach_changes_nothing(rows):
+    space, rng = Torus(1000.0, 1000.0), np.random.default_rng(2)
+    positions = rng.random((rows, 2)) * 10
+    positions[-1] = 500.0, 500.0
+    vectors = []
+    for count in (rows, rows - 1):
+        poses = OwnPoses(space, count)
+        poses.update(positions[:count], None, 0.0)
+        vectors.append(RepulsionFernandez(poses, view_distance=2.0).move(0.0)[0][: rows - 1])
+    np.testing.assert_array_equal(vectors[0], vectors[1])
+
+
+def test_a_subset_of_rows_moves_as_it_does_among_all():
+    space, rng = Torus(11.0, 11.0), np.random.default_rng(2)
+    poses = OwnPoses(space, 8)
+    poses.update(rng.random((8, 2)) * 11, None, 0.0)
+    mechanism = RepulsionFernandez(poses, view_distance=2.0)
+    vectors, active = (array.copy() for array in mechanism.move(0.0))
+    some, some_active = mechanism.move(0.0, np.array([5, 2]))
+    np.testing.assert_array_equal(some, vectors[[5, 2]])
+    np.testing.assert_array_equal(some_active, active[[5, 2]])

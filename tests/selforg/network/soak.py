@@ -1,0 +1,26 @@
+"""`python -m tests.selforg.network.soak [NETWORKS] [FIRST_SEED]`: many more random networks than a test run."""
+
+import sys
+
+from tests.selforg.network.side_by_side import live
+
+STEPS = 50
+
+
+def main(arguments: list[str]) -> int:
+    networks = int(arguments[0]) if arguments else 10_000
+    first = int(arguments[1]) if len(arguments) > 1 else 0
+    differing, steps, cut_short = [], 0, 0
+    for seed in range(first, first + networks):
+        told, lived = live(seed, STEPS)
+        differing += [told] if told else []
+        cut_short += told is None and lived < STEPS
+        steps += lived
+    print(*differing, sep="\n", end="\n" if differing else "")
+    print(f"{networks} networks, {steps} steps, {cut_short} lives cut short where rounding had to decide")
+    print(f"{len(differing)} differ from the reference")
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

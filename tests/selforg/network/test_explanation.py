@@ -1,0 +1,195 @@
+import io
+
+import numpy as np
+import pytest
+
+from selforg.network.explain.explanation import explain, in_short
+from selforg.network.explain.recording import Recorder, record_at, stacked
+from selforg.network.explain.text import as_text
+from selforg.network.model.activators import Boolean, Greedy, Threshold
+from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
+from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
+from selforg.network.model.model import NetworkModel
+from selforg.network.network import BehaviourNetwork
+from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.state import reasons as why
+from selforg.network.state import state as st
+from tests.selforg.network.cleaning import cleaning_model, wandering
+from tests.selforg.network.random_models import Draw
+
+ROW = np.array([0])
+IS = Condition("fact", Boolean())
+STEADY = NetworkSettings(activation_threshold=0.5, threshold_decay=1.0)
+
+
+def explained(*behaviours, settings=STEADY, goals=()):
+    model = NetworkModel([Sensor("fact", "fact"), Sensor("other")], behaviours, goals, settings)
+    return BehaviourNetwork(model, 1, explained=True)
+
+
+def told(network, times=1, **readings):
+    """The reason of every behaviour after the step."""
+    network.read(readings)
+    for _ in range(times):
+        network.step()
+    account = explain(network.model, Recorder(network).take(), 0)
+    return {behaviour.name: behaviour.why for behaviour in account.behaviours}
+
+
+def test_start_and_stop_of_one_behaviour():
+    network = explained(Behaviour("go", (IS,), timeout=2))
+    assert told(network) == {"go": "does not start: not ready"}
+    assert told(network, fact=True) == {"go": "started: ready and active enough"}
+    assert told(network) == {"go": "keeps running: ready and active enough"}
+    assert told(network, fact=False) == {"go": "stopped: no longer ready"}
+    assert told(network, 4, fact=True) == {"go": "stopped: its time is up"}
+    network.enable(ROW, 0, False)
+    assert told(network) == {"go": "does not start: switched off"}
+    network.start_by_hand(ROW, 0, True)
+    assert told(network) == {"go": "started by hand"}
+    assert told(network) == {"go": "keeps running: started by hand"}
+
+
+def test_the_threshold_as_a_reason():
+    high = NetworkSettings(activation_threshold=5.0, threshold_decay=0.9)
+    network = explained(Behaviour("go"), settings=high)
+    assert told(network) == {"go": "does not start: activation below the threshold"}
+    network = explained(Behaviour("go", timeout=None), Behaviour("other", (IS,)), settings=NetworkSettings(
+        activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1,
+    ))  # fmt: skip
+    told(network)
+    assert told(network)["go"] == "stopped: activation fell below the threshold"  # starting has raised the threshold
+
+
+def test_the_others_as_a_reason():
+    weak = Behaviour("weak", (), (Effect("other", 1.0),))
+    strong = Behaviour("strong", (IS,), (Effect("other", -1.0),), priority=1)
+    network = explained(weak, strong)
+    told(network)
+    reasons = told(network, fact=True)
+    assert reasons == {"weak": "stopped: had to make room for strong", "strong": "started: ready and active enough"}
+    blocked = "does not start: strong influences the same sensor and does not yield"
+    assert told(network) == {"weak": blocked, "strong": "keeps running: ready and active enough"}
+
+
+def test_a_full_network_as_a_reason():
+    one = NetworkSettings(activation_threshold=0.5, threshold_decay=1.0, max_parallel=1)
+    network = explained(Behaviour("late", (IS,)), Behaviour("early", interruptable=False), settings=one)
+    told(network)
+    reasons = told(network, fact=True)
+    assert reasons["late"] == "does not start: enough others run"
+    assert reasons["early"] == "keeps running: not interruptable"
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_reasons_agree_with_what_happened(seed):
+    draw = Draw(np.random.default_rng(seed))
+    model, guarantee = draw.model(), draw.chance(0.3)
+    network, silent = BehaviourNetwork(model, 1, explained=True), BehaviourNetwork(model, 1)
+    readings = {sensor.name: 0.0 for sensor in draw.sensors}
+    for _ in range(40):
+        readings = draw.readings(readings)
+        for each in (network, silent):
+            each.readings[0] = [readings[sensor.name] for sensor in model.sensors]
+            each.step(guarantee=guarantee)
+        marks = network.state.marks[:, 0]
+        np.testing.assert_array_equal(marks[: st.MARK_LAYERS], silent.state.marks[:, 0])
+        np.testing.assert_array_equal(network.state.values, silent.state.values)
+        reason, by = marks[st.REASON], marks[st.BY]
+        runs, started, stopped = marks[st.EXECUTING] == 1, marks[st.STARTED] == 1, marks[st.STOPPED] == 1
+        np.testing.assert_array_equal(started, reason == why.STARTED)
+        np.testing.assert_array_equal(runs & ~started, (reason >= why.KEPT) & (reason <= why.KEPT_STUBBORN))
+        had_to_stop = (reason >= why.TIMED_OUT) & (reason <= why.DISPLACED)
+        assert (had_to_stop == (stopped & ~started))[reason != why.DISPLACED].all()
+        assert not runs[had_to_stop].any()  # the displaced ones may have been started in this very step
+        np.testing.assert_array_equal(by >= 0, (reason == why.DISPLACED) | (reason == why.BLOCKED))
+        assert (marks[st.READY][reason == why.NOT_READY] == 0).all()
+
+
+def test_every_reason_has_words():
+    assert sorted(why.WORDS) == list(range(why.UNKNOWN, why.NO_PLACE + 1))
+
+
+def robot_records():
+    model = cleaning_model()
+    network = BehaviourNetwork(model, 3, BuiltInPlanner(model), explained=True)
+    recorder = Recorder(network, np.array([2, 0]))
+    for readings in wandering(np.random.default_rng(0), 15, 3):
+        network.readings[:] = readings
+        network.step()
+        recorder.take()
+    return network, recorder
+
+
+def test_records_survive_a_file():
+    network, recorder = robot_records()
+    file = io.BytesIO()
+    np.savez(file, **stacked(recorder.steps))
+    file.seek(0)
+    with np.load(file) as arrays:
+        for k, step in enumerate(recorder.steps):
+            assert explain(network.model, record_at(arrays, k), 0) == explain(network.model, step, 0)
+
+
+def test_a_record_is_not_changed_by_later_steps():
+    network, recorder = robot_records()
+    before = explain(network.model, recorder.steps[-1], 2)
+    network.readings[:] = 0.0
+    network.step()
+    assert explain(network.model, recorder.steps[-1], 2) == before
+
+
+def test_a_row_that_was_not_recorded_is_refused():
+    network, recorder = robot_records()
+    with pytest.raises(ValueError, match=r"row 1 was not recorded \(recorded: 2, 0\)"):
+        explain(network.model, recorder.steps[0], 1)
+
+
+def test_an_explanation_adds_up():
+    network, recorder = robot_records()
+    decay = network.model.settings.activation_decay
+    for before, after in zip(recorder.steps, recorder.steps[1:], strict=False):
+        old = {b.name: b.activation for b in explain(network.model, before, 0).behaviours}
+        account = explain(network.model, after, 0)
+        assert account.total == pytest.approx(sum(old.values()) or 1.0)
+        for behaviour in account.behaviours:
+            got = decay * old[behaviour.name] + sum(behaviour.components.values())
+            assert behaviour.activation == pytest.approx(max(0.0, got))
+
+
+def test_conditions_show_what_is_held_and_what_is_optional():
+    faces = Interface((Negation(Conjunction(IS, IS)),)), Interface((IS,))
+    wish = Optional(Condition("other", Threshold(2.0)))
+    network = explained(Behaviour("either", (wish,), alternatives=faces), goals=(Goal("g", (IS,), permanent=False),))
+    network.read({"fact": True, "other": 1.5})
+    network.step()
+    account = explain(network.model, Recorder(network).take(), 0)
+    optional, held = account.behaviours[0].conditions
+    label = "optional: other = 1.5, Threshold(threshold=2.0, minimum=True, value_range=0.0)"
+    assert (optional.label, optional.satisfaction) == (label, 0.0)
+    assert (held.label, held.satisfaction) == ("Negation", 0.0)
+    assert [part.label for part in held.parts] == ["Conjunction"]
+    assert [part.satisfaction for part in held.parts[0].parts] == [1.0, 1.0]
+    assert account.goals[0].enabled is False
+    assert account.plan is None
+    network.hold(ROW, 0, 1)
+    network.step()
+    assert [c.label for c in explain(network.model, Recorder(network).take(), 0).behaviours[0].conditions][1] == (
+        "fact = 1, Boolean(desired=True)"
+    )
+
+
+def test_the_text_holds_table_and_tree():
+    network, recorder = robot_records()
+    text = as_text(explain(network.model, recorder.steps[-1], 0)).splitlines()
+    assert text[0].startswith("threshold ")
+    assert text[1].startswith("plan: [")
+    assert text[3].split()[:2] == ["behaviour", "activation"]
+    assert {line.split()[0].strip("*") or line.split()[1] for line in text[4:12]}
+    assert sum(line.startswith("*") for line in text[4:12]) == network.executing[0].sum()
+    assert "goal AvoidCollision: " in "\n".join(text)
+    assert any(line.startswith("   └─ rep_bool = ") for line in text)
+
+
+def test_activators_in_short():
+    assert in_short(Greedy(low=0.2)) == "Greedy(low=0.2, maximise=True, step_size=1.0)"

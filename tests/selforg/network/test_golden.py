@@ -1,0 +1,77 @@
+"""The recorded traces of the original, and that their replay would notice a difference."""
+
+import json
+
+import pytest
+
+from tests.golden import conditions, network, registered
+from tests.golden.case import SetAside, read_case
+from tests.golden.runner import Outcome, replay_file
+from tests.paths import SHARED
+
+assert registered.FILES  # what replays which file
+
+RECORDED = SHARED / "golden"
+needs_records = pytest.mark.skipif(not RECORDED.is_dir(), reason="the recorded cases lie outside the project")
+
+
+def case(inputs, expected, group="group"):
+    return read_case({"id": "c", "group": group, "inputs": inputs, "expected": expected})
+
+
+@needs_records
+@pytest.mark.parametrize("name", ["conditions.json", "network.json"])
+def test_recorded_cases_come_out(name):
+    outcome: Outcome = replay_file(RECORDED / name)
+    assert outcome.failures == []
+    assert outcome.set_aside.total() < 0.06 * outcome.passed
+
+
+@needs_records
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("threshold",), 1.0),
+        (("plan_index",), 3),
+        (("planner_calls",), 2),
+        (("running",), ["nobody"]),
+        (("behaviours", "first", "components", "successors"), 0.123),
+        (("behaviours", "first", "wishes"), [["x", 1.0]]),
+        (("goals", "goal", "satisfaction"), 0.5),
+    ],
+)
+def test_a_changed_record_is_noticed(path, value):
+    entries = json.loads((RECORDED / "network.json").read_text())
+    entry = next(entry for entry in entries if entry["tag"] == "stub plan, planBias 0.5")
+    assert network.replay(read_case(entry)) is None
+    step = entry["expected"]["steps"][4]
+    path = tuple(next(iter(step["goals"])) if key == "goal" else key for key in path)
+    for key in path[:-1]:
+        step = step[key]
+    assert step[path[-1]] != value
+    step[path[-1]] = value
+    assert path[-1] in network.replay(read_case(entry))
+
+
+def test_a_wrongly_typed_reading_is_set_aside_by_its_number():
+    inputs = {"condition": {"kind": "condition", "sensor": "s", "activator": {"type": "Boolean"}}, "steps": [{"s": 1}]}
+    with pytest.raises(SetAside, match="Q33"):
+        conditions.replay(case(inputs, {"steps": [{"satisfaction": 0.0, "wishes_error": "AssertionError"}]}))
+    assert "refused" in conditions.replay(case(inputs, {"steps": [{"satisfaction": 0.0, "wishes": []}]}))
+
+
+def test_texts_may_be_compared_for_equality_only():
+    results = [{"activation": 1.0, "wish": 0}, {"activation": 0.0, "wish": 1}]
+    inputs = {"activator": {"type": "Equal", "desiredValue": "red"}, "values": ["red", "blue"]}
+    assert conditions.replay(case(inputs, {"direction": 1, "results": results})) is None
+    assert "activation" in conditions.replay(case(inputs, {"direction": 1, "results": results[::-1]}))
+    inputs = {"activator": {"type": "Threshold", "thresholdValue": 1.0}, "values": ["red"]}
+    assert "refused" in conditions.replay(case(inputs, {"direction": 1, "results": results[:1]}))
+
+
+def test_what_the_original_refuses_must_be_refused():
+    flat = {"type": "Linear", "zeroActivationValue": 1.0, "fullActivationValue": 1.0}
+    inputs = {"activator": flat, "values": []}
+    assert conditions.replay(case(inputs, {"error": "ValueError"})) is None
+    inputs = {"activator": {**flat, "fullActivationValue": 2.0}, "values": []}
+    assert "accepted" in conditions.replay(case(inputs, {"error": "ValueError"}))

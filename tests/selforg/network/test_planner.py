@@ -1,0 +1,351 @@
+import statistics
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from selforg.network.planning.guards import make_guard, make_step
+from selforg.network.planning.priorities import goal_sets, plan_by_priority
+from selforg.network.planning.problem import (
+    AllOf,
+    AnyOf,
+    ChangeNumber,
+    FactIs,
+    Not,
+    NumberIs,
+    PlanningAction,
+    PlanningGoal,
+    PlanningProblem,
+    SetFact,
+)
+from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable
+from selforg.network.planning.task import STEP_UNIT, PlanTask
+from tests.selforg.network.generated_problems import generated
+from tests.selforg.network.planner_reference import as_arrays, best_plan, execute, true_in
+from tests.selforg.network.robot_problem import robot_problem, robot_state
+
+CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]
+
+
+def robot_plan(*true, **distances):
+    search = ForwardSearch(robot_problem())
+    answer = plan_by_priority(search, *robot_state(*true, **distances))
+    assert isinstance(answer.outcome, Plan)
+    assert answer.given_up == ()
+    return [search.problem.actions[index].name for index in answer.outcome.actions]
+
+
+@pytest.mark.parametrize(
+    ("true", "tasks"),
+    [
+        ((), []),
+        (("garbage_seen", "garbage_found"), CHAIN),
+        (("garbage_seen", "garbage_at", "garbage_found"), CHAIN[1:]),
+        (("carrying", "garbage_found"), CHAIN[2:]),
+        (("carrying", "garbage_found", "at_recycling"), CHAIN[3:]),
+        (("carrying", "recycled", "garbage_found", "at_recycling"), CHAIN[4:]),
+        (("carrying", "recycled", "garbage_found", "at_dump"), CHAIN[5:]),
+    ],
+)
+def test_robot_plans_its_task_chain_then_patrol_then_avoidance(true, tasks):
+    assert robot_plan(*true) == [*tasks, "Patrol"]
+    assert robot_plan(*true, "rep_bool", avoidance=0.4) == [*tasks, "Patrol", "Avoid"]
+
+
+def test_robot_plan_does_not_depend_on_how_far_the_stations_are():
+    far = robot_plan("carrying", "garbage_found", recycling=7.7, dump=7.7)
+    assert robot_plan("carrying", "garbage_found", recycling=0.51, dump=0.06) == far
+
+
+def test_a_station_that_cannot_be_driven_to_leaves_the_goals_that_remain():
+    search = ForwardSearch(robot_problem())
+    # Standing on the station without being "at" it: its linear precondition is worth nothing, so no drive is ready.
+    facts, numbers = robot_state("carrying", "garbage_found", "rep_bool", recycling=0.0)
+    answer = plan_by_priority(search, facts, numbers)
+    assert answer.goals == (2,)
+    assert answer.given_up == (0, 1)
+    assert [search.problem.actions[index].name for index in answer.outcome.actions] == ["Avoid"]
+
+
+def test_robot_model_is_planned_in_well_under_a_millisecond():
+    problem = robot_problem()
+    times = []
+    for _ in range(50):
+        search = ForwardSearch(problem)
+        search.plan(*robot_state(), [0, 1, 2])  # the conjunction of the goals is made ready once
+        state = robot_state("garbage_seen", "garbage_found", "rep_bool", avoidance=0.7)
+        begin = time.perf_counter()
+        search.plan(*state, [0, 1, 2])
+        times.append(time.perf_counter() - begin)
+    assert statistics.median(times) < 1e-3
+
+
+FIRST_FACT = FactIs(0)
+
+
+def one_fact_problem(*actions, goal=FIRST_FACT, facts=("a", "b", "c"), numbers=("x",)):
+    return PlanningProblem(facts, numbers, actions, (PlanningGoal("goal", goal),))
+
+
+def solve(problem, *true, number=0.0, node_limit=20_000):
+    facts = np.array([name in true for name in problem.facts])
+    return ForwardSearch(problem, node_limit).plan(facts, np.full(len(problem.numbers), number), [0])
+
+
+def test_cheaper_detour_wins_over_the_short_way():
+    short = PlanningAction("short", (), (SetFact(0),), cost=3.0)
+    first = PlanningAction("first", (), (SetFact(1),), cost=1.0)
+    second = PlanningAction("second", (FactIs(1),), (SetFact(0),), cost=1.5)
+    assert solve(one_fact_problem(short, first, second)) == Plan((1, 2), 2.5)
+
+
+def test_of_equal_costs_the_shorter_plan_then_the_earlier_action_wins():
+    first = PlanningAction("first", (), (SetFact(1),), cost=0.1)
+    second = PlanningAction("second", (FactIs(1),), (SetFact(0),), cost=0.2)
+    direct = PlanningAction("direct", (), (SetFact(0),), cost=0.1 + 0.2)  # 0.30000000000000004: still a tie
+    twin = PlanningAction("twin", (), (SetFact(0),), cost=0.3)
+    assert solve(one_fact_problem(first, second, direct, twin)).actions == (2,)
+    assert solve(one_fact_problem(first, second, twin, direct)).actions == (2,)
+
+
+def test_actions_without_cost_are_not_added_for_nothing():
+    free = PlanningAction("free", (), (SetFact(1),), cost=0.0)
+    needed = PlanningAction("needed", (), (SetFact(0),))
+    assert solve(one_fact_problem(free, needed)) == Plan((1,), 1.0)
+
+
+def test_numbers_are_driven_to_their_bound():
+    charge = PlanningAction("charge", (), (ChangeNumber(0, 0.3),))
+    problem = one_fact_problem(charge, goal=NumberIs(0, ">=", 0.9))
+    assert solve(problem) == Plan((0, 0, 0), 3.0)  # 0.3 + 0.3 + 0.3 < 0.9 in floating point
+    assert solve(one_fact_problem(charge, goal=NumberIs(0, ">", 0.9))).actions == (0,) * 4
+
+
+@pytest.mark.parametrize("relation", ["<=", "<"])
+def test_a_counter_that_only_grows_is_proved_unable_to_fall(relation):
+    charge = PlanningAction("charge", (), (ChangeNumber(0, 1.0), SetFact(1)))
+    assert solve(one_fact_problem(charge, goal=AllOf((NumberIs(0, relation, -1.0), FactIs(1))))) == Unsolvable()
+
+
+def test_endless_counters_do_not_hide_that_a_goal_has_no_servant():
+    up = PlanningAction("up", (), (ChangeNumber(0, 1.0),))
+    down = PlanningAction("down", (), (ChangeNumber(0, -1.0),))
+    problem = one_fact_problem(up, down, goal=AllOf((FactIs(0), NumberIs(0, ">=", 5.0))))
+    assert solve(problem, node_limit=10) == Unsolvable()
+
+
+def test_a_goal_that_destroys_another_is_proved_unsolvable_in_a_finite_space():
+    a = PlanningAction("a", (), (SetFact(0), SetFact(1, False)))
+    b = PlanningAction("b", (), (SetFact(1), SetFact(0, False)))
+    assert solve(one_fact_problem(a, b, goal=AllOf((FactIs(0), FactIs(1))))) == Unsolvable()
+
+
+def test_where_the_space_is_endless_the_search_gives_up_at_its_limit():
+    # Each action undoes the other's fact and both move the counter: no bound ever ends the search.
+    up = PlanningAction("up", (), (ChangeNumber(0, 1.0), SetFact(0), SetFact(1, False)))
+    down = PlanningAction("down", (), (ChangeNumber(0, -1.0), SetFact(1), SetFact(0, False)))
+    goal = AllOf((FactIs(0), FactIs(1), NumberIs(0, ">=", 3.0)))
+    assert solve(one_fact_problem(up, down, goal=goal), node_limit=50) == Unknown(50)
+
+
+def test_satisfied_goals_cost_nothing():
+    assert solve(one_fact_problem(PlanningAction("a", (), (SetFact(0),))), "a") == Plan((), 0.0)
+
+
+def test_independent_goals_do_not_multiply_the_states():
+    count = 16
+    actions = tuple(PlanningAction(f"set {i}", (), (SetFact(i),)) for i in range(count))
+    goal = AllOf(tuple(FactIs(i) for i in range(count)))
+    problem = PlanningProblem(tuple(map(str, range(count))), (), actions, (PlanningGoal("all", goal),))
+    answer = ForwardSearch(problem, node_limit=2 * count).plan(np.zeros(count, bool), np.zeros(0), [0])
+    assert answer == Plan(tuple(range(count)), float(count))
+
+
+def test_goals_are_given_up_by_priority_then_number():
+    assert list(goal_sets((0, 1, 2), [5, 1, 1])) == [(0, 1, 2), (0, 1), (0, 2), (0,), (1, 2), (1,), (2,)]
+    assert list(goal_sets((3, 4), [0, 0])) == [(3, 4), (3,), (4,)]
+    many = list(goal_sets(tuple(range(12)), list(range(12))))
+    assert many[1] == tuple(range(1, 12))
+    assert many[-1] == (11,)
+
+
+def test_the_important_goal_survives_and_a_satisfied_one_is_kept():
+    problem = PlanningProblem(
+        ("left", "right", "shut"),
+        (),
+        (
+            PlanningAction("go left", (), (SetFact(0), SetFact(1, False))),
+            PlanningAction("go right", (), (SetFact(1), SetFact(0, False))),
+        ),
+        (PlanningGoal("left", FactIs(0), 1), PlanningGoal("right", FactIs(1), 2), PlanningGoal("shut", FactIs(2))),
+    )
+    answer = plan_by_priority(ForwardSearch(problem), np.array([False, False, True]), np.zeros(0))
+    assert (answer.outcome, answer.goals, answer.given_up) == (Plan((1,), 1.0), (1, 2), (0,))
+
+
+def test_no_reachable_goal_is_said_so():
+    problem = PlanningProblem(("a",), (), (), (PlanningGoal("a", FactIs(0)),))
+    answer = plan_by_priority(ForwardSearch(problem), np.array([False]), np.zeros(0))
+    assert (answer.outcome, answer.goals, answer.given_up) == (Unsolvable(), (), (0,))
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: one_fact_problem(PlanningAction("a", (FactIs(7),), ())), r"action 'a': fact index .* 0\.\.2, got 7"),
+        (lambda: one_fact_problem(PlanningAction("a", (), (ChangeNumber(0, float("nan")),))), "'a'.*'x'.*finite"),
+        (lambda: one_fact_problem(PlanningAction("a", (), (), cost=-1.0)), "'a': cost must be .* got -1"),
+        (
+            lambda: one_fact_problem(PlanningAction("a", (), (SetFact(0), SetFact(0, False)))),
+            "'a' to true and to false",
+        ),
+        (lambda: one_fact_problem(goal=NumberIs(0, "==", 1.0)), "goal 'goal': relation on 'x'"),
+        (lambda: one_fact_problem(facts=("a", "a", "c")), "fact 'a' is declared twice"),
+        (lambda: ForwardSearch(one_fact_problem(), node_limit=0), "node_limit must be at least 1, got 0"),
+        (lambda: solve(one_fact_problem(), number=float("inf")), "number 'x' must be finite, got inf"),
+        (
+            lambda: ForwardSearch(one_fact_problem()).plan(np.zeros(2, bool), np.zeros(1), [0]),
+            r"expected facts \(3,\) and numbers \(1,\), got \(2,\) and \(1,\)",
+        ),
+        (
+            lambda: ForwardSearch(one_fact_problem()).plan(np.zeros(3, bool), np.zeros(1), [1]),
+            r"goal index must be in 0\.\.0, got 1",
+        ),
+    ],
+)
+def test_what_cannot_be_read_is_refused_with_its_place(build, message):
+    with pytest.raises(ValueError, match=message):
+        build()
+
+
+FACT = st.integers(0, 4)
+leaf = st.builds(FactIs, FACT, st.booleans()) | st.builds(
+    NumberIs, st.integers(0, 1), st.sampled_from([">=", "<=", ">", "<"]), st.integers(-2, 2).map(float)
+)
+expression = st.recursive(
+    leaf,
+    lambda inner: st.one_of(
+        st.builds(Not, inner),
+        st.builds(AllOf, st.lists(inner, max_size=3).map(tuple)),
+        st.builds(AnyOf, st.lists(inner, max_size=3).map(tuple)),
+    ),
+    max_leaves=4,
+)
+effects = st.tuples(
+    st.dictionaries(FACT, st.booleans(), max_size=2),
+    st.dictionaries(st.integers(0, 1), st.sampled_from([-1.0, 2.0]), max_size=1),
+).map(lambda pair: (*[SetFact(*item) for item in pair[0].items()], *[ChangeNumber(*item) for item in pair[1].items()]))
+parts = st.tuples(st.lists(expression, max_size=2).map(tuple), effects, st.sampled_from([0.0, 0.5, 1.0, 2.0]))
+
+
+@st.composite
+def questions(draw):
+    """Draw a problem of 5 facts, 2 numbers and a few actions, with a state to plan from."""
+    drawn = draw(st.lists(parts, max_size=7))
+    actions = tuple(PlanningAction(f"action {index}", *part) for index, part in enumerate(drawn))
+    goals = tuple(PlanningGoal(f"goal {index}", draw(expression)) for index in range(2))
+    problem = PlanningProblem(tuple("abcde"), ("x", "y"), actions, goals)
+    facts = np.array(draw(st.lists(st.booleans(), min_size=5, max_size=5)))
+    return problem, facts, np.array(draw(st.tuples(st.integers(-3, 3), st.integers(-3, 3))), dtype=float)
+
+
+@settings(max_examples=400, deadline=None)
+@given(questions())
+def test_random_problems_are_answered_like_the_naive_planner(question):
+    problem, facts, numbers = question
+    answer = ForwardSearch(problem, node_limit=5000).plan(facts, numbers, [0, 1])
+    expected = best_plan(problem, facts, numbers, [0, 1])
+    if isinstance(answer, Plan):
+        world = execute(problem, facts, numbers, answer.actions)
+        assert all(true_in(goal.condition, world) for goal in problem.goals)
+    if expected == "too large":
+        return
+    if expected is None:
+        assert answer == Unsolvable()
+    else:
+        assert answer == Plan(expected[2], expected[0])
+
+
+@settings(max_examples=100, deadline=None)
+@given(questions(), st.lists(st.tuples(FACT, st.integers(-3, 3)), max_size=5))
+def test_a_remembered_plan_is_the_plan_that_would_be_found(question, changes):
+    problem, facts, numbers = question
+    remembering = ForwardSearch(problem, node_limit=300)
+    for fact, reading in changes:
+        before = facts.copy(), numbers.copy()
+        answer = remembering.plan(facts, numbers, [0, 1])
+        assert answer == ForwardSearch(problem, node_limit=300).plan(facts, numbers, [0, 1])
+        np.testing.assert_array_equal(facts, before[0])
+        np.testing.assert_array_equal(numbers, before[1])
+        facts, numbers = facts.copy(), numbers.copy()
+        facts[fact] = not facts[fact]
+        numbers[fact % 2] = reading + 0.25
+
+
+@settings(max_examples=60, deadline=None)
+@given(questions())
+def test_following_a_plan_the_rest_of_it_stays_the_best_plan(question):
+    problem, facts, numbers = question
+    search = ForwardSearch(problem, node_limit=1000)
+    answer = search.plan(facts, numbers, [0, 1])
+    if isinstance(answer, Plan) and answer.actions:
+        world = execute(problem, facts, numbers, answer.actions[:1])
+        rest = search.plan(*as_arrays(world), [0, 1])
+        assert isinstance(rest, Plan)
+        assert rest.actions == answer.actions[1:]
+
+
+def test_an_action_that_serves_two_goals_is_not_counted_twice():
+    prepare = PlanningAction("prepare", (), (SetFact(2),), cost=1.0)
+    both = PlanningAction("both", (FactIs(2),), (SetFact(0), SetFact(1)), cost=3.0)
+    singles = (PlanningAction("a", (), (SetFact(0),), cost=2.5), PlanningAction("b", (), (SetFact(1),), cost=2.5))
+    problem = one_fact_problem(*singles, prepare, both, goal=AllOf((FactIs(0), FactIs(1))))
+    assert solve(problem) == Plan((2, 3), 4.0)
+
+
+def test_what_only_one_of_two_ways_needs_is_not_asked_of_both():
+    cheap = PlanningAction("cheap", (FactIs(1),), (SetFact(0),), cost=1.0)
+    dear = PlanningAction("dear", (FactIs(2), NumberIs(0, ">=", 1.0)), (SetFact(0),), cost=1.0)
+    way = PlanningAction("way", (), (SetFact(2), ChangeNumber(0, 1.0)), cost=1.0)
+    problem = one_fact_problem(cheap, dear, way)  # nothing sets the fact that the first way needs
+    assert solve(problem) == Plan((2, 1), 2.0)
+
+
+def test_large_changes_bridge_a_gap_in_one_step():
+    crawl = PlanningAction("crawl", (), (ChangeNumber(0, 1.0),), cost=1.0)
+    warm_up = PlanningAction("warm up", (), (SetFact(1),), cost=0.5)
+    leap = PlanningAction("leap", (FactIs(1),), (ChangeNumber(0, 4.0),), cost=2.0)
+    assert solve(one_fact_problem(crawl, warm_up, leap, goal=NumberIs(0, ">=", 3.0))) == Plan((1, 2), 2.5)
+
+
+def test_plans_are_told_apart_by_every_number_they_depend_on():
+    step = PlanningAction("step", (), (ChangeNumber(1, 1.0),))
+    goal = PlanningGoal("far", AllOf((NumberIs(0, ">=", 0.0), NumberIs(1, ">=", 2.0))))
+    search = ForwardSearch(PlanningProblem((), ("fixed", "moved"), (step,), (goal,)))
+    answers = [
+        search.plan(np.zeros(0, bool), np.array(reading), [0]) for reading in ([0.0, 1.0], [0.0, 0.0], [-1.0, 1.0])
+    ]
+    assert answers == [Plan((0,), 1.0), Plan((0, 0), 2.0), Unsolvable()]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_estimate_never_exceeds_what_is_left_and_never_jumps(seed):
+    problem, facts, numbers = generated(seed)
+    search = ForwardSearch(problem, node_limit=500)
+    answer = search.plan(facts, numbers, [0])
+    if not isinstance(answer, Plan):
+        return
+    task = PlanTask(
+        [make_step(*item) for item in enumerate(problem.actions)], make_guard(problem.goals[0].condition), 1
+    )
+    states = [task.start(*search.read_state(facts, numbers))]
+    steps = {step.action: step for step in task.steps}
+    for index in answer.actions:
+        states.append(task.after(steps[index], *states[-1]))
+    left = [task.estimate(*state) for state in states]
+    assert left[-1] == (0, 0)
+    for index, (cost, count), (next_cost, next_count) in zip(answer.actions, left, left[1:], strict=False):
+        assert cost <= steps[index].cost + next_cost
+        assert count <= STEP_UNIT + next_count

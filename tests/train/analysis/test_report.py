@@ -1,0 +1,131 @@
+"""Summary, tables, figure and the comparison with measured figures."""
+
+import io
+import itertools
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+from rich.console import Console
+
+from tests.train.records import experiment, record
+from train.analysis.report import report_of, summary_json
+from train.reports.experiment_tables import all_tables, table_1
+from train.reports.figure import draw
+from train.reports.text_table import markdown, on_terminal
+
+
+def _report(scenarios=4, conditions=("a", "b"), measured=None, scale=2.0, own_starts=False, **changes):
+    given = experiment(conditions, scenarios, **changes)
+    factor = {name: scale ** (len(conditions) - 1 - c) for c, name in enumerate(conditions)}
+    records = [record(s.id, c, factor[c] * (10.0 + int(s.id))) for s in given.starts for c in conditions]
+    return report_of(given, 3, records, measured or {}, own_starts=own_starts)
+
+
+def test_the_summary_has_the_form_of_the_issue():
+    content = json.loads(summary_json(_report(conditions=("a", "b", "c"))))
+    assert set(content["conditions"]) == {"a", "b", "c"}
+    for figures in content["conditions"].values():
+        assert (figures["n"], figures["completed"]) == (4, 4)
+        for metric in ("duration_s", "collision_samples_per_s", "collision_events_per_s"):
+            assert set(figures[metric]) == {"mean", "median", "std", "ci95"}
+            low, high = figures[metric]["ci95"]
+            assert low < figures[metric]["mean"] < high
+    pairs = [(c["a"], c["b"], c["metric"]) for c in content["comparisons"]]
+    metrics = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
+    assert pairs == [(*pair, metric) for pair in itertools.combinations("abc", 2) for metric in metrics]
+    assert all(set(c) == {"a", "b", "metric", "ratio", "ci95"} for c in content["comparisons"])
+    assert content["comparisons"][0]["ratio"] == pytest.approx(2.0)
+
+
+def test_what_does_not_exist_is_null_and_never_nan():
+    given = experiment(scenarios=1)
+    none = {"collision_samples_per_s": (0.0, 0.0), "collision_events_per_s": (0.0, 0.0)}
+    report = report_of(given, 3, [record("1", c, **none) for c in "ab"], {}, own_starts=False)
+    content = json.loads(summary_json(report), parse_constant=pytest.fail)
+    assert content["conditions"]["a"]["duration_s"]["ci95"] is None
+    assert [(c["ratio"], c["ci95"]) for c in content["comparisons"]] == [(1.0, None), (None, None), (None, None)]
+    assert draw(report)
+    assert "| - | - |" in "".join(markdown(grid) for grid in all_tables(report))
+
+
+def _measured(scenarios, factor=1.0, name="A"):
+    figures = {"duration_s": 20.0, "samples_per_s_at_0.55m": 2.0, "events_per_s_at_1.0m": None}
+    return {
+        s: {name: {key: value and value * factor * (1 + int(s) / 10) for key, value in figures.items()}}
+        for s in scenarios
+    }
+
+
+def _with_measured(factor, scenarios=("1", "2", "3", "4")):
+    return _report(measured=_measured(scenarios, factor))
+
+
+@pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (2.0, False)])
+def test_means_agree_with_equal_measured_ones_and_not_with_others(factor, agrees):
+    found = {m.metric: m for m in _with_measured(factor).reference.means}
+    assert set(found) == {"duration_s", "samples_per_s_at_0.55m"}
+    assert found["duration_s"].ratio == pytest.approx(1.0 / factor)
+    assert found["duration_s"].n == 4
+    assert (abs(found["duration_s"].ratio - 1.0) < 1e-9) == agrees
+    if not agrees:
+        assert found["duration_s"].agrees is False
+
+
+def test_only_scenarios_with_measured_figures_count():
+    found = _with_measured(1.0, scenarios=("2", "9")).reference.means[0]
+    assert (found.n, found.ours, found.measured) == (1, 24.0, 24.0)
+    assert found.agrees is None
+    assert not _report(measured=_measured(["7"])).reference.means
+
+
+def test_ratios_beside_measured_ones_take_the_scenarios_of_both():
+    records = [record(str(k), c, 3.0 * k if c == "a" else 1.0 * k) for k in range(1, 5) for c in "ab"]
+    measured = {
+        str(k): {"A": {"duration_s": 6.0 * k}, **({"B": {"duration_s": 1.0 * k}} if k < 4 else {})} for k in range(1, 5)
+    }
+    (found,) = report_of(experiment(scenarios=4), 3, records, measured, own_starts=False).reference.ratios
+    assert (found.a, found.b, found.n) == ("a", "b", 3)
+    assert found.ours.ratio == pytest.approx(3.0)
+    assert found.measured.ratio == pytest.approx(6.0)
+    assert found.agrees is False  # paired and proportional: both intervals have no width
+
+
+def test_the_papers_figures_stand_beside_its_own_scenarios_only():
+    reference = {"source": "p", "figures": {"a": {"duration_s": [1.5, 2.5, 3.5], "collision_samples_per_s": [1, 2, 3]}}}
+    for own in (True, False):
+        grid = table_1(_report(3, reference=reference, own_starts=own))
+        assert [row.groups[0][2] for row in grid.rows] == (["1.50", "2.50", "3.50"] if own else ["-"] * 3)
+        assert grid.summary[0].groups[0][2:] == ("2.50", "2.00")
+        assert len(grid.columns[1].heads) == 2
+
+
+def test_the_terminal_shows_what_markdown_shows():
+    report = _report(3)
+    console = Console(width=140, file=io.StringIO(), record=True)
+    for grid in all_tables(report):
+        console.print(on_terminal(grid))
+        rows = markdown(grid).splitlines()[2:]
+        assert len({line.count("|") for line in rows if line.startswith("|")}) == 1
+    text = console.export_text()
+    for grid in all_tables(report):
+        for row in grid.rows + grid.summary:
+            line = next(line for line in text.splitlines() if line.strip("│ ").startswith(row.label))
+            assert all(cell in text for group in row.groups for cell in group), line
+
+
+def test_many_scenarios_are_left_to_the_file():
+    grid = table_1(_report(31))
+    console = Console(width=140, file=io.StringIO(), record=True)
+    console.print(on_terminal(grid))
+    assert "31 scenarios, one by one in table.md" in console.export_text()
+    assert len([line for line in markdown(grid).splitlines() if line.startswith("| 3")]) == 3  # 3, 30 and 31
+
+
+@pytest.mark.parametrize("scenarios", [1, 5, 100])
+def test_the_figure_is_a_picture_with_every_condition(scenarios):
+    image = np.asarray(Image.open(io.BytesIO(draw(_report(scenarios, conditions=("a", "b", "c"))))).convert("RGB"))
+    assert image.shape[0] > 500
+    for colour in ((0xC4, 0x4E, 0x52), (0x4C, 0x72, 0xB0), (0x55, 0xA8, 0x68)):
+        assert (np.abs(image.astype(int) - colour).sum(axis=-1) < 6).sum() > 50

@@ -1,0 +1,80 @@
+"""Statistics against plain formulas, the paper's own figures and coverage by simulation."""
+
+import statistics
+
+import numpy as np
+import pytest
+import scipy.stats
+
+from clean_swarm_env.config.files import load_experiment
+from tests.train.records import record
+from train.analysis.statistics import Ratio, distance_metrics, figures_of, ratio_of_means, summarise
+
+
+def test_the_summary_of_the_papers_figures_is_the_papers_summary():
+    reference = load_experiment("table1").reference
+    assert reference is not None
+    expected = {
+        ("RepulsionFernandez", "duration_s"): (846.72, 952.40, 465.39),
+        ("RepulsionFernandez", "collision_samples_per_s"): (1.70, 1.60, 0.38),
+        ("RepulsionGradient", "duration_s"): (266.43, 267.02, 130.32),
+        ("RepulsionGradient", "collision_samples_per_s"): (2.16, 2.08, 0.64),
+    }
+    for (condition, metric), figures in expected.items():
+        summary = summarise(np.array(reference.figures[condition][metric]))
+        assert (summary.mean, summary.median, summary.std) == pytest.approx(figures, abs=0.006)
+
+
+def test_the_interval_of_a_mean_is_students():
+    values = [3.0, 4.5, 8.0, 1.0]
+    summary = summarise(np.array(values))
+    half = scipy.stats.t.ppf(0.975, 3) * statistics.stdev(values) / 2.0
+    assert summary.ci95 == pytest.approx((statistics.mean(values) - half, statistics.mean(values) + half))
+    assert summary.std == pytest.approx(statistics.pstdev(values))
+
+
+def test_a_single_scenario_has_no_interval():
+    assert summarise(np.array([3.0])).ci95 is None
+    assert ratio_of_means(np.array([3.0]), np.array([2.0])) == Ratio(1.5, None)
+
+
+def test_a_ratio_to_nothing_is_absent_and_never_infinite():
+    assert ratio_of_means(np.array([1.0, 2.0]), np.zeros(2)) == Ratio(None, None)
+    rare = np.array([1.0, 0.0, 0.0, 0.0])
+    assert ratio_of_means(np.ones(4), rare) == Ratio(4.0, None)
+
+
+def test_the_bootstrap_is_paired():
+    a = np.array([1.0, 10.0, 100.0, 5.0])
+    assert ratio_of_means(3.0 * a, a).ci95 == pytest.approx((3.0, 3.0))
+    low, high = ratio_of_means(3.0 * a[::-1], a).ci95
+    assert low < 3.0 < high
+
+
+def test_ratios_are_equal_for_equal_figures_and_inverse_for_exchanged_ones():
+    rng = np.random.default_rng(1)
+    a, b = rng.gamma(2.0, size=(2, 40))
+    assert ratio_of_means(a, b) == ratio_of_means(a.copy(), b.copy())
+    low, high = ratio_of_means(a, b).ci95
+    assert ratio_of_means(b, a).ci95 == pytest.approx((1 / high, 1 / low), rel=1e-3)
+
+
+def test_the_interval_of_a_ratio_covers_the_truth_about_as_often_as_it_says():
+    rng = np.random.default_rng(5)
+    hits, repeats = 0, 200
+    for _ in range(repeats):
+        common = rng.gamma(4.0, size=30)
+        a, b = 2.0 * common * rng.gamma(9.0, 1 / 9, size=30), common
+        low, high = ratio_of_means(a, b).ci95
+        hits += low <= 2.0 <= high
+    assert 0.85 <= hits / repeats <= 0.99
+
+
+def test_figures_take_every_record_to_its_place():
+    records = [record(s, c, 10.0 * k + int(s)) for k, c in enumerate(("a", "b")) for s in ("10", "2", "1")]
+    figures = figures_of(records, ["b", "a"], ["1", "2", "10"], [0.5, 1.0])
+    assert figures.values["duration_s"].tolist() == [[11.0, 12.0, 20.0], [1.0, 2.0, 10.0]]
+    assert figures.values["collision_samples_per_s"].tolist() == figures.values["samples_per_s_at_0.5m"].tolist()
+    assert figures.values["samples_per_s_at_1.0m"] == pytest.approx(figures.values["duration_s"] / 5)
+    assert figures.values["events_per_s_at_1.0m"] == pytest.approx(figures.values["duration_s"] / 50)
+    assert distance_metrics([0.5, 1.0])[3] == "events_per_s_at_1.0m"

@@ -1,0 +1,99 @@
+"""The ablation: what it leaves out, that the plan's weight and the planner are one term, and what it writes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from benchmarks import ablation
+from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import Course
+from selforg.network.state import state as st
+from tests.clean_swarm_env.courses import mission, snapshot
+
+
+def test_each_variant_lacks_one_thing():
+    whole = NetworkConfig(activation_threshold=5.0)
+    found = ablation.variants(whole)
+    assert next(iter(found)) == ablation.ALL
+    assert found.pop(ablation.ALL) == whole
+    assert found.pop("planner off") == whole.model_copy(update={"planner": "off"})
+    assert list(found) == [f"without {term}" for term in type(whole.weights).model_fields]
+    for name, network in found.items():
+        weights = network.weights.model_dump()
+        assert weights.pop(name.removeprefix("without ")) == 0.0
+        assert set(weights.values()) == {1.0}
+        assert network.model_copy(update={"weights": whole.weights}) == whole
+
+
+TERMS = {
+    "situation": {st.PRECONDITIONS},
+    "goal": {st.GOALS},
+    "conflictor": {st.INHIBITION, st.CONFLICTORS},
+    "predecessor": {st.PREDECESSORS},
+    "successor": {st.SUCCESSORS},
+    "plan": {st.PLAN},
+}
+
+
+@pytest.mark.parametrize("term", ablation.TERMS)
+def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
+    config = mission(network={"weights": {term: 0.0}})
+    worlds = Course(config, random_start(config, 2, 0), 2, {}).worlds
+    added = dict.fromkeys(set.union(*TERMS.values()), 0.0)
+    for _ in range(100):
+        worlds.tick()
+        for layer in added:
+            added[layer] += np.abs(worlds.network.state.values[layer]).sum()
+    assert {layer for layer, sum_ in added.items() if sum_ == 0.0} == TERMS[term]
+
+
+def test_a_planner_without_weight_is_no_planner():
+    without = [mission(network=network) for network in ({"weights": {"plan": 0.0}}, {"planner": "off"})]
+    start = random_start(without[0], 3, 0)
+    one, other = (Course(config, start, 3, {"AvoidCollision": {"RepulsionGradient": 2.0}}) for config in without)
+    for _ in range(500):
+        assert one.in_progress
+        assert other.in_progress
+        one.tick()
+        other.tick()
+        for name, part in snapshot(one.worlds, 0).items():
+            assert part.tobytes() == snapshot(other.worlds, 0)[name].tobytes(), name
+
+
+def test_cells_hold_mean_ratio_and_share():
+    whole = np.array([100.0, 200.0, 300.0])
+    assert ablation.cells(whole, np.ones(3), whole) == "200 [-48, 448] |  | 3 of 3"
+    mean, ratio, done = ablation.cells(2.0 * whole, np.array([1.0, 1.0, 0.0]), whole).split(" | ")
+    assert (mean, ratio, done) == ("400 [-97, 897]", "2.00 [2.00, 2.00]", "2 of 3")
+
+
+@dataclasses.dataclass
+class Outcome:
+    duration_s: float
+    completed: bool
+
+
+def test_the_results_go_below_the_marker_of_the_document(monkeypatch, tmp_path, capsys):
+    seen = []
+
+    def run_mission(config, start, seed, scores):
+        seen.append((config.time_limit, start.id, seed, scores["AvoidCollision"]))
+        return Outcome(600.0 if config.network.planner == "off" else 100.0 + len(seen) % 3, True)
+
+    monkeypatch.setattr(ablation, "run_mission", run_mission)
+    path = tmp_path / "ablation.md"
+    path.write_text(f"# Title\n\nWords.\n\n{ablation.MARKER}\nold results\n")
+    monkeypatch.setattr(ablation, "DOCUMENT", path)
+    ablation.main(["4", "9"])
+    text = path.read_text()
+    assert text.startswith(f"# Title\n\nWords.\n\n{ablation.MARKER}\n4 random start configurations of seed 9")
+    assert "old results" not in text
+    rows = [line for line in text.splitlines() if line.startswith("| planner off")]
+    assert [row.count("600 [600, 600]") for row in rows] == [2, 2, 1, 1]
+    assert text.strip() == f"# Title\n\nWords.\n\n{ablation.MARKER}\n{capsys.readouterr().out.strip()}"
+    # every variant runs on the same starts with the same seeds, under every option
+    runs = {tuple(run[1:3] for run in seen[k : k + 4]) for k in range(0, len(seen), 4)}
+    assert len(runs) == 1
+    assert {limit for limit, *_ in seen} == {ablation.TIME_LIMIT}

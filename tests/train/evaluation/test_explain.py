@@ -1,0 +1,272 @@
+"""`clean-swarm explain` and `record`: a run repeated with explained robots takes the same course and tells why."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.world.mission import Course, MissionResult, result_of, run_mission
+from selforg.network.explain.explanation import explain
+from selforg.network.explain.recording import record_at
+from tests.clean_swarm_env.courses import difference, snapshot
+from train.cli import app as cli
+from train.evaluation.repeat import steps_of, task_of
+
+CONDITIONS = [
+    {"name": name, "scores": {"AvoidCollision": {name: 2.0}}} for name in ("RepulsionFernandez", "RepulsionGradient")
+]
+
+
+@pytest.fixture(scope="module")
+def evaluated(tmp_path_factory) -> Path:
+    """Results of four short missions: two of five robots and two items, with either condition."""
+    directory = tmp_path_factory.mktemp("results")
+    experiment = {"name": "short", "mission": {"base": "table1", "garbage": {"count": 2}}, "conditions": CONDITIONS}
+    (directory / "short.yaml").write_text(json.dumps(experiment))
+    words = ["evaluate", directory / "short.yaml", "--scenarios", 2, "--seed", 5, "--workers", 1]
+    assert _run([*words, "--output", directory / "run"]) == 0
+    return directory / "run"
+
+
+def _run(words) -> int:
+    patch = pytest.MonkeyPatch()
+    patch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    patch.undo()
+    return int(ended.value.code or 0)
+
+
+@pytest.fixture
+def told(capsys, monkeypatch):
+    """Run the command line: code, output, errors."""
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def call(*words: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        code = _run(words)
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
+    for condition in ("RepulsionFernandez", "RepulsionGradient"):
+        task = task_of(evaluated, "2", condition)
+        plain = Course(task.mission, task.start, run_seed(5, "2"), task.scores)
+        for explained in steps_of(task):
+            assert plain.in_progress
+            plain.tick()
+            assert difference([snapshot(plain.worlds, 0)], [snapshot(explained, 0)]) == ""
+        assert not plain.in_progress
+
+
+def test_a_repeated_run_comes_to_what_the_evaluation_wrote(evaluated):
+    for line in (evaluated / "runs.jsonl").read_text().splitlines():
+        held = json.loads(line)
+        task = task_of(evaluated, held["scenario"], held["condition"])
+        again = run_mission(task.mission, task.start, run_seed(task.seed, task.scenario), task.scores)
+        fields = MissionResult.__dataclass_fields__
+        assert json.loads(json.dumps({name: getattr(again, name) for name in fields})) == {
+            name: held[name] for name in fields
+        }
+
+
+def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
+    code, out, err = told("explain", evaluated, "--robot", 3, "--time", 4.1)
+    assert code == 0, err
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert lines[0] == "short, seed 5, RepulsionFernandez, scenario 1"
+    assert lines[1].startswith("robot 3 at 4 s (step 20); AvoidCollision by RepulsionFernandez")
+    assert any(line.startswith("plan: [") for line in lines)
+    assert any(" of " in line and line.endswith("is due") for line in lines)
+    (head,) = (line.split() for line in lines if line.split()[:2] == ["behaviour", "active"])
+    assert len(head) == 9
+    for name in ("Patrol", "MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"):
+        assert sum(line.lstrip("│├└─ *").startswith(f"{name}:") for line in lines) == 1
+    assert "goals" in lines
+
+
+def test_json_holds_the_same_step_of_every_robot(evaluated, told):
+    worlds = next(w for w in steps_of(task_of(evaluated, "2", "RepulsionGradient")) if w.ticks[0] == 51)
+    names = [behaviour.name for behaviour in worlds.network.model.behaviours]
+    for robot in range(5):
+        words = ("--scenario", 2, "--condition", "RepulsionGradient", "--json")
+        code, out, _ = told("explain", evaluated, "--robot", robot, "--time", 10, *words)
+        assert code == 0
+        step = json.loads(out)
+        assert (step["scenario"], step["condition"], step["robot"]) == ("2", "RepulsionGradient", robot)
+        assert (step["step"], step["time_s"]) == (50, 10.0)
+        assert step["options"] == {"AvoidCollision": "RepulsionGradient"}
+        running = {account["name"] for account in step["behaviours"] if account["running"]}
+        assert running == {name for b, name in enumerate(names) if worlds.network.executing[robot, b]}
+        assert list(step["readings"].values()) == worlds.network.readings[robot].tolist()
+        assert set(step["plan"]) <= set(names)
+        assert 0 <= step["plan_index"] <= len(step["plan"])
+
+
+def test_the_plan_from_finding_to_dumping_is_seen(evaluated):
+    """Robots that see garbage plan to find, pick, recycle and dump it."""
+    task = task_of(evaluated)
+    wanted = ["PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]
+    for worlds in steps_of(task):
+        names = [behaviour.name for behaviour in worlds.network.model.behaviours]
+        for robot in range(5):
+            plan = [names[b] for b in worlds.network.plans.steps[robot, : worlds.network.plans.marks[1, robot]]]
+            if [name for name in plan if name in wanted] == wanted:
+                return
+    pytest.fail(f"no robot ever planned {wanted}")
+
+
+def test_the_last_step_is_the_one_that_dumps_the_last_item(evaluated, told):
+    first = json.loads((evaluated / "runs.jsonl").read_text().splitlines()[0])
+    end = first["duration_s"]
+    words = ("--robot", 0, "--scenario", first["scenario"], "--condition", first["condition"])
+    assert told("explain", evaluated, *words, "--time", end)[0] == 0
+    code, _, err = told("explain", evaluated, *words, "--time", end + 0.2)
+    assert code == 2
+    assert f"this mission was completed after {end:g} s" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--scenario", "7"], "run: unknown scenario '7' (known: 1, 2; 2 in all)"),
+        (["--condition", "RepulsionGradiant"], "unknown condition 'RepulsionGradiant' (known: RepulsionFernandez, "),
+        (["--robot", "5"], "--robot: expected a number from 0 to 4, got 5"),
+        (["--robot", "-1"], "--robot: expected a number from 0 to 4, got -1"),
+        (["--time", "-1"], "--time: expected seconds from 0 on, got -1"),
+        (["--time", "nan"], "--time: expected seconds from 0 on, got nan"),
+        (["--time", "1e9"], "--time 1e+09: this mission was completed after "),
+    ],
+)
+def test_what_does_not_exist_is_one_line(evaluated, told, words, expected):
+    code, out, err = told("explain", evaluated, "--robot", 0, "--time", 1.0, *words)
+    assert code == 2
+    assert out == ""
+    assert expected in err
+    assert err.startswith("error: ")
+    assert len(err.splitlines()) == 1
+
+
+def test_directories_without_results_are_refused(tmp_path, told):
+    words = ("--robot", 0, "--time", 1)
+    code, _, err = told("explain", tmp_path / "none", *words)
+    assert (code, err.splitlines()) == (2, [f"error: {tmp_path / 'none'}: no such directory"])
+    code, _, err = told("explain", tmp_path, *words)
+    assert code == 2
+    assert "holds no manifest.json; expected the results of an evaluation" in err
+    for content, expected in (("{", "cannot be read"), ("[]", "expected the manifest of an evaluation")):
+        (tmp_path / "manifest.json").write_text(content)
+        code, _, err = told("explain", tmp_path, *words)
+        assert code == 2
+        assert expected in err
+        assert len(err.splitlines()) == 1
+
+
+def _with_manifest(evaluated, directory, change) -> Path:
+    manifest = json.loads((evaluated / "manifest.json").read_text())
+    change(manifest)
+    (directory / "manifest.json").write_text(json.dumps(manifest))
+    return directory
+
+
+def test_a_run_of_other_mechanisms_is_not_repeated(evaluated, tmp_path, told):
+    def change(manifest):
+        manifest["identity"]["files"]["mechanisms/RepulsionGradient.yaml"] = "0"
+
+    code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
+    assert code == 2
+    assert "mechanisms/RepulsionGradient.yaml is no longer what the evaluation ran with" in err
+
+
+def test_a_manifest_with_a_mistake_names_file_and_key(evaluated, tmp_path, told):
+    def change(manifest):
+        manifest["identity"]["configuration"]["mission"]["robots"]["radius"] = -1.0
+
+    code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
+    assert code == 2
+    assert "manifest.json: identity.configuration: mission.robots.radius: expected" in err
+
+
+def test_other_versions_are_noted(evaluated, tmp_path, told):
+    def change(manifest):
+        manifest["versions"]["numba"] = "0.1"
+
+    code, _, err = told("explain", _with_manifest(evaluated, tmp_path, change), "--robot", 0, "--time", 1)
+    assert code == 0
+    assert "the course may differ from the one then: numba 0.1, now " in err
+
+
+def test_a_mission_that_ran_out_of_time_says_so(evaluated, tmp_path, told):
+    def change(manifest):
+        manifest["identity"]["configuration"]["mission"]["time_limit"] = 3.0
+
+    directory = _with_manifest(evaluated, tmp_path, change)
+    assert told("explain", directory, "--robot", 0, "--time", 2.9)[0] == 0
+    code, _, err = told("explain", directory, "--robot", 0, "--time", 3.0)
+    assert code == 2
+    assert "this mission ended uncompleted at its time limit of 3 s" in err
+
+
+def test_a_recording_holds_every_step_and_explains_it(evaluated, tmp_path, told):
+    path = tmp_path / "run.npz"
+    code, out, err = told("record", evaluated, "--output", path, "--scenario", "2")
+    assert code == 0, err
+    task = task_of(evaluated, "2")
+    with np.load(path) as arrays:
+        assert json.loads(str(arrays["run"]))["scenario"] == "2"
+        assert out.startswith(f"{len(arrays['readings'])} steps of 5 robots in ")
+        steps = 0
+        for step, worlds in enumerate(steps_of(task)):
+            np.testing.assert_array_equal(arrays["readings"][step], worlds.network.readings)
+            steps += 1
+            if step == 40:
+                _, printed, _ = told("explain", evaluated, "--scenario", 2, "--robot", 1, "--time", 8, "--json")
+                account = explain(worlds.network.model, record_at(arrays, step), 1)
+                assert [b.name for b in account.behaviours] == [b["name"] for b in json.loads(printed)["behaviours"]]
+                assert [b.why for b in account.behaviours] == [b["why"] for b in json.loads(printed)["behaviours"]]
+        assert steps == len(arrays["readings"])
+        assert arrays["behaviour_names"].tolist() == [b.name for b in worlds.network.model.behaviours]
+        held, inner = arrays["held"], record_at(inner_arrays(arrays, "AvoidCollision/RepulsionFernandez"), 40)
+        assert held.shape == (steps, 5, 1)
+        assert not held.any()  # the first option, all the time
+        assert arrays["coordinator_names"].tolist() == ["AvoidCollision"]
+        assert arrays["AvoidCollision/option_names"][0] == "RepulsionFernandez"
+        content = worlds.coordinator.contents[0].network
+        assert explain(content.model, inner, 2).behaviours[0].name == "Avoid"
+        assert not any(name.startswith("AvoidCollision/RepulsionGradient/") for name in arrays)
+    assert steps == result_of(worlds, 0).ticks
+    assert told("record", evaluated, "--output", path)[0] == 2  # nothing is overwritten
+
+
+def inner_arrays(arrays, prefix):
+    return {name.removeprefix(f"{prefix}/"): arrays[name] for name in arrays if name.startswith(f"{prefix}/")}
+
+
+def test_a_running_coordinator_is_explained_from_inside(evaluated, told):
+    for worlds in steps_of(task_of(evaluated)):
+        running = np.flatnonzero(worlds.network.executing[:, worlds.coordinator.index])
+        if len(running):
+            break
+    robot, time = running[0], (worlds.ticks[0] - 1) * 0.2
+    _, out, _ = told("explain", evaluated, "--robot", robot, "--time", time)
+    assert "inside AvoidCollision: RepulsionFernandez" in out
+    _, out, _ = told("explain", evaluated, "--robot", robot, "--time", time, "--json")
+    (coordinator,) = json.loads(out)["coordinators"]
+    assert (coordinator["goal"], coordinator["option"]) == ("AvoidCollision", "RepulsionFernandez")
+    (inside,) = coordinator["inner"]["behaviours"]
+    assert (inside["name"], inside["running"], inside["why"]) == ("Avoid", True, "started: ready and active enough")
+    idle = next(row for row in range(5) if row not in running)
+    _, out, _ = told("explain", evaluated, "--robot", idle, "--time", time, "--json")
+    assert json.loads(out)["coordinators"][0]["inner"] is None
+
+
+def test_a_recording_needs_a_directory(evaluated, tmp_path, told):
+    code, _, err = told("record", evaluated, "--output", tmp_path / "none" / "run.npz")
+    assert code == 2
+    assert "cannot be written" in err

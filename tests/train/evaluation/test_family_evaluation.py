@@ -1,0 +1,167 @@
+"""Strategies on a family, by the command line: same results in any number of processes, going on, mistakes."""
+
+import csv
+import json
+import shutil
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from clean_swarm_env.config.files import load_family
+from selector.knowledge import load_knowledge
+from selector.strategies.learned_file import find_strategy, save_strategy, spec_of
+from selector.strategies.policy_file import find_policy, load_policy, save_policy
+from selector.strategies.problem import Problem
+from selector.strategies.registry import create
+from selector.strategies.streams import row_keys
+from train.cli import app as cli
+from train.evaluation.entrants import member_pilot
+from train.running import trials
+from train.running.trials import run_trials
+
+FAMILY = {
+    "name": "small",
+    "description": "Two to four robots and three items.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0},
+    "robots": [2, 4],
+    "items": [3, 3],
+}
+
+
+@pytest.fixture
+def family(tmp_path):
+    path = tmp_path / "small.yaml"
+    path.write_text(yaml.safe_dump(FAMILY))
+    return path
+
+
+@pytest.fixture
+def evaluate(monkeypatch, capsys, tmp_path, family):
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["clean-swarm", "evaluate", "--family", str(family), *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        return int(ended.value.code or 0), out, err
+
+    return call
+
+
+def rows_of(directory):
+    with (directory / "runs.csv").open(newline="") as file:
+        return [{k: v for k, v in row.items() if k != "wall_s"} for row in csv.DictReader(file)]
+
+
+def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp_path):
+    words = ("--strategy", "fixed", "--strategy", "rule", "--strategy", "Random", "--scenarios", "3", "--workers", "1")
+    code, out, _ = evaluate(*words, "--output", tmp_path / "whole")
+    assert code == 0
+    assert "share of the gap" in out
+    code, _, _ = evaluate(*words, "--output", tmp_path / "cut")
+    journal = tmp_path / "cut" / "runs.jsonl"
+    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
+    assert evaluate(*words, "--output", tmp_path / "cut", "--resume")[0] == 0
+    assert rows_of(tmp_path / "cut") == rows_of(tmp_path / "whole")
+    summary = json.loads((tmp_path / "whole" / "summary.json").read_text())
+    assert summary == json.loads((tmp_path / "cut" / "summary.json").read_text())
+    assert set(summary["strategies"]) >= {"rule", "Random", summary["best_fixed"]}
+
+
+def test_strategies_and_scenarios_can_be_added_later(evaluate, tmp_path):
+    assert evaluate("--strategy", "Random", "--scenarios", "1", "--output", tmp_path / "grown")[0] == 0
+    words = ("--strategy", "rule", "--strategy", "Random", "--scenarios", "2")
+    code, out, _ = evaluate(*words, "--output", tmp_path / "grown", "--resume")
+    assert code == 0
+    assert evaluate(*words, "--output", tmp_path / "whole")[1] == out.replace("grown", "whole")
+    assert rows_of(tmp_path / "grown") == rows_of(tmp_path / "whole")
+    manifest = json.loads((tmp_path / "grown" / "manifest.json").read_text())
+    assert set(manifest["identity"]["strategies"]) == {"Random", "rule"}
+
+
+def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
+    policy = tmp_path / "policy"
+    shutil.copytree(find_policy("general"), policy)
+    words = ("--strategy", f"P=policy:{policy}", "--scenarios", "1", "--output", tmp_path / "results")
+    assert evaluate(*words)[0] == 0
+    learned = load_policy(policy)
+    learned.weights["options.bias"][0] += 1.0
+    save_policy(policy, learned)
+    code, _, err = evaluate(*words, "--resume")
+    assert code == 2
+    assert "holds other results: strategies.P differ" in err
+
+
+def test_what_strategies_learned_is_taken_from_their_files(evaluate, tmp_path):
+    problem = Problem.of(load_knowledge("avoidance"), "AvoidCollision", ("free_far",))
+    scores = np.arange(len(problem.options)) == problem.options.index("RepulsionGradient")
+    told = replace(problem, scores=np.where(scores, 1.0, 0.0))
+    keys = row_keys(np.random.SeedSequence(0), 1)
+    strategy = create("LinearThompson", told, keys, {"exploration": 0.0})
+    for name in ("a", "b"):
+        save_strategy(tmp_path / f"{name}.safetensors", strategy)
+    files = f"learned:{tmp_path / 'a.safetensors'}+{tmp_path / 'b.safetensors'}"
+    words = ("--strategy", files, "--strategy", "fixed:RepulsionGradient", "--scenarios", "1")
+    assert evaluate(*words, "--output", tmp_path / "results")[0] == 0
+    rows = rows_of(tmp_path / "results")
+    assert {row.pop("condition") for row in rows} == {"learned#1", "learned#2", "fixed:RepulsionGradient"}
+    assert rows[0] == rows[1] == rows[2]
+
+
+def test_a_mission_takes_the_same_course_beside_any_others(family):
+    scenarios = [load_family(str(family)).scenario(4, k, "test") for k in range(4)]
+
+    def results(worlds, some):
+        return run_trials(some, lambda problem, teams: member_pilot("Random", problem, teams), worlds=worlds)
+
+    together = results(3, scenarios)
+    assert together == [results(1, [scenario])[0] for scenario in scenarios]
+    assert len(trials.by_frame(scenarios)) == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--strategy", "UCB2"), "unknown strategy 'UCB2'"),
+        (("--strategy", "policy:none"), "unknown policy 'none'"),
+        (("--strategy", "learned:none"), "unknown learned strategy 'none'"),
+        (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
+        (("--strategy", "rule", "--knowledge", "cleaning"), "unknown option 'RepulsionGradient-from0.25'"),
+        (("--starts", "x.json"), "--starts: expected without --family only"),
+    ],
+)
+def test_mistakes_are_one_line_and_nothing_is_written(evaluate, tmp_path, words, line):
+    code, _, err = evaluate(*words, "--output", tmp_path / "none")
+    assert code == 2
+    assert line in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "none").exists()
+
+
+def test_the_policy_that_ships_fits_the_families(family):
+    policy = load_policy(find_policy("general"))
+    assert policy.spec.training["command"] == "clean-swarm train ppo --config general --seed 1"
+    scenario = load_family("random").scenario(0, 0, "test")
+    (result,) = run_trials([scenario], lambda problem, teams: member_pilot("policy:general", problem, teams))
+    assert result.completed
+    assert result.duration_s < 200.0
+
+
+@pytest.mark.parametrize("name", ["rules", "careful"])
+def test_the_learned_strategies_that_ship_fit_the_families_and_explore_no_more(name):
+    assert spec_of(find_strategy(name)).parameters["exploration"] == 0.0
+    scenario = load_family("random").scenario(0, 0, "test")
+
+    def trial(offset):
+        def pilot(problem, teams):
+            made = member_pilot(f"learned:{name}", problem, teams)
+            begin = made.begin
+            made.begin = lambda rows, seed: begin(rows, seed + offset)
+            return made
+
+        return run_trials([scenario], pilot)
+
+    assert trial(0) == trial(1)
+    assert trial(0)[0].completed

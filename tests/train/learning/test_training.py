@@ -1,0 +1,149 @@
+"""Training: going on after a kill, what is trained on, what is exported, mistakes in one line."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from clean_swarm_env.config.files import load_family
+from selector.documents.yaml import DocumentError
+from selector.store import KnowledgeStore
+from selector.strategies.policy import Network
+from selector.strategies.problem import Problem
+from tests.train.learning.trainings import written
+from train.learning import training
+from train.learning.checkpoints import TrainingDirectory
+from train.learning.config import load_training
+from train.learning.credit import Credit
+from train.learning.curriculum import VALIDATION_SEED, Curriculum
+
+pytest.importorskip("stable_baselines3")
+
+RESULTS = {"ppo": ("ppo", "policy/policy.safetensors")}
+BANDIT = ("bandit", "strategy.safetensors")
+TIMEOUT = 400.0
+
+
+def command(learner, config, output, *more):
+    words = ["train", learner, "--config", str(config), "--seed", "5", "--output", str(output), *more]
+    return [sys.executable, "-c", "from train.cli.app import main; main()", *words]
+
+
+def finish(words):
+    done = subprocess.run(words, capture_output=True, text=True, timeout=TIMEOUT)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+@pytest.mark.parametrize("kind", ["ppo", "bandit", "missions"])
+def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
+    config = written(tmp_path, kind)
+    learner, learned = RESULTS.get(kind, BANDIT)
+    finish(command(learner, config, tmp_path / "whole"))
+    killed = subprocess.Popen(command(learner, config, tmp_path / "cut"), stderr=subprocess.DEVNULL)
+    history, since = tmp_path / "cut" / "history.jsonl", time.monotonic()
+    while not history.is_file():
+        assert killed.poll() is None
+        assert time.monotonic() < since + TIMEOUT
+        time.sleep(0.005)
+    killed.send_signal(signal.SIGKILL)
+    killed.wait()
+    assert len(history.read_text().splitlines()) < 3
+    finish(command(learner, config, tmp_path / "cut", "--resume"))
+    for name in (learned, "history.jsonl"):
+        assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+
+
+def test_a_directory_of_another_training_is_refused(tmp_path):
+    TrainingDirectory(tmp_path, {"seed": 1}, "checkpoint", resume=False)
+    with pytest.raises(DocumentError, match="there is a training already"):
+        TrainingDirectory(tmp_path, {"seed": 1}, "checkpoint", resume=False)
+    with pytest.raises(DocumentError, match="seed: expected that of the training there"):
+        TrainingDirectory(tmp_path, {"seed": 2}, "checkpoint", resume=True)
+
+
+def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(training.PACKAGES, "ppo", ("torch", "no-such-package"))
+    request = training.TrainingRequest("ppo", "general", 1, tmp_path / "t", resume=False)
+    with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
+        training.train(request, Console())
+    assert not (tmp_path / "t").exists()
+
+
+def test_a_training_of_the_other_learner_or_of_an_unknown_name_is_refused(tmp_path):
+    with pytest.raises(DocumentError, match="expected a training by ppo, got one by bandit"):
+        load_training(str(written(tmp_path, "bandit")), "ppo")
+    with pytest.raises(DocumentError, match="unknown training 'generall'"):
+        load_training("generall", "ppo")
+
+
+def seeds_of(batch, resets):
+    """Return the seeds of the scenarios that the worlds of a batch do in some resets."""
+    seeds = set()
+    for _ in range(resets):
+        batch.reset()
+        seeds |= {scenario.seed for scenario in batch.doing}
+    return seeds
+
+
+def test_nothing_is_measured_that_was_trained_on(tmp_path):
+    config = load_training(str(written(tmp_path, "bandit", validation={"scenarios": 20})), "bandit")
+    family, trained = load_family("random"), set()
+    for seed in range(3):
+        curriculum = Curriculum(config, seed)
+        for checkpoint in range(3):
+            curriculum.begin(checkpoint)
+            for batch in curriculum.batches:
+                trained |= seeds_of(batch, 20)
+    assert len(trained) == 3 * 3 * 40  # nor is anything trained on twice
+    assert not trained & {scenario.seed for scenario in curriculum.validation["random"]}
+    assert all(seed % 2 == 0 for seed in trained)
+    assert family.scenario(VALIDATION_SEED, 0, "test").seed % 2 == 1
+
+
+def test_rewards_are_credited_up_to_the_horizon_and_not_beyond_the_mission():
+    credit = Credit(rows=2, periods=3, features=1, discount=0.5)
+    over = np.zeros(2, dtype=bool)
+    credit.decide(np.array([0, 1]), np.array([2, 1]), np.array([[0.1], [0.2]]), np.ones(2))
+    assert not len(credit.pay(np.array([1.0, 1.0]), over).rows)
+    credit.decide(np.array([0]), np.array([0]), np.array([[0.3]]), np.ones(1))
+    paid = credit.pay(np.array([2.0, 4.0]), np.array([False, True]))
+    assert (paid.rows.tolist(), paid.options.tolist(), paid.rewards.tolist()) == ([1], [1], [3.0])
+    paid = credit.pay(np.array([4.0, 9.0]), over)
+    assert (paid.rows.tolist(), paid.options.tolist(), paid.rewards.tolist()) == ([0], [2], [3.0])
+    paid = credit.pay(np.array([8.0, 9.0]), over)
+    assert (paid.options.tolist(), paid.rewards.tolist(), paid.contexts.tolist()) == ([0], [6.0], [[0.3]])
+
+
+def test_the_exported_policy_decides_as_the_trained_one(tmp_path):
+    import torch
+
+    from train.learning.ppo import CHECKPOINT, PpoTraining
+
+    config = load_training(str(written(tmp_path, "ppo")), "ppo")
+    training = PpoTraining(config, 1, TrainingDirectory(tmp_path / "run", {}, CHECKPOINT, resume=False), lambda _: None)
+    training.advance()
+    policy = training.policy()
+    seen = np.random.default_rng(0).uniform(-1.0, 1.0, (50, len(policy.spec.observations))).astype(np.float32)
+    normal = torch.as_tensor(training.normal.normalize_obs(seen))
+    with torch.no_grad():
+        expected = training.model.policy.get_distribution(normal).distribution.logits.numpy()
+    problem = Problem(
+        policy.spec.goal, policy.spec.options, np.zeros(len(policy.spec.options)), policy.spec.observations
+    )
+    outputs = Network(policy.ordered_for(problem, "here")).outputs(seen.astype(np.float64))
+    outputs -= np.log(np.exp(outputs).sum(axis=1, keepdims=True))  # torch gives normalised ones
+    np.testing.assert_allclose(outputs, expected, atol=1e-4)
+
+
+def test_learned_scores_go_to_the_knowledge_store(tmp_path):
+    config = written(tmp_path, "bandit", checkpoints=1, validation={"scenarios": 1, "every": 1})
+    finish(command("bandit", config, tmp_path / "run", "--store", str(tmp_path / "store.sqlite")))
+    store = KnowledgeStore(str(tmp_path / "store.sqlite"))
+    learned = store.contents().learned
+    assert {key.source for key in learned} == {"tiny-seed5"}
+    assert sum(entry.moments.count for entry in learned.values()) > 10

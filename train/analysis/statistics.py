@@ -1,0 +1,111 @@
+"""Means, spreads and ratios of the figures of an experiment, with their 95 % intervals.
+
+Shapes: C conditions, K scenarios. `std` is the population's (as in the paper's Table 1). `ci95` of a mean is Student's
+interval, which holds its level with the paper's five scenarios better than a bootstrap would. A ratio is one of means;
+its interval is a percentile bootstrap that draws scenarios, so that both means always come from the same ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.stats
+from numpy.typing import NDArray
+
+from train.running.runs import RunRecord
+
+METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
+RESAMPLES = 10_000
+"""Bootstrap resamples of a ratio."""
+BOOTSTRAP_SEED = 2017
+"""Fixed, so that equal runs have equal intervals."""
+CHUNK = 500
+"""Resamples drawn at a time, which bounds the memory to CHUNK x K integers."""
+
+Interval = tuple[float, float]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Location and spread of one figure over the scenarios; no interval for a single one."""
+
+    mean: float
+    median: float
+    std: float
+    ci95: Interval | None
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """Ratio of two means; None where the denominator is zero, or the interval is not finite."""
+
+    ratio: float | None
+    ci95: Interval | None
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The figures of an experiment as arrays."""
+
+    conditions: tuple[str, ...]
+    scenarios: tuple[str, ...]
+    completed: NDArray[np.bool_]
+    """(C, K) whether the mission was completed."""
+    values: dict[str, Floats]
+    """Metric -> (C, K); the metrics of METRICS, and those of `distance_metrics`."""
+
+
+def distance_metrics(distances: Sequence[float]) -> list[str]:
+    """Return the names of the collision figures at each distance [m], samples first."""
+    return [f"{kind}_per_s_at_{distance}m" for kind in ("samples", "events") for distance in distances]
+
+
+def figures_of(
+    records: Sequence[RunRecord], conditions: Sequence[str], scenarios: Sequence[str], distances: Sequence[float]
+) -> Figures:
+    """Arrange one record of every scenario (K) and condition (C) as arrays, in the given order."""
+    at = {record.key: record for record in records}
+    rows = [[at[scenario, condition] for scenario in scenarios] for condition in conditions]
+    values = {"duration_s": np.array([[r.duration_s for r in row] for row in rows])}
+    samples = np.array([[r.collision_samples_per_s for r in row] for row in rows])
+    events = np.array([[r.collision_events_per_s for r in row] for row in rows])
+    values |= {"collision_samples_per_s": samples[..., 0], "collision_events_per_s": events[..., 0]}
+    each_distance = np.moveaxis(np.concatenate([samples, events], axis=-1), -1, 0)
+    values |= dict(zip(distance_metrics(distances), each_distance, strict=True))
+    completed = np.array([[r.completed for r in row] for row in rows])
+    return Figures(tuple(conditions), tuple(scenarios), completed, values)
+
+
+def summarise(values: Floats) -> Summary:
+    """Return location and spread of `values` (K,)."""
+    mean, count = float(values.mean()), len(values)
+    interval = None
+    if count > 1:
+        half = float(scipy.stats.t.ppf(0.975, count - 1) * values.std(ddof=1) / np.sqrt(count))
+        interval = (mean - half, mean + half)
+    return Summary(mean, float(np.median(values)), float(values.std()), interval)
+
+
+def ratio_of_means(a: Floats, b: Floats) -> Ratio:
+    """Return mean(a) / mean(b) for paired `a` and `b` (K,) with its bootstrap interval over the pairs."""
+    if b.mean() == 0.0:
+        return Ratio(None, None)
+    ratio = float(a.mean() / b.mean())
+    if len(a) == 1:
+        return Ratio(ratio, None)
+    low, high = np.quantile(_resampled_ratios(a, b), [0.025, 0.975], method="nearest")
+    return Ratio(ratio, (float(low), float(high)) if np.isfinite([low, high]).all() else None)
+
+
+def _resampled_ratios(a: Floats, b: Floats) -> Floats:
+    """Return (RESAMPLES,) ratios of means of pairs drawn with replacement; infinite where b is all zero."""
+    rng = np.random.default_rng(BOOTSTRAP_SEED)
+    ratios = np.empty(RESAMPLES)
+    for first in range(0, RESAMPLES, CHUNK):
+        drawn = rng.integers(len(a), size=(min(CHUNK, RESAMPLES - first), len(a)))
+        above, below = a[drawn].sum(axis=1), b[drawn].sum(axis=1)
+        ratios[first : first + len(drawn)] = np.divide(
+            above, below, out=np.full(len(drawn), np.inf), where=below != 0.0
+        )
+    return ratios

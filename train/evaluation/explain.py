@@ -1,0 +1,147 @@
+"""One step of one robot as a reader sees it: what it weighed, what it planned, what runs and why.
+
+The text is meant for 80 columns: a table of what adds up to each behaviour's activation, a tree of reasons, conditions
+and goals.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+from rich.tree import Tree
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.world.worlds import Worlds
+from selector.coordination.coordinator import Coordinator
+from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount, explain
+from selforg.network.explain.recording import Recorder
+from selforg.network.explain.text import COLUMNS, header
+from selforg.network.network import BehaviourNetwork
+from train.evaluation.repeat import world_at
+from train.running.runs import RunTask
+
+HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
+"""Short forms of columns, which let the table fit."""
+
+
+@dataclass(frozen=True)
+class Coordinated:
+    """One coordinator of a robot in one step: the option it held, and the network inside if that decided."""
+
+    goal: str
+    option: str
+    inner: Explanation | None
+
+
+def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Coordinated, ...]]:
+    """Repeat a run up to `time` [s]; return where the robot was in the run, its step, and its coordinators."""
+    count = task.mission.robots.count
+    if not 0 <= robot < count:
+        raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
+    worlds = world_at(task, time)
+    coordinated = tuple(_coordinated(coordinator, robot) for coordinator in worlds.coordinators)
+    return _situation(task, worlds, robot), _step_of(worlds.network, robot), coordinated
+
+
+def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
+    return explain(network.model, Recorder(network, np.array([robot])).take(), robot)
+
+
+def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
+    option = int(coordinator.held[robot])
+    runs = coordinator.parent.executing[robot, coordinator.index] == 1
+    inner = _step_of(coordinator.contents[option].network, robot) if runs else None
+    return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
+
+
+def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
+    step = int(worlds.ticks[0]) - 1
+    return {
+        "experiment": task.experiment,
+        "scenario": task.scenario,
+        "condition": task.condition,
+        "seed": task.seed,
+        "robot": robot,
+        "step": step,
+        "time_s": round(step * worlds.period, 9),
+        "options": {c.model.goal: c.model.options[c.held[robot]] for c in worlds.coordinators},
+    }
+
+
+def as_json(situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]) -> str:
+    """Return a step as a JSON object; without a plan, `plan` is null, and so is `inner` of what does not run."""
+    coordinators = {"coordinators": [asdict(one) for one in coordinated]}
+    return json.dumps(situation | asdict(explanation) | coordinators, indent=2, allow_nan=False)
+
+
+def on_terminal(
+    situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]
+) -> RenderableType:
+    """Return the explanation for a terminal of 80 columns or more."""
+    run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
+    options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
+    title = f"{run}\nrobot {situation['robot']} at {situation['time_s']:g} s (step {situation['step']}); {options}"
+    due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
+    facts = Text(f"{title}\n\n" + "\n".join(filter(None, [*header(explanation), due])))
+    trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
+    inner = [part for one in coordinated if one.inner for part in _inside(one, one.inner)]
+    return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees, *inner)
+
+
+def _inside(one: Coordinated, inner: Explanation) -> list[RenderableType]:
+    """Return what the network inside a coordinator decided."""
+    title = Text(f"\ninside {one.goal}: {one.option}")
+    return [title, _table(inner.behaviours), _behaviours(inner.behaviours)]
+
+
+def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
+    """Return what the step added to each activation; * marks what runs."""
+    table = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("", no_wrap=True)
+    table.add_column("behaviour", overflow="fold")
+    for head in ("active", *(HEADS.get(name, head) for name, head in COLUMNS.items())):
+        table.add_column(head, justify="right", no_wrap=True)
+    for account in behaviours:
+        terms = [f"{account.components[name]:.2f}" for name in COLUMNS]
+        table.add_row("*" if account.running else "", Text(account.name), f"{account.activation:.2f}", *terms)
+    return table
+
+
+def _behaviours(behaviours: Sequence[BehaviourAccount]) -> Tree:
+    tree = Tree("behaviours, the most active first")
+    for account in behaviours:
+        branch = tree.add(Text(f"{'* ' if account.running else ''}{account.name}: {account.why}"))
+        ready = "ready" if account.ready else "not ready"
+        branch.add(Text(f"{ready}, satisfied {account.satisfaction:.3g}{_wishes(account)}"))
+        _add_conditions(branch, account.conditions)
+    return tree
+
+
+def _goals(goals: Sequence[GoalAccount]) -> Tree:
+    tree = Tree("goals")
+    for account in goals:
+        off = "" if account.enabled else " (off)"
+        branch = tree.add(Text(f"{account.name}{off}: satisfied {account.satisfaction:.3g}{_wishes(account)}"))
+        _add_conditions(branch, account.conditions)
+    return tree
+
+
+def _readings(readings: dict[str, float]) -> Tree:
+    tree = Tree("readings")
+    tree.add(Text(", ".join(f"{name} {value:.4g}" for name, value in readings.items())))
+    return tree
+
+
+def _add_conditions(branch: Tree, accounts: Sequence[ConditionAccount]) -> None:
+    for account in accounts:
+        _add_conditions(branch.add(Text(f"{account.label}: {account.satisfaction:.3g}")), account.parts)
+
+
+def _wishes(account: BehaviourAccount | GoalAccount) -> str:
+    wished = [f"{sensor} {wish:+.3g}" for sensor, wish in account.wishes if wish != 0.0]
+    return f", wishes {', '.join(wished)}" if wished else ""

@@ -1,0 +1,89 @@
+"""A whole run kept: every step of every robot's behaviour network and of the networks inside its coordinators.
+
+The file holds what `recording.stacked` makes of the robots' network; `held` (T, R, C), the option of
+each coordinator; and, for every option that was ever held, the same arrays of the network inside, their names beginning
+with `GOAL/OPTION/`. A network inside decides only in steps in which its coordinator runs; in others it stays as it was.
+"""
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.world.worlds import Worlds
+from selforg.network.explain.recording import Recorder, stacked
+from selforg.network.model.model import NetworkModel
+from train.evaluation.repeat import steps_of
+from train.running.results import write_atomically
+from train.running.runs import RunTask
+
+Arrays = dict[str, NDArray[Any]]
+
+
+class Tape:
+    """What is kept of a run, from its first step on."""
+
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
+        self._outer = Recorder(worlds.network)
+        self._inner = [[Recorder(content.network) for content in c.contents] for c in worlds.coordinators]
+        self._held: list[NDArray[np.int64]] = []
+
+    def take(self) -> None:
+        """Keep the last step."""
+        self._outer.take()
+        for recorders in self._inner:
+            for recorder in recorders:
+                recorder.take()
+        self._held.append(np.stack([coordinator.held for coordinator in self._worlds.coordinators], axis=1))
+
+    def arrays(self) -> Arrays:
+        """Return all steps."""
+        held = np.stack(self._held)
+        found: Arrays = stacked(self._outer.steps) | _names(self._worlds.network.model) | {"held": held}
+        found["coordinator_names"] = np.array([c.model.goal for c in self._worlds.coordinators])
+        for c, coordinator in enumerate(self._worlds.coordinators):
+            model = coordinator.model
+            found[f"{model.goal}/option_names"] = np.array(model.options)
+            for k in np.unique(held[:, :, c]).tolist():
+                arrays = stacked(self._inner[c][k].steps) | _names(coordinator.contents[k].network.model)
+                found |= {f"{model.goal}/{model.options[k]}/{name}": array for name, array in arrays.items()}
+        return found
+
+    def __len__(self) -> int:
+        """Return the number of steps kept, T."""
+        return len(self._held)
+
+
+def record(task: RunTask, output: Path) -> int:
+    """Repeat a whole run and keep every step of every robot in an NPZ file; return the number of steps (T)."""
+    if output.exists():
+        raise ConfigurationError(f"{output}: exists already; expected a new file")
+    tape = None
+    for worlds in steps_of(task):
+        tape = tape or Tape(worlds)
+        tape.take()
+    if tape is None:
+        raise ConfigurationError("the mission has nothing to do and is over at once")
+    run = {"experiment": task.experiment, "scenario": task.scenario, "condition": task.condition, "seed": task.seed}
+    file = io.BytesIO()
+    arrays: Any = tape.arrays()
+    np.savez_compressed(file, run=np.array(json.dumps(run | {"period_s": worlds.period})), **arrays)
+    try:
+        write_atomically(output, file.getvalue())
+    except OSError as error:
+        raise ConfigurationError(f"{output}: cannot be written ({error.strerror})") from error
+    return len(tape)
+
+
+def _names(model: NetworkModel) -> Arrays:
+    """Return what the axes of a network's arrays mean."""
+    return {
+        "behaviour_names": np.array([behaviour.name for behaviour in model.behaviours]),
+        "sensor_names": np.array([sensor.name for sensor in model.sensors]),
+        "goal_names": np.array([goal.name for goal in model.goals]),
+    }

@@ -1,0 +1,122 @@
+"""Runs of an evaluation done again: they depend on the manifest only, so what was not recorded can be seen anew."""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from clean_swarm_env.config.errors import ConfigurationError, one_line
+from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.world.mission import Course, result_of
+from clean_swarm_env.world.worlds import Worlds
+from selector.documents.yaml import unknown
+from train.evaluation.plan import FINGERPRINTED, fingerprints, versions
+from train.running.results import MANIFEST
+from train.running.runs import RunTask, tasks_of
+
+LISTED = 8
+"""Scenarios that an error lists."""
+ROUNDING = 1e-9
+"""A time this little below the beginning of a control period belongs to it [periods]."""
+
+
+def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> RunTask:
+    """Return one run of an evaluation; without names the first scenario and the first condition.
+
+    Raises:
+        ConfigurationError: no results there, no such scenario or condition, or the mechanisms, knowledge and robots
+            are not those that the evaluation ran with.
+
+    """
+    manifest = read_manifest(directory)
+    path, identity = directory / MANIFEST, manifest["identity"]
+    directories = tuple(Path(name) for name in identity.get("directories", []))
+    _check_same_files(identity.get("files"), directories, path)
+    try:
+        experiment = ExperimentConfig.model_validate(identity.get("configuration"))
+    except ValidationError as error:
+        raise ConfigurationError(one_line(error, f"{path}: identity.configuration", ExperimentConfig)) from error
+    seed = identity.get("seed")
+    if not isinstance(seed, int):
+        raise ConfigurationError(f"{path}: identity.seed: expected a whole number, got {seed!r}")
+    tasks = _of_scenario(tasks_of(experiment, seed, directories), scenario, directory)
+    names = [task.condition for task in tasks]
+    if condition is not None and condition not in names:
+        raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
+    return tasks[0 if condition is None else names.index(condition)]
+
+
+def read_manifest(directory: Path) -> dict[str, Any]:
+    """Return what `manifest.json` in a directory of results says."""
+    if not directory.is_dir():
+        raise ConfigurationError(f"{directory}: no such directory")
+    path = directory / MANIFEST
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation") from error
+    except (OSError, ValueError) as error:
+        raise ConfigurationError(f"{path}: cannot be read ({error})") from error
+    if not (isinstance(content, dict) and isinstance(content.get("identity"), dict)):
+        raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
+    return content
+
+
+def changed_versions(directory: Path) -> list[str]:
+    """Return where the versions that an evaluation ran with are not those of today, such as `numba 0.61, now 0.62`."""
+    held = read_manifest(directory).get("versions", {})
+    return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
+
+
+def steps_of(task: RunTask) -> Iterator[Worlds]:
+    """Repeat a run with explained robots; yield its world after each control period, until the mission is over."""
+    seed = run_seed(task.seed, task.scenario)
+    course = Course(
+        task.mission, task.start, seed, task.scores, task.strategy, task.directories, explained=True
+    )  # fmt: skip
+    while course.in_progress:
+        course.tick()
+        yield course.worlds
+
+
+def world_at(task: RunTask, time: float) -> Worlds:
+    """Return the world of a run just after the control period in which `time` [s] lies.
+
+    Raises:
+        ConfigurationError: a time at which the mission was not running; says when it ended.
+
+    """
+    if not (math.isfinite(time) and time >= 0.0):
+        raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
+    wanted = math.floor(time * task.mission.world.control_rate + ROUNDING) + 1
+    worlds = None
+    for worlds in steps_of(task):
+        if worlds.ticks[0] == wanted:
+            return worlds
+    if worlds is None:
+        raise ConfigurationError("--time: the mission has nothing to do and is over at once")
+    result = result_of(worlds, 0)
+    how = "was completed after" if result.completed else "ended uncompleted at its time limit of"
+    raise ConfigurationError(f"--time {time:g}: this mission {how} {result.duration_s:g} s")
+
+
+def _of_scenario(tasks: Sequence[RunTask], scenario: str | None, directory: Path) -> list[RunTask]:
+    known = list(dict.fromkeys(task.scenario for task in tasks))
+    wanted = known[0] if scenario is None else scenario
+    if wanted not in known:
+        listed = ", ".join([*known[:LISTED], *(["..."] if len(known) > LISTED else [])])
+        raise ConfigurationError(f"{directory}: unknown scenario {wanted!r} (known: {listed}; {len(known)} in all)")
+    return [task for task in tasks if task.scenario == wanted]
+
+
+def _check_same_files(held: object, directories: Sequence[Path], path: Path) -> None:
+    now = fingerprints(FINGERPRINTED, directories)
+    if held == now:
+        return
+    of_then = held if isinstance(held, dict) else {}
+    name = next(name for name in sorted(now.keys() | of_then.keys()) if now.get(name) != of_then.get(name))
+    raise ConfigurationError(f"{path}: {name} is no longer what the evaluation ran with; its runs cannot be repeated")

@@ -1,0 +1,148 @@
+"""`clean-swarm run`: a goal in its scene, by the mechanism of an option and by the baseline, on the same starts.
+
+Shapes: W runs, one a seed; all of them go in one batch.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.scenes import Measure, Scene, Setting, find
+from clean_swarm_env.scenes.ground import GroundKind
+from clean_swarm_env.scenes.served import ServedTeam, expertise
+from selforg.arrays import Floats
+from train.analysis.statistics import Summary, summarise
+
+
+@dataclass(frozen=True)
+class GoalRequest:
+    """What the user asked for; None: as the scene says."""
+
+    goal: str
+    """Name of the goal."""
+    option: str | None = None
+    """Name of the option that serves it; the one of the highest score unless given."""
+    robots: int | None = None
+    """Number of robots."""
+    seconds: float | None = None
+    """Simulated time [s]."""
+    ground: GroundKind | None = None
+    """Kind of ground."""
+    seed: int = 0
+    """Seed of the first run; the others follow."""
+    runs: int = 20
+    """Number of runs, each with a seed of its own."""
+    directories: tuple[Path, ...] = ()
+    """Directories with configurations and knowledge that go before the shipped ones."""
+
+    @property
+    def seeds(self) -> range:
+        """Seeds of the runs."""
+        return range(self.seed, self.seed + self.runs)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One measure: what the mechanism and the baseline gave, and the difference on the same starts."""
+
+    measure: Measure
+    mechanism: Summary
+    baseline: Summary
+    difference: Summary
+
+    @property
+    def met(self) -> bool:
+        """Whether the mean reaches the target."""
+        return self.measure.met(self.mechanism.mean)
+
+    @property
+    def beats(self) -> bool | None:
+        """Whether the 95 % interval of the difference is on the better side of zero; None where there is none."""
+        if self.difference.ci95 is None or self.measure.guard:
+            return None
+        low, high = self.difference.ci95
+        return high < 0.0 if self.measure.better == "lower" else low > 0.0
+
+
+@dataclass(frozen=True)
+class GoalOutcome:
+    """What came out for a goal."""
+
+    scene: type[Scene]
+    option: str
+    setting: Setting
+    seeds: Sequence[int]
+    comparisons: tuple[Comparison, ...]
+
+    @property
+    def own_setting(self) -> bool:
+        """Whether the setting is the one for which the targets are stated."""
+        return self.setting == self.scene.setting
+
+    @property
+    def reached(self) -> bool:
+        """Whether every target is met and every baseline that is to be beaten is."""
+        return all(c.met and c.beats is not False for c in self.comparisons)
+
+
+def run_goal(request: GoalRequest) -> GoalOutcome:
+    """Run a goal; whatever does not exist or fit raises an error of one line."""
+    scene = find(request.goal)
+    expert = expertise(request.goal, request.option, request.directories)
+    setting = setting_of(scene, request)
+    served = scene(setting, request.seeds).run(lambda made: ServedTeam(made, expert)).values
+    rival = scene(setting, request.seeds).run().values
+    compared = tuple(_compared(measure, served[measure.name], rival[measure.name]) for measure in scene.measures)
+    return GoalOutcome(scene, expert.name, setting, request.seeds, compared)
+
+
+def setting_of(scene: type[Scene], request: GoalRequest) -> Setting:
+    """Return the scene's setting with what the user changed."""
+    changes: dict[str, Any] = {
+        name: value for name in ("robots", "seconds", "ground") if (value := getattr(request, name)) is not None
+    }
+    return replace(scene.setting, **changes)
+
+
+def _compared(measure: Measure, served: Floats, rival: Floats) -> Comparison:
+    return Comparison(measure, summarise(served), summarise(rival), summarise(np.subtract(served, rival)))
+
+
+def as_mapping(outcome: GoalOutcome) -> dict[str, Any]:
+    """Return the outcome as plain data for JSON."""
+    setting = outcome.setting
+    return {
+        "goal": outcome.scene.goal,
+        "option": outcome.option,
+        "scene": outcome.scene.story,
+        "baseline": outcome.scene.baseline,
+        "robots": setting.robots,
+        "seconds": setting.seconds,
+        "arena": setting.ground,
+        "seeds": list(outcome.seeds),
+        "targets_are_for_this_setting": outcome.own_setting,
+        "reached": outcome.reached,
+        "measures": [
+            {
+                "name": c.measure.name,
+                "unit": c.measure.unit,
+                "better": c.measure.better,
+                "target": c.measure.target,
+                "target_from": c.measure.reason,
+                "target_met": c.met,
+                "beats_baseline": c.beats,
+                "mechanism": _plain(c.mechanism),
+                "baseline": _plain(c.baseline),
+                "difference": _plain(c.difference),
+            }
+            for c in outcome.comparisons
+        ],
+    }
+
+
+def _plain(summary: Summary) -> dict[str, Any]:
+    interval = None if summary.ci95 is None else list(summary.ci95)
+    return {"mean": summary.mean, "median": summary.median, "std": summary.std, "ci95": interval}

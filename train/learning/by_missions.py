@@ -1,0 +1,117 @@
+"""Learning by what whole missions cost: each team decides once a mission what to do in every situation.
+
+What an option brings often shows only if the whole team keeps to it for long: robots that leave each other room meet
+less often minutes later. Missions differ far more by their scenarios than by what was decided; so several teams
+do the same scenario, and a decision's reward is by how much its mission was cheaper than the others of its group. That
+baseline is the one of REINFORCE with several rollouts (Kool et al. 2019, "Buy 4 REINFORCE samples, get a baseline for
+free"), here the median, since a few missions that fail would move a mean.
+
+Shapes: M missions of a round, G of each scenario; S situations, at least one.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.families import Scenario
+from selector.strategies.problem import Problem
+from selector.strategies.strategy import DecisionStrategy
+from train.learning.config import ComparisonConfig, TrainingConfig
+from train.learning.credit import Paid
+from train.learning.curriculum import Curriculum
+from train.learning.protocol import Taker
+from train.running.rule_pilot import RulePilot
+from train.running.trials import run_trials
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class MissionLearning:
+    """Teams decide and are rewarded mission by mission; see `ComparisonConfig`.
+
+    Attributes:
+        teams: (R,) mission of each row; rows are the situations of all missions of a round, R = M * S.
+
+    """
+
+    def __init__(self, config: TrainingConfig, curriculum: Curriculum, directories: tuple[Path, ...] = ()) -> None:
+        assert config.bandit is not None
+        self._config, self._curriculum, self._directories = config, curriculum, directories
+        self._situations, self._compared = config.bandit.context, config.bandit.comparison or ComparisonConfig()
+        self._contexts: Floats = np.eye(len(self._situations)) if self._situations else np.zeros((1, 0))
+        self._missions = sum(task.worlds for task in config.tasks)
+        self.teams: Ints = np.repeat(np.arange(self._missions), len(self._contexts))
+
+    def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
+        """Let the strategy decide and learn until the next checkpoint; return the costs of all missions [s]."""
+        costs: list[float] = []
+        contexts = np.tile(self._contexts, (self._missions, 1))
+        rows = np.arange(len(self.teams))
+        following = self._curriculum.scenarios(checkpoint)
+        for _ in range(-(-self._config.decisions // len(rows))):
+            scenarios = [
+                scenario
+                for task, series in zip(self._config.tasks, following, strict=True)
+                for scenario in islice(series, task.worlds // self._compared.group)
+            ]
+            options = strategy.select(contexts)
+            chances = strategy.chance.copy()
+            cost = self._costs(scenarios, options.reshape(self._missions, -1))
+            rewards = np.repeat(relative(cost, self._compared.group, self._compared.limit), len(self._contexts))
+            take(Paid(rows, options, rewards, contexts, chances), len(rows))
+            costs += cost.tolist()
+        return costs
+
+    def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
+        """Return what the missions cost (M,) [s] in which teams keep to `rules` (M, S), G for each scenario."""
+        missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
+        seeds = [scenario.seed for scenario in missions]
+        results = run_trials(
+            missions, lambda problem, teams: TeamsPilot(problem, self._situations, len(teams), seeds, rules),
+            observation=self._config.observation, directories=self._directories,
+        )  # fmt: skip
+        return np.array([result.cost_s for result in results])
+
+
+class TeamsPilot(RulePilot):
+    """Each team keeps to a rule for its mission.
+
+    Args:
+        problem: goal and options; its features are all components of the observation.
+        situations: see `RulePilot`.
+        rows: R.
+        seeds: (M,) seed of each mission; missions of one seed begin in this order.
+        rules: (M, S) options of each mission.
+
+    """
+
+    def __init__(
+        self, problem: Problem, situations: tuple[str, ...], rows: int, seeds: Sequence[int], rules: Ints
+    ) -> None:
+        super().__init__(problem, situations, np.zeros((rows, rules.shape[1]), dtype=np.int64))
+        self._waiting: dict[int, deque[Ints]] = defaultdict(deque)
+        for seed, rule in zip(seeds, rules, strict=True):
+            self._waiting[seed].append(rule)
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Let `rows` (N,) do the next mission of a seed."""
+        self.rules[rows] = self._waiting[seed].popleft()
+
+
+def relative(cost: Floats, group: int, limit: float) -> Floats:
+    """Return by how much each mission (M,) was cheaper than those of its group: minus ln(cost / median) [-].
+
+    >>> relative(np.array([10.0, 40.0, 20.0, 5.0, 5.5, 5.0]), 3, limit=0.5).round(2).tolist()
+    [0.5, -0.5, 0.0, 0.0, -0.1, 0.0]
+
+    """
+    logarithms = np.log(cost).reshape(-1, group)
+    rewards: Floats = (np.median(logarithms, axis=1, keepdims=True) - logarithms).ravel()
+    return np.clip(rewards, -limit, limit) + 0.0

@@ -1,0 +1,73 @@
+"""Which scenarios are trained on and which are only measured on, from one seed.
+
+Training takes the split "train" of a family with odd seeds, measuring during the training the same split with an even
+one, and `clean-swarm evaluate` the split "test": no scenario is ever one of another use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.config.files import load_family
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.episodes import Size
+from clean_swarm_env.learning.joined import family_batches
+from train.learning.config import TrainingConfig
+
+TORI_TRIED = 200
+"""Scenarios from which the tori of a family are gathered."""
+VALIDATION_SEED = 2
+"""Seed of the scenarios that are measured on, the same for all trainings, so that they can be compared."""
+
+
+class Curriculum:
+    """The worlds of a training and what they do between two checkpoints.
+
+    Attributes:
+        batches: the worlds.
+        validation: scenarios of each family that are measured on.
+
+    """
+
+    def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = ()) -> None:
+        self._seed = seed
+        families = [load_family(task.family, directories) for task in config.tasks]
+        self.batches: list[Batch] = []
+        for family, task in zip(families, config.tasks, strict=True):
+            self.batches += family_batches(
+                family, task.worlds, sizes=_sizes(family), observation=config.observation, reward=config.reward,
+                directories=directories,
+            )  # fmt: skip
+        self._families = families
+        self.validation = {
+            family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]
+            for family in families
+        }
+
+    def begin(self, checkpoint: int) -> None:
+        """Let the batches do from their next reset on what belongs after a checkpoint: the seed and it alone decide."""
+        words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
+        for batch, word in zip(self.batches, words, strict=True):
+            batch.share(int(word) * 2 + 1)
+
+    def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
+        """Return the scenarios of each family that belong after a checkpoint, one after the other without end."""
+        words = np.random.SeedSequence([self._seed, checkpoint, 4]).generate_state(len(self._families), np.uint32)
+        return [_drawn(family, int(word) * 2 + 1) for family, word in zip(self._families, words, strict=True)]
+
+
+def _drawn(family: FamilyConfig, seed: int) -> Iterator[Scenario]:
+    for number in count():
+        yield family.scenario(seed, number, "train")
+
+
+def _sizes(family: FamilyConfig) -> list[Size]:
+    """Return the tori of a family in the order in which its scenarios come upon them."""
+    scenarios = (family.scenario(VALIDATION_SEED, k, "train") for k in range(TORI_TRIED if family.sizes else 1))
+    worlds = [scenario.mission.world for scenario in scenarios]
+    return list(dict.fromkeys((world.width, world.height) for world in worlds))

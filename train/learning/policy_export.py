@@ -1,0 +1,48 @@
+"""From a network of Stable-Baselines3 to an exported policy, statistics of normalisation folded in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from stable_baselines3 import PPO
+from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.vec_env import VecNormalize
+
+from selector.strategies.policy_file import PolicySpec, TrainedPolicy
+
+
+def exported(
+    model: PPO, normal: VecNormalize, goal: str, options: tuple[str, ...], observations: tuple[str, ...],
+    training: dict[str, Any],
+) -> TrainedPolicy:  # fmt: skip
+    """Return the policy that `model` has become; `training` says how."""
+    statistics = normal.obs_rms
+    assert isinstance(statistics, RunningMeanStd)
+    state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model)}
+    hidden = tuple(state[f"hidden.{k}.bias"].shape[0] for k in range(len(state) // 2 - 1))
+    spec = PolicySpec(
+        goal=goal,
+        options=options,
+        observations=observations,
+        hidden=hidden,
+        activation="tanh",
+        mean=tuple(float(value) for value in statistics.mean),
+        variance=tuple(float(value) for value in statistics.var),
+        epsilon=float(normal.epsilon),
+        clip=float(normal.clip_obs),
+        training=training,
+    )
+    return TrainedPolicy(spec, state)
+
+
+def _layers(model: PPO) -> list[tuple[str, Any]]:
+    """Return the arrays of the policy's layers under the names that a policy file has for them."""
+    state = model.policy.state_dict()
+    path = "mlp_extractor.policy_net."
+    names = [name for name in state if name.startswith(path) and name.endswith("weight")]
+    weights = sorted((int(name.removeprefix(path).split(".")[0]), name) for name in names)
+    layers = []
+    for k, (_, name) in enumerate(weights):
+        layers += [(f"hidden.{k}.weight", state[name]), (f"hidden.{k}.bias", state[name.replace("weight", "bias")])]
+    return [*layers, ("options.weight", state["action_net.weight"]), ("options.bias", state["action_net.bias"])]

@@ -1,0 +1,56 @@
+"""How good is what was learned so far: mission costs on scenarios from which nothing is learned, and when to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.learning.observation.terms import ObservationConfig
+from train.running.trials import PilotMaker, run_trials
+
+
+def measured(
+    scenarios: Mapping[str, Sequence[Scenario]],
+    maker: PilotMaker,
+    observation: ObservationConfig,
+    directories: tuple[Path, ...] = (),
+) -> dict[str, float]:
+    """Return mission cost [s], collision events and share of completed missions: means, family by family."""
+    figures = {}
+    for family, some in scenarios.items():
+        results = run_trials(some, maker, observation=observation, directories=directories)
+        figures[f"{family}/cost_s"] = float(np.mean([result.cost_s for result in results]))
+        figures[f"{family}/completed"] = float(np.mean([result.completed for result in results]))
+        figures[f"{family}/duration_s"] = float(np.mean([result.duration_s for result in results]))
+        figures[f"{family}/events_per_s"] = float(np.mean([r.collision_events_per_s[0] for r in results]))
+    return figures
+
+
+@dataclass
+class Progress:
+    """What the checkpoints so far have shown."""
+
+    history: list[dict[str, Any]] = field(default_factory=list)
+    """One entry for each checkpoint."""
+    best: float = float("inf")
+    """Lowest score so far."""
+    since: int = 0
+    """Measurements since then."""
+
+    def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
+        """Add a checkpoint's entry and its figures; return whether it is the best so far.
+
+        The score is the mean over the families of the logarithm of the cost, so that no family's unit counts more.
+        """
+        costs = [value for name, value in figures.items() if name.endswith("/cost_s")]
+        score = float(np.mean(np.log(costs))) if costs else float("nan")
+        better = bool(costs) and score < self.best
+        if costs:
+            self.best, self.since = (score, 0) if better else (self.best, self.since + 1)
+        self.history.append({**entry, **figures, "score": score if costs else None, "best": better})
+        return better

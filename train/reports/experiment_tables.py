@@ -1,0 +1,178 @@
+"""The tables of an evaluation: the paper's Table 1, ratios between conditions, and ours beside measured figures."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from train.analysis.report import Report
+from train.analysis.statistics import Floats, Interval, distance_metrics
+from train.reports.text_table import Columns, Grid, Row, flat
+
+TITLES = {
+    "duration_s": "duration",
+    "collision_samples_per_s": "collision samples per s",
+    "collision_events_per_s": "collision events per s",
+}
+SHOWN = ("duration_s", "collision_samples_per_s")
+"""Metrics of Table 1."""
+SUMMARIES: dict[str, Callable[[Floats], float]] = {
+    "mean": lambda values: float(np.mean(values)),
+    "median": lambda values: float(np.median(values)),
+    "std": lambda values: float(np.std(values)),
+}
+ABSENT = "-"
+
+
+@dataclass(frozen=True)
+class _Column:
+    """Figures of one column: those of single scenarios, and all that its summary takes in."""
+
+    by_scenario: Mapping[str, float]
+    values: Floats
+
+
+def all_tables(report: Report) -> list[Grid]:
+    """Return the tables in the order of the report."""
+    return [
+        grid for grid in (table_1(report), ratios(report), measured_means(report), measured_ratios(report)) if grid.rows
+    ]
+
+
+def table_1(report: Report) -> Grid:
+    """Return duration and collision samples of every scenario under every condition, and their summaries."""
+    names, source = report.figures.conditions, "measured" if report.reference.means else "paper"
+    ours = [[_ours(report, c, metric) for metric in SHOWN] for c in range(len(names))]
+    theirs = [_beside(report, name) for name in names]
+    groups = [mine + others for mine, others in zip(ours, theirs, strict=True)]
+    heads = ("time s", "coll/s")
+    columns = [
+        Columns(name, heads + ((f"{source} s", "coll/s") if beside else ()))
+        for name, beside in zip(names, theirs, strict=True)
+    ]
+    rows = [
+        Row(scenario, tuple(tuple(_scenario(column, scenario) for column in group) for group in groups))
+        for scenario in report.figures.scenarios
+    ]
+    summary = [
+        Row(what, tuple(tuple(_two(take(c.values)) if c.values.size else ABSENT for c in group) for group in groups))
+        for what, take in SUMMARIES.items()
+    ]
+    done = [f"{row.sum()}/{row.size}" for row in report.figures.completed]
+    summary.append(Row("completed", tuple((d, *[""] * (len(g) - 1)) for d, g in zip(done, groups, strict=True))))
+    title = f"{report.experiment.name}, seed {report.seed}"
+    return Grid(title, "scenario", tuple(columns), tuple(rows), tuple(summary), _notes(report))
+
+
+def ratios(report: Report) -> Grid:
+    """Return the ratios of means between the conditions with their intervals, and the paper's."""
+    published = report.experiment.reference
+    rows = []
+    for found in report.comparisons:
+        row: tuple[str, ...] = (
+            TITLES[found.metric],
+            f"{found.a} / {found.b}",
+            _number(found.ratio.ratio),
+            _interval(found.ratio.ci95),
+        )
+        if published:
+            a, b = (published.figures.get(name, {}).get(found.metric, ()) for name in (found.a, found.b))
+            row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else ABSENT,)
+        rows.append(row)
+    heads = ("conditions", "ratio", "95 % interval") + (("paper",) if published else ())
+    return flat("ratios of means", "figure", heads, rows)
+
+
+def measured_means(report: Report) -> Grid:
+    """Return our means beside the measured ones; no rows where nothing was measured."""
+    rows = [
+        (
+            m.metric,
+            m.condition,
+            _number(m.ours),
+            _number(m.measured),
+            _number(m.ratio),
+            _interval(m.ci95),
+            _yes(m.agrees),
+        )
+        for m in report.reference.means
+    ]
+    heads = ("condition", "ours", "measured", "ratio", "95 % interval", "agree")
+    return flat("means, ours beside measured", "figure", heads, rows)
+
+
+def measured_ratios(report: Report) -> Grid:
+    """Return our ratios between conditions beside the measured ones; no rows where nothing was measured."""
+    rows = [
+        (
+            r.metric,
+            f"{r.a} / {r.b}",
+            f"{_number(r.ours.ratio)} {_interval(r.ours.ci95)}",
+            f"{_number(r.measured.ratio)} {_interval(r.measured.ci95)}",
+            _yes(r.agrees),
+        )
+        for r in report.reference.ratios
+    ]
+    return flat("ratios, ours beside measured", "figure", ("conditions", "ours", "measured", "agree"), rows)
+
+
+def _ours(report: Report, condition: int, metric: str) -> _Column:
+    values = report.figures.values[metric][condition]
+    return _Column(dict(zip(report.figures.scenarios, values.tolist(), strict=True)), values)
+
+
+def _beside(report: Report, condition: str) -> list[_Column]:
+    """Return the columns of what was measured under a condition, else of what was published; none without either."""
+    if report.reference.means:
+        return [_measured(report, condition, metric) for metric in SHOWN]
+    published = report.experiment.reference
+    if published is None or condition not in published.figures:
+        return []
+    columns = [np.array(published.figures[condition].get(metric, ())) for metric in SHOWN]
+    scenarios = report.figures.scenarios if report.own_starts else ()
+    return [_Column(dict(zip(scenarios, values.tolist(), strict=False)), values) for values in columns]
+
+
+def _measured(report: Report, condition: str, metric: str) -> _Column:
+    key = {c.name: c.measured for c in report.experiment.conditions}[condition] or ""
+    samples = distance_metrics(report.experiment.mission.collision_distances)[0]
+    name = samples if metric == "collision_samples_per_s" else metric
+    found = {s: report.measured.get(s, {}).get(key, {}).get(name) for s in report.figures.scenarios}
+    exist = {scenario: value for scenario, value in found.items() if value is not None}
+    return _Column(exist, np.array(list(exist.values())))
+
+
+def _notes(report: Report) -> tuple[str, ...]:
+    mission = report.experiment.mission
+    notes = [
+        f"coll/s: pairs closer than {mission.collision_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
+        " per second; std is that of the population."
+    ]
+    if not report.figures.completed.all():
+        notes.append(f"Missions that were not completed count with the time limit, {mission.time_limit:g} s.")
+    if report.experiment.reference and not report.reference.means:
+        notes.append(f"paper: {report.experiment.reference.source}; its start configurations are not known.")
+    return tuple(notes)
+
+
+def _scenario(column: _Column, scenario: str) -> str:
+    return _two(column.by_scenario[scenario]) if scenario in column.by_scenario else ABSENT
+
+
+def _two(value: float) -> str:
+    return f"{value:.2f}"
+
+
+def _number(value: float | None) -> str:
+    """Return three significant digits, and all digits before the point."""
+    if value is None:
+        return ABSENT
+    return f"{value:.1f}" if abs(value) >= 100.0 else f"{value:#.3g}"
+
+
+def _interval(interval: Interval | None) -> str:
+    return ABSENT if interval is None else f"[{_number(interval[0])}, {_number(interval[1])}]"
+
+
+def _yes(agrees: bool | None) -> str:
+    return ABSENT if agrees is None else "yes" if agrees else "no"

@@ -1,0 +1,76 @@
+"""The tables of `clean-swarm knowledge`: all goals of a store, and one goal in full."""
+
+import math
+from collections.abc import Iterable
+from datetime import UTC, datetime
+
+from rich.table import Table
+
+from selector.documents.yaml import unknown
+from selector.store import Contents, Key, StoreError
+from selector.store.records import Entry
+
+NOTHING = "-"
+
+
+def all_goals(contents: Contents) -> Table:
+    """Return one row a goal: how much is known of it, since when and from whom."""
+    table = _table("goal", options=True, contexts=True, updates=True, **{"last update": False, "sources": False})
+    for goal in _goals(contents):
+        learned = {key: entry for key, entry in contents.learned.items() if key.goal == goal}
+        rated = {name for (of, name) in contents.expert if of == goal}
+        table.add_row(
+            goal,
+            str(len(rated | {key.option for key in learned})),
+            str(len({key.context for key in learned})),
+            str(sum(entry.moments.count for entry in learned.values())),
+            _time(entry.updated for entry in learned.values()),
+            ", ".join(sorted({key.source for key in learned})) or NOTHING,
+        )
+    return table
+
+
+def one_goal(contents: Contents, goal: str) -> Table:
+    """Return a row for each option, context and source of a goal: score, count, mean, standard deviation, update."""
+    goals = _goals(contents)
+    if goal not in goals:
+        raise StoreError(unknown("goal", goal, goals))
+    columns = {"configuration": False, "score": True, "context": False, "updates": True, "mean": True, "std": True}
+    table = _table("option", **columns, **{"last update": False, "source": False})
+    rated = {name: found for (of, name), found in contents.expert.items() if of == goal}
+    learned = {key: entry for key, entry in contents.learned.items() if key.goal == goal}
+    names = sorted(rated, key=lambda name: (rated[name].position, name))
+    names += sorted({key.option for key in learned} - set(rated))
+    for name in names:
+        option = rated[name].option if name in rated else None
+        first = (name, option.configuration if option else NOTHING, f"{option.score:g}" if option else NOTHING)
+        own = sorted((key, entry) for key, entry in learned.items() if key.option == name)
+        for row in [_learned(key, entry) for key, entry in own] or [(NOTHING, "0", *[NOTHING] * 4)]:
+            table.add_row(*first, *row)
+            first = ("", "", "")
+    return table
+
+
+def _learned(key: Key, entry: Entry) -> tuple[str, ...]:
+    moments = entry.moments
+    figures = (f"{moments.mean:.6g}", f"{math.sqrt(moments.variance):.6g}")
+    return (key.context or NOTHING, str(moments.count), *figures, _time([entry.updated]), key.source)
+
+
+def _goals(contents: Contents) -> list[str]:
+    return sorted({goal for goal, _ in contents.expert} | {key.goal for key in contents.learned})
+
+
+def _table(first: str, **columns: bool) -> Table:
+    """Return an empty table; a column is true if it holds numbers."""
+    table = Table(box=None, pad_edge=False)
+    table.add_column(first, overflow="fold")
+    for name, number in columns.items():
+        table.add_column(name, justify="right" if number else "left", overflow="fold")
+    return table
+
+
+def _time(updates: Iterable[int]) -> str:
+    """Return the latest time, in UTC to the second."""
+    latest = max(updates, default=None)
+    return NOTHING if latest is None else f"{datetime.fromtimestamp(latest // 10**6, UTC):%Y-%m-%d %H:%M:%S}"
