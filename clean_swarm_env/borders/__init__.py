@@ -1,0 +1,1 @@
+"""The environment as Gymnasium and Stable-Baselines3 want it."""

@@ -1,0 +1,1 @@
+"""Missions, experiments, families and start configurations as documents."""

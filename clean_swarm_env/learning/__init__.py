@@ -1,0 +1,1 @@
+"""What a learner sees, does and gets, for rows of robots."""

@@ -1,0 +1,1 @@
+"""What a robot observes, term by term."""

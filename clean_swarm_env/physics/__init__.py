@@ -1,0 +1,1 @@
+"""Bodies on a torus: motion, contacts, collisions."""

@@ -1,0 +1,1 @@
+"""The cleaning world and its mission."""

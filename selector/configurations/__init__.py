@@ -1,0 +1,1 @@
+"""Configurations of the library: documents and what runs of them."""

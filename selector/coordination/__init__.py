@@ -1,0 +1,1 @@
+"""Coordinators: which configuration serves a goal now."""

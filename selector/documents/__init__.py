@@ -1,0 +1,1 @@
+"""YAML documents: reading, checking, one wording of errors."""

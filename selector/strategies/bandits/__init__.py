@@ -1,0 +1,1 @@
+"""Strategies that learn the value of options from rewards."""

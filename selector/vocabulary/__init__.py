@@ -1,0 +1,1 @@
+"""The words of robot and mechanism documents, one model each."""

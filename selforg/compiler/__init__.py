@@ -1,0 +1,1 @@
+"""How functions are compiled and how arrays reach them."""

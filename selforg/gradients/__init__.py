@@ -1,0 +1,1 @@
+"""Gradients, own poses and the buffer that keeps what robots have received."""

@@ -1,0 +1,1 @@
+"""The compiled inside of the buffer: columns, grid, storing, looking up."""

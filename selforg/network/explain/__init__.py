@@ -1,0 +1,1 @@
+"""What a network did and why, in data and in words."""

@@ -1,0 +1,1 @@
+"""The planning problem, the built-in search and what plans are watched for."""

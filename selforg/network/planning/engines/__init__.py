@@ -1,0 +1,1 @@
+"""Planners of the unified-planning library behind the same interface."""

@@ -1,0 +1,1 @@
+"""What changes in a network from step to step."""

@@ -1,0 +1,6 @@
+"""Where the tests find the checkout and the recorded numbers beside it."""
+
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+SHARED = ROOT.parent / "shared"

@@ -1,0 +1,3 @@
+"""The command line `clean-swarm`; heavy libraries are imported by the commands that need them."""
+
+from train.cli.app import main as main

@@ -1,0 +1,1 @@
+"""Evaluations of experiments and families, and their repetition."""

@@ -1,0 +1,1 @@
+"""Goals of the library, run on their scenes."""

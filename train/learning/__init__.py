@@ -1,0 +1,1 @@
+"""Trainings: PPO on options and bandits."""

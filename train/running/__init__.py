@@ -1,0 +1,1 @@
+"""Runs in processes, and the directory that keeps them."""
