@@ -1,0 +1,71 @@
+"""Registries: classes of one kind, found by name. All registries of the project are made of this class."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator, Sequence
+from typing import Generic, TypeVar
+
+Base = TypeVar("Base")
+Class = TypeVar("Class")
+
+
+class UnknownNameError(KeyError):
+    """Nothing is registered under a name; the text lists what is, and the nearest of it."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class Registry(Generic[Base]):
+    """Subclasses of `Base` by name.
+
+    Example:
+        >>> MECHANISMS: Registry[Mechanism] = Registry("mechanism")
+        >>> @MECHANISMS.register
+        ... class Mine(Mechanism): ...
+        >>> MECHANISMS.find("Mine")
+
+    Args:
+        kind: what messages call an entry, such as "mechanism".
+        name_of: returns the name of a class; the name of the class itself by default.
+
+    """
+
+    def __init__(self, kind: str, name_of: Callable[[type[Base]], str] = lambda cls: cls.__name__) -> None:
+        self.kind = kind
+        self._name_of = name_of
+        self._classes: dict[str, type[Base]] = {}
+
+    def register(self, cls: type[Class]) -> type[Class]:
+        """Enter a class under its name, as a decorator; ValueError if the name is taken."""
+        entry: type[Base] = cls  # type: ignore[assignment]  # a decorator must return the type that it got
+        name = self._name_of(entry)
+        if name in self._classes:
+            raise ValueError(f"{self.kind} {name!r} is registered already, by {self._classes[name].__module__}")
+        self._classes[name] = entry
+        return cls
+
+    def names(self) -> tuple[str, ...]:
+        """Return all registered names, sorted."""
+        return tuple(sorted(self._classes))
+
+    def find(self, name: str) -> type[Base]:
+        """Return the class registered under `name`; UnknownNameError lists the known names."""
+        if name not in self._classes:
+            raise UnknownNameError(unknown(self.kind, name, self.names()))
+        return self._classes[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._classes
+
+    def __iter__(self) -> Iterator[type[Base]]:
+        """Iterate over the classes, in the order of their names."""
+        return (self._classes[name] for name in self.names())
+
+
+def unknown(what: str, name: str, known: Sequence[str]) -> str:
+    """Return the message for an unknown `name`: what there is, and the nearest of it."""
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"unknown {what} {name!r} (known: {', '.join(known) or 'none'}{hint})"
