@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar, get_args
+from typing import TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -99,14 +99,23 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
 
 def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
     """Return the keys of the model that lies at `location` below `model`; empty if the types do not tell."""
-    here: type[BaseModel] | None = model
+    here: object = model
     for part in location:
-        if isinstance(part, int):
-            continue
-        if here is None or part not in here.model_fields:
-            return []
-        here = _model_in(here.model_fields[part].annotation)
-    return sorted(here.model_fields) if here is not None else []
+        here = _below(here, part)
+    found = _model_in(here)
+    return sorted(found.model_fields) if found is not None else []
+
+
+def _below(annotation: object, part: int | str) -> object:
+    """Return the type of what lies at one key or index of a value; None if its type does not tell."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation.model_fields[part].annotation if part in annotation.model_fields else None
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is dict:
+        return arguments[1]
+    if origin is tuple and isinstance(part, int):
+        return arguments[0 if Ellipsis in arguments else part]
+    return next((found for one in arguments if (found := _below(one, part)) is not None), None)
 
 
 def _model_in(annotation: object) -> type[BaseModel] | None:
