@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.learning.observation.kernels import see
 from clean_swarm_env.learning.observation.terms import TERMS, ObservationConfig, components
-from clean_swarm_env.learning.progress import Progress
-from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.learning.progress import Progress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.compiler.decorators import kernel
 
@@ -49,7 +48,7 @@ class Observer:
         self._held_columns -= sum(len(names) for names in options.values())
         self._held: Ints = np.zeros((worlds.rows, len(worlds.coordinators)), dtype=np.int64)
         self._length_column = worlds.network.model.sensor_index.get("rep_len", -1)
-        self._avoiding = worlds.network.model.behaviour_index.get(GOAL, -1)
+        self._avoiding = avoidance_column(worlds)
 
     def _make_scales(self, worlds: Worlds) -> Floats:
         mission, config = worlds.mission, self.config
