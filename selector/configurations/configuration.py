@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, Flag, Name, Number, unknown
+from selector.documents.fields import Closed, Flag, Name, Number
 from selector.vocabulary.activators import BooleanSpec
 from selector.vocabulary.components import (
     ActionSpecs,
@@ -33,6 +33,7 @@ from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradi
 from selforg.mechanisms import names as mechanism_names
 from selforg.mechanisms.base import Mechanism
 from selforg.network.model.behaviours import Behaviour, Goal, Interface, NetworkSettings, Sensor, SensorKind
+from selforg.registry import unknown
 
 FACTS = ("VectorPresent", "GoalPresent", "GoalReached", "FartherThan", "StateIs", "Changed")
 """Sensors that read facts; what is known may be either, the others read numbers."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import Host
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.vocabulary.components import (
     ActionSpec,
     ActSpec,

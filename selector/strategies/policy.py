@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from selector.documents.yaml import Closed, Flag, Name, shown
+from selector.documents.errors import shown
+from selector.documents.fields import Closed, Flag, Name
 from selector.strategies.choosing import best, chance_of, drawn
 from selector.strategies.policy_file import TrainedPolicy, Weights, find_policy, load_policy
 from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
@@ -17,7 +18,7 @@ class PolicyParameters(Closed):
     """Which policy, and how it decides."""
 
     policy: Name
-    """Directory of an exported policy, or the name of one that ships."""
+    """Directory of an exported policy, or the name of one in `policies/` of a directory of configurations."""
     sampled: Flag = False
     """Draw an option with the probabilities of the network, as in training, instead of taking the likeliest."""
 
@@ -30,7 +31,7 @@ class Policy(DecisionStrategy):
     parameters: PolicyParameters
 
     def _prepare(self) -> None:
-        directory = find_policy(self.parameters.policy)
+        directory = find_policy(self.parameters.policy, self.directories)
         self.network = Network(load_policy(directory).ordered_for(self.problem, shown(directory)))
 
     @property

@@ -1,16 +1,20 @@
 """Strategies by name: the register, and how YAML and the command line name one with its parameters."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, DocumentError, Name, read_value, unknown, validated
+from selector.documents.errors import DocumentError, validated
+from selector.documents.fields import Closed, Name
+from selector.documents.reading import read_value
 from selector.strategies.problem import Ints, Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import Keys
+from selforg.registry import unknown
 
 S = TypeVar("S", bound=type[DecisionStrategy])
 
@@ -35,10 +39,13 @@ class StrategySpec(Closed):
         validated(known[self.name].Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
         return self
 
-    def build(self, problem: Problem, keys: Keys, teams: Ints) -> DecisionStrategy:
-        """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,)."""
+    def build(self, problem: Problem, keys: Keys, teams: Ints, directories: Sequence[Path] = ()) -> DecisionStrategy:
+        """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,).
+
+        Files that parameters name are looked for in `directories` before the shipped one.
+        """
         groups = {"all": np.zeros_like(teams), "team": teams, "robot": np.arange(len(teams))}
-        return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing])
+        return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing], directories=directories)
 
 
 def spec_from_text(text: str) -> StrategySpec:
@@ -78,7 +85,13 @@ def registered() -> dict[str, type[DecisionStrategy]]:
 
 
 def create(
-    name: str, problem: Problem, keys: Keys, parameters: Mapping[str, Any] | None = None, *, groups: Ints | None = None
+    name: str,
+    problem: Problem,
+    keys: Keys,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    groups: Ints | None = None,
+    directories: Sequence[Path] = (),
 ) -> DecisionStrategy:
     """Return a new strategy of a registered name; the other arguments are those of `DecisionStrategy`.
 
@@ -89,4 +102,4 @@ def create(
     known = registered()
     if name not in known:
         raise DocumentError(unknown("strategy", name, tuple(known)))
-    return known[name](problem, keys, parameters, groups=groups)
+    return known[name](problem, keys, parameters, groups=groups, directories=directories)

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from selector.documents.yaml import NonNegative, Number
+from selector.documents.fields import NonNegative, Number
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, summed, weighted
 from selector.strategies.problem import Decisions, Floats, Ints, Outcomes

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from selector.documents.yaml import NonNegative, Share
+from selector.documents.fields import NonNegative, Share
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Ints

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, NonNegative, Number
+from selector.documents.fields import Closed, NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even
 from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
 from selector.strategies.registry import register

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from selector.documents.yaml import Positive
+from selector.documents.fields import Positive
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Floats, Ints

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from selector.documents.yaml import NonNegative
+from selector.documents.fields import NonNegative
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, weighted
 from selector.strategies.problem import Decisions, Floats, Ints, Outcomes

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from selector.documents.yaml import NonNegative
+from selector.documents.fields import NonNegative
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.problem import Decisions, Ints

@@ -10,7 +10,7 @@ import pytest
 import safetensors.numpy
 
 from selector.documents.arrays import load_arrays, save_arrays
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.store import Batch, KnowledgeStore
 from selector.strategies.learned_file import load_strategy, save_strategy, spec_of
 from selector.strategies.problem import Problem

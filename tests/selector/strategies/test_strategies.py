@@ -5,7 +5,8 @@ import pytest
 
 import selector.strategies.registry
 import selector.strategies.strategy
-from selector.documents.yaml import Closed, DocumentError, validated
+from selector.documents.errors import DocumentError, validated
+from selector.documents.fields import Closed
 from selector.strategies.fixed import Fixed
 from selector.strategies.max_score import MaxScore
 from selector.strategies.problem import Problem
@@ -168,8 +169,14 @@ def test_the_examples_in_the_texts_work(module, monkeypatch):
     ("strategy", "message"),
     [
         ({"name": "Luck"}, r"^file: strategy: unknown strategy 'Luck' \(known: DiscountedUCB"),
-        ({"name": "UCB1", "parameters": {"luck": 7}}, "^file: strategy: UCB1: luck: unknown key$"),
-        ({"name": "UCB1", "share": "all"}, r"^file: strategy\.share: unknown key$"),
+        (
+            {"name": "UCB1", "parameters": {"luck": 7}},
+            r"^file: strategy: UCB1: luck: unknown key 'luck' \(known: .*\)$",
+        ),
+        (
+            {"name": "UCB1", "share": "all"},
+            r"^file: strategy\.share: unknown key 'share' \(known: .*did you mean 'sharing'\?\)$",
+        ),
     ],
 )
 def test_a_strategy_in_a_file_is_checked_as_it_is_read(strategy, message):
