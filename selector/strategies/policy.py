@@ -7,7 +7,7 @@ from selector.documents.fields import Closed, Flag, Name
 from selector.strategies.choosing import best, chance_of, drawn
 from selector.strategies.policy_file import TrainedPolicy, Weights, find_policy, load_policy
 from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.compiler.decorators import kernel
 
@@ -23,7 +23,7 @@ class PolicyParameters(Closed):
     """Draw an option with the probabilities of the network, as in training, instead of taking the likeliest."""
 
 
-@register
+@STRATEGIES.register
 class Policy(DecisionStrategy):
     """A policy trained by PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347); it learns no further."""
 

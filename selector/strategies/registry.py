@@ -1,9 +1,8 @@
-"""Strategies by name: the register, and how YAML and the command line name one with its parameters."""
+"""Strategies by name: their registry, and how YAML and the command line name one with its parameters."""
 
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal, Self, TypeVar
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -14,11 +13,9 @@ from selector.documents.reading import read_value
 from selector.strategies.problem import Ints, Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import Keys
-from selforg.registry import unknown
+from selforg.registry import Registry, UnknownNameError
 
-S = TypeVar("S", bound=type[DecisionStrategy])
-
-_registered: dict[str, type[DecisionStrategy]] = {}
+STRATEGIES: Registry[DecisionStrategy] = Registry("strategy")
 
 
 class StrategySpec(Closed):
@@ -33,10 +30,7 @@ class StrategySpec(Closed):
 
     @model_validator(mode="after")
     def _exists(self) -> Self:
-        known = registered()
-        if self.name not in known:
-            raise ValueError(unknown("strategy", self.name, tuple(known)))
-        validated(known[self.name].Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
+        validated(named(self.name).Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
         return self
 
     def build(self, problem: Problem, keys: Keys, teams: Ints, directories: Sequence[Path] = ()) -> DecisionStrategy:
@@ -69,21 +63,6 @@ def spec_from_text(text: str) -> StrategySpec:
     return validated(StrategySpec, content | {"parameters": values}, f"strategy {text!r}")
 
 
-def register(strategy: S) -> S:
-    """Make a strategy known by the name of its class."""
-    name = strategy.__name__
-    if name in _registered:
-        raise ValueError(f"strategy '{name}' is registered twice")
-    _registered[name] = strategy
-    return strategy
-
-
-def registered() -> dict[str, type[DecisionStrategy]]:
-    """Return all registered strategies by name, those that ship among them."""
-    import_module("selector.strategies")  # they register as they are imported, and need this module to do so
-    return dict(sorted(_registered.items()))
-
-
 def create(
     name: str,
     problem: Problem,
@@ -99,7 +78,12 @@ def create(
         DocumentError: an unknown name, or parameters that do not fit.
 
     """
-    known = registered()
-    if name not in known:
-        raise DocumentError(unknown("strategy", name, tuple(known)))
-    return known[name](problem, keys, parameters, groups=groups, directories=directories)
+    return named(name)(problem, keys, parameters, groups=groups, directories=directories)
+
+
+def named(name: str) -> type[DecisionStrategy]:
+    """Return the strategy registered under a name; DocumentError lists the known names."""
+    try:
+        return STRATEGIES.find(name)
+    except UnknownNameError as error:
+        raise DocumentError(str(error)) from error

@@ -28,8 +28,8 @@ class DecisionStrategy(ABC):
     implements `_select` and `_update`, and, if it learns, `_first_state`; what it may set is a model of its own:
 
     >>> import numpy as np
-    >>> from selector.strategies.registry import create, register, registered
-    >>> @register
+    >>> from selector.strategies.registry import STRATEGIES, create
+    >>> @STRATEGIES.register
     ... class LastReward(DecisionStrategy):
     ...     last: Floats
     ...
