@@ -26,7 +26,9 @@ def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
     for name, part in snapshot(one.worlds, 0).items():
         if name not in ("inner", "held"):  # of the coordinators, of which one has one more
             assert np.array_equal(part, parts[name]), name
-    assert other.worlds.pheromones.count(0, "pheromone") == one.worlds.pheromones.count(0, "pheromone") > 100
+    assert (
+        other.worlds.minds.pheromones.count(0, "pheromone") == one.worlds.minds.pheromones.count(0, "pheromone") > 100
+    )
 
 
 def test_what_robots_patrol_by_decides_the_mission():
