@@ -21,10 +21,9 @@ def test_worlds_and_their_parts_say_that_they_cannot_be_copied(contacts, ticks, 
             copied(part)
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, pickle.dumps])
-def test_what_holds_worlds_cannot_be_copied_either(copied):
+def test_what_holds_worlds_cannot_be_copied_either():
     with pytest.raises(TypeError, match="cannot be copied or pickled"):
-        copied(Batch(mission()))
+        copy.deepcopy(Batch(mission()))
 
 
 def test_the_message_says_what_to_do_instead():
