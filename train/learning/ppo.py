@@ -20,7 +20,6 @@ from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
-from clean_swarm_env.world.robot import GOAL
 from selector.documents.arrays import write_whole
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from train.learning.checkpoints import TrainingDirectory
@@ -101,7 +100,7 @@ class PpoTraining:
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return what the network is now, as it is exported."""
         batch = self.curriculum.batches[0]
-        goal = batch.worlds.minds.coordinator_of(GOAL).model.goal
+        goal = batch.worlds.coordinator.model.goal
         return exported(self.model, self.normal, goal, batch.options[goal], batch.observer.names, training)
 
     def export(self, command: str) -> Path:

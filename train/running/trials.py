@@ -17,7 +17,6 @@ from clean_swarm_env.config.frames import frame_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.world.mission import MissionResult
-from clean_swarm_env.world.robot import GOAL
 from selector.strategies.policy import Network
 from selector.strategies.policy_file import TrainedPolicy
 from selector.strategies.problem import Problem
@@ -84,7 +83,7 @@ class PolicyPilot:
 
 def problem_of(batch: Batch) -> Problem:
     """Return what is decided in a batch and what is seen; the first coordinated goal counts."""
-    model = batch.worlds.minds.coordinator_of(GOAL).model
+    model = batch.worlds.coordinator.model
     return Problem(model.goal, model.options, model.scores, batch.observer.names)
 
 
