@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import run_seed
-from clean_swarm_env.world.mission import Course, MissionResult, result_of, run_mission
+from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of, run_mission
 from clean_swarm_env.world.robot import GOAL
 from selforg.network.explain.explanation import explain
 from selforg.network.explain.recording import record_at
@@ -57,7 +57,7 @@ def told(capsys, monkeypatch):
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez", "RepulsionGradient"):
         task = task_of(evaluated, "2", condition)
-        plain = Course(task.mission, task.start, run_seed(5, "2"), task.scores)
+        plain = Course(MissionRun(task.mission, task.start, run_seed(5, "2"), task.scores))
         for explained in steps_of(task):
             assert plain.in_progress
             plain.tick()
