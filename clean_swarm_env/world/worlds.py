@@ -24,7 +24,7 @@ from clean_swarm_env.world.littering import ITEMS, store_items
 from clean_swarm_env.world.robot import cargo_in_reach, robot_model
 from clean_swarm_env.world.team import Team
 from clean_swarm_env.world.tick_kernels import WORLD_TABLES, begin_to_act, sense
-from selector.configurations.host import Host, host_knowledge
+from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import hold_options
@@ -159,7 +159,7 @@ class Worlds:
         planner = planner_named(model, self.mission.network.planner)
         self.network = BehaviourNetwork(model, self.rows, planner, explained)
         self._chances = [np.random.default_rng(0)] * self.rows
-        self._knowledge = host_knowledge((spec for m in models for spec in m.configurations), self.rows)
+        self._knowledge = host_memory((spec for m in models for spec in m.configurations), self.rows)
         host = Host(self.poses, self._buffers, self.directions, self._chances, self._knowledge)
         self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
         index = model.behaviour_index

@@ -48,19 +48,30 @@ def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
     return PydanticCustomError(IMPOSSIBLE, message, {"key": key, "expected": expected, "given": str(given)})
 
 
+def of_part(part: str, error: ValidationError, model: type[BaseModel]) -> PydanticCustomError:
+    """Return the error of a part as one that the validator of the whole can raise; its key begins with `part`."""
+    key, what = _first_mistake(error, model)
+    return PydanticCustomError(IMPOSSIBLE, "{what}", {"key": f"{part}.{key}", "what": what})
+
+
 def one_line(error: ValidationError, where: str, model: type[BaseModel]) -> str:
     """Return `where: key: what is wrong` for the first mistake of `error`, raised when validating `model`."""
-    details = error.errors(include_url=False)
-    # An unknown key often makes another one missing: the unknown one is named.
-    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-    key = ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)])
-    return f"{where}: {f'{key}: ' if key else ''}{_what(first, model)}"
+    key, what = _first_mistake(error, model)
+    return f"{where}: {f'{key}: ' if key else ''}{what}"
 
 
 def shown(path: Path) -> str:
     """Return `path` as a user in the working directory would write it."""
     relative = os.path.relpath(path)
     return str(path) if relative.startswith("..") else relative
+
+
+def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
+    """Return the dotted key of the first mistake, and what is wrong."""
+    details = error.errors(include_url=False)
+    # An unknown key often makes another one missing: the unknown one is named.
+    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+    return ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)]), _what(first, model)
 
 
 def _key_of_context(details: ErrorDetails) -> list[str]:

@@ -12,7 +12,7 @@ from rich.table import Table
 from clean_swarm_env.config.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from selector.store import Contents, KnowledgeStore
+    from selector.store import KnowledgeStore, StoredKnowledge
 
 TABLE_WIDTH = 140
 """Least width of the printed tables [characters]."""
@@ -128,17 +128,17 @@ def reset(
         typer.echo(f"{opened.name}: forgot {_counted(entries, 'entry', 'entries')}, {_options(options)}")
 
 
-def _contents(given: str, source: str, configs: list[Path]) -> "Contents":
+def _contents(given: str, source: str, configs: list[Path]) -> "StoredKnowledge":
     from selector.knowledge import load_knowledge
     from selector.store import document
-    from selector.store.records import contents_of
+    from selector.store.stored_knowledge import stored
 
     path = Path(given)
     if path.is_file():
         return document.read(path, source)
     if path.suffix or path.name != given:
         raise ConfigurationError(f"{given}: no such file")
-    return contents_of(load_knowledge(given, configs), source)
+    return stored(load_knowledge(given, configs), source)
 
 
 @contextmanager
@@ -152,7 +152,7 @@ def _opened(url: str | None, *, create: bool) -> "Iterator[KnowledgeStore]":
         store.close()
 
 
-def _amount(contents: "Contents") -> str:
+def _amount(contents: "StoredKnowledge") -> str:
     updates = sum(entry.moments.count for entry in contents.learned.values())
     return f"{_options(len(contents.expert))}, {_counted(updates, 'update', 'updates')}"
 

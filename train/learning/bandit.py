@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from selector.documents.arrays import load_arrays, save_arrays
-from selector.store import Batch as StoreBatch
-from selector.store import KnowledgeStore
+from selector.store import KnowledgeStore, RewardSums
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
@@ -57,7 +56,7 @@ class BanditTraining:
         self.strategy = self._built(self.settings.strategy, self.problem, self._learning.teams)
         self.progress, self.checkpoint, self.decisions = Progress(), 0, 0
         self._best = self.strategy.learned()
-        self._record = StoreBatch(self.problem.goal, self.problem.options)
+        self._record = RewardSums(self.problem.goal, self.problem.options)
         if directory.begun:
             self._load()
 
@@ -82,7 +81,7 @@ class BanditTraining:
         self._save()
         if self._store is not None and self._record.count:
             self._store.add(self._record, source=f"{self.config.name}-seed{self.seed}")
-        self._record = StoreBatch(self.problem.goal, self.problem.options)
+        self._record = RewardSums(self.problem.goal, self.problem.options)
 
     def export(self, command: str) -> Path:
         """Write what the strategy had learned when it was best and return the file; `command` is in the manifest."""
