@@ -8,11 +8,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from clean_swarm_env.config.errors import ConfigurationError, one_line
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.world.mission import Course, result_of
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import one_line
 from selforg.registry import unknown
 from train.evaluation.plan import FINGERPRINTED, fingerprints, versions
 from train.running.results import MANIFEST
