@@ -89,7 +89,7 @@ class Course:
         models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
         self.worlds = Worlds(mission, models, directories=directories, explained=explained)
         self.worlds.reset(0, start, seed)
-        self._selection = Selection(self.worlds.coordinators, seed, strategy)
+        self._selection = Selection(self.worlds.coordinators, seed, strategy, directories=directories)
         self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
         self._limit = round(mission.time_limit / self.worlds.period)
         self.worlds.hold(self._selection.decide())
