@@ -43,8 +43,8 @@ class Counts(NamedTuple):
     origins: Annotated[Floats, "R 2"]  # positions when the pairs were listed [m]
 
 
-COUNTS = Recording(Counts)
-open_counts = COUNTS.open
+COLLISION_COUNTS = Recording(Counts)
+open_counts = COLLISION_COUNTS.open
 
 
 class CollisionCounter:
@@ -92,7 +92,7 @@ class CollisionCounter:
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
         room = robots if shape[0] else 0
         squares = np.square(self.distances)
-        self.packed: Packed[Counts] = COUNTS.pack(
+        self.packed: Packed[Counts] = COLLISION_COUNTS.pack(
             Counts(
                 samples=self.samples,
                 events=self.events,

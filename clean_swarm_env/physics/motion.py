@@ -13,9 +13,9 @@ from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 from selforg.space import nearest_image, wrapped
 
-ALONE: Final = 0  # search for contacts: nobody ever touches
-PAIRS: Final = 1  # look at every pair of a world
-ALWAYS: Final = 2  # take every world to be in contact
+NOBODY_TOUCHES: Final = 0  # search for contacts: nobody ever touches
+SEARCH_PAIRS: Final = 1  # look at every pair of a world
+ALWAYS_TOUCHING: Final = 2  # take every world to be in contact
 
 COPY_RIGHT: Final = 1  # seam copies of a body, one bit each: at (+width, 0),
 COPY_ABOVE: Final = 2  # at (0, +height),
@@ -38,7 +38,7 @@ class Motion(NamedTuple):
     handles: Annotated[Ints, "W HANDLES"]  # see `chipmunk_calls`
     current: Annotated[Flags, "W"]  # pymunk holds `bodies` as they are
     left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
-    search: int  # ALONE, PAIRS or ALWAYS
+    search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
     height: float  # [m]
     reach: float  # distance of two centres below which robots touch [m]
@@ -101,7 +101,7 @@ def search_contacts(world: int, m: Motion) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
     robots = m.positions.shape[0] // m.patience.shape[0]
     first = world * robots
-    if m.search == ALWAYS or (m.search == PAIRS and touching(first, first + robots, m)):
+    if m.search == ALWAYS_TOUCHING or (m.search == SEARCH_PAIRS and touching(first, first + robots, m)):
         m.patience[world] = m.settling
     elif m.patience[world] > 0:
         m.patience[world] -= 1
