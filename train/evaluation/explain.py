@@ -104,7 +104,7 @@ def as_json(situation: dict[str, Any], explanation: Explanation, inside: Sequenc
     return json.dumps(situation | asdict(explanation) | held, indent=2, allow_nan=False)
 
 
-def on_terminal(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> RenderableType:
+def step_on_terminal(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
