@@ -8,17 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
-from clean_swarm_env.learning.episodes import EpisodeSource, Series, Size, episodes_of
+from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.learning.progress import COMPLETED, TIME_OVER, MissionProgress
@@ -70,26 +69,28 @@ class Finished:
         }
 
 
+class BatchSettings(EpisodeSettings, total=False):
+    """Further settings of a batch, as keyword arguments."""
+
+    source: EpisodeSource | None
+    """What each world does next, in place of episodes that follow from seeds; the mission, or a scenario of the family,
+    then shows the frame that all have (`frames`). A world that gets nothing stays as it is, and counts no more, until
+    `reset`."""
+    begin_anew: bool
+    """Whether a world whose mission is over begins its next episode at the end of that period, which it does unless
+    told otherwise. If not, it stays as it is, and counts no more, until `reset`."""
+
+
 class Batch:
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
         mission: a mission, or the name of one in `configs/missions`.
         worlds: W.
-        family: a family of scenarios, or the name of one in `configs/families`, in place of the mission: the episodes
-            are its scenarios.
-        split: which scenarios of the family.
-        size: width and height of the torus [m], for a family that draws from several: its scenarios on that torus.
-        source: what each world does next, in place of episodes that follow from seeds; the mission, or a scenario of
-            the family, then shows the frame that all have (`frames`). A world that gets nothing stays as it is, and
-            counts no more, until `reset`.
-        knowledge: name of the expert knowledge, in place of that of the mission.
         observation: terms of the observation.
         reward: weights of the reward's terms.
         action: what an action is.
-        begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
-            it stays as it is, and counts no more, until `reset`.
-        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
+        settings: see `BatchSettings` and `EpisodeSettings`.
 
     Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
     on the torus of `size`).
@@ -115,22 +116,19 @@ class Batch:
         mission: MissionConfig | str = "table1",
         worlds: int = 1,
         *,
-        family: FamilyConfig | str | None = None,
-        split: Split = "train",
-        size: Size | None = None,
-        source: EpisodeSource | None = None,
-        knowledge: str | None = None,
         observation: ObservationConfig | None = None,
         reward: RewardConfig | None = None,
         action: ActionConfig | None = None,
-        begin_anew: bool = True,
-        directories: tuple[Path, ...] = (),
+        **settings: Unpack[BatchSettings],
     ) -> None:
-        episodes = episodes_of(mission, family, split, size, knowledge, directories)
+        unknown = settings.keys() - BatchSettings.__optional_keys__
+        if unknown:
+            raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
+        episodes, directories = episodes_of(mission, settings), settings.get("directories", ())
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
-        self._source: EpisodeSource = self._series if source is None else source
-        self.action, self.begin_anew = action or ActionConfig(), begin_anew
+        self._source: EpisodeSource = settings.get("source") or self._series
+        self.action, self.begin_anew = action or ActionConfig(), settings.get("begin_anew", True)
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import count
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
 
@@ -64,21 +65,34 @@ class Series:
         self._running = [self._episodes(seed, world, worlds) for world in range(worlds)]
 
 
-def episodes_of(
-    mission: MissionConfig | str,
-    family: FamilyConfig | str | None = None,
-    split: Split = "train",
-    size: Size | None = None,
-    knowledge: str | None = None,
-    directories: tuple[Path, ...] = (),
-) -> Episodes:
-    """Return the episodes of a mission, or of a family if there is one; see `Batch` for the arguments."""
+class EpisodeSettings(TypedDict, total=False):
+    """What the episodes of a mission are; without settings the mission from random starts."""
+
+    family: FamilyConfig | str | None
+    """A family of scenarios, or the name of one in `configs/families`, in place of the mission: its scenarios are the
+    episodes."""
+    split: Split
+    """Which scenarios of the family, "train" unless given."""
+    size: Size | None
+    """Torus of a family that draws from several: its scenarios on that torus."""
+    knowledge: str | None
+    """Name of the expert knowledge, in place of that of the mission."""
+    directories: tuple[Path, ...]
+    """The user's configurations, knowledge and robots, searched before the shipped ones."""
+
+
+def episodes_of(mission: MissionConfig | str, settings: EpisodeSettings | None = None) -> Episodes:
+    """Return the episodes of a mission, or of the family that the settings name."""
+    chosen = settings or {}
+    family, directories = chosen.get("family"), chosen.get("directories", ())
+    size, knowledge = chosen.get("size"), chosen.get("knowledge")
     if family is None:
         given = load_mission(mission, directories) if isinstance(mission, str) else mission
         return _of_mission(_with_knowledge(given, knowledge))
     drawn = load_family(family, directories) if isinstance(family, str) else family
     _check_size(drawn, size)
-    return _of_family(drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)}), split, size)
+    known = drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)})
+    return _of_family(known, chosen.get("split", "train"), size)
 
 
 def _of_mission(mission: MissionConfig) -> Episodes:

@@ -9,7 +9,7 @@ from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Sett
 from selforg.arrays import Floats
 
 HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
-HILLS, START_AWAY = 5, 5.0  # [-], [m]
+HILLS, START_FROM_TOP = 5, 5.0  # [-], [m]
 SOURCE_REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
 SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 
@@ -29,7 +29,7 @@ class FollowPotentialField(Scene):
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         top = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_AWAY))
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_FROM_TOP))
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:

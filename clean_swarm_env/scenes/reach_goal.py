@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from clean_swarm_env.scenes.avoidance import OBSTACLE_RADIUS
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
-OBSTACLES, OBSTACLE_RADIUS = 8, 0.5  # [-], [m]
+OBSTACLES_BETWEEN = 8
 GOAL_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
 OFF_GOAL, OFF_START = 4.5, 2.2  # [m] of obstacles: so far off, they repel nobody who has arrived or not yet begun
 FIELD = 20.0  # [m]
@@ -38,11 +39,13 @@ class ReachGoal(Scene):
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         goal = self.ground.centre[None]
-        self._obstacles = np.empty((self.arena.worlds, OBSTACLES, 2))
+        self._obstacles = np.empty((self.arena.worlds, OBSTACLES_BETWEEN, 2))
         for world, rng in enumerate(chances):
             taken = np.concatenate([goal, self.positions[world]])
             gaps = np.array([OFF_GOAL] + [OFF_START] * self.chosen.robots)
-            self._obstacles[world] = scattered(rng, OBSTACLES, self.ground, 3.0, side=14.0, free_of=Taken(taken, gaps))
+            self._obstacles[world] = scattered(
+                rng, OBSTACLES_BETWEEN, self.ground, 3.0, side=14.0, free_of=Taken(taken, gaps)
+            )
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
 
     def _around(self) -> tuple[Gradients, ...]:

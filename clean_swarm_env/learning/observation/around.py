@@ -43,8 +43,8 @@ class Around(NamedTuple):
     carriers: Annotated[Ints, "1 R"]  # number of other robots with cargo within the largest range
 
 
-AROUND = Recording(Around)
-open_around = AROUND.open
+AROUND_RECORD = Recording(Around)
+open_around = AROUND_RECORD.open
 
 
 @inlined
