@@ -47,20 +47,20 @@ class BatchStep(NamedTuple):
 
 @dataclass(frozen=True)
 class Finished:
-    """A mission that came to its end in the last period."""
+    """A mission that ended in the last period."""
 
     world: int
     """Which world of the batch."""
     scenario: Scenario
     """What the world did."""
     result: MissionResult
-    """What the mission came to."""
+    """Its figures."""
     collision_events: int
     """How often a pair came closer than the first collision distance."""
 
     @property
     def statistics(self) -> dict[str, float | int | bool]:
-        """What borders report of a mission."""
+        """The figures that borders report of a mission."""
         return {
             "duration_s": self.result.duration_s,
             "garbage_done": self.result.garbage_done,
@@ -74,11 +74,11 @@ class BatchSettings(EpisodeSettings, total=False):
 
     source: EpisodeSource | None
     """What each world does next, in place of episodes that follow from seeds; the mission, or a scenario of the family,
-    then shows the frame that all have (`frames`). A world that gets nothing stays as it is, and counts no more, until
-    `reset`."""
+    then shows the frame that all have (`frames`). A world without a next scenario stays as it is, and counts no more,
+    until `reset`."""
     begin_anew: bool
-    """Whether a world whose mission is over begins its next episode at the end of that period, which it does unless
-    told otherwise. If not, it stays as it is, and counts no more, until `reset`."""
+    """Whether a world whose mission is over begins its next episode at the end of that period, by default
+    yes. If not, the world stays as it is, and counts no more, until `reset`."""
 
 
 class Batch:
@@ -154,8 +154,8 @@ class Batch:
     ) -> Observations:
         """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
 
-        `seeds` (W,) begin the series of episodes anew; without one (None) a world goes on with its series, or begins
-        one nobody knows. `starts` (W,) take the place of random starts.
+        `seeds` (W,) begin the series of episodes anew; a world without one (None) goes on with its series, or begins
+        one of a seed drawn from the system. `starts` (W,) take the place of random starts.
         """
         nothing = [None] * self.worlds.worlds
         for name, given in (("seeds", seeds), ("starts", starts)):
@@ -175,16 +175,16 @@ class Batch:
         return self.observations
 
     def share(self, seed: int) -> None:
-        """Deal the episodes of one seed out to the worlds, from the next reset on: world w does w, w + W, ... of it."""
+        """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""
         self._series.share(seed)
 
     @property
     def finished(self) -> tuple[Finished, ...]:
-        """The missions that came to their end in the last period."""
+        """The missions that ended in the last period."""
         return tuple(self._finished)
 
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
-        """Begin the next episode of a world, robots holding what the expert rates highest."""
+        """Begin the next episode of a world; robots hold the options of the highest expert score."""
         scenario = self._source(world)
         if scenario is None:
             self.progress.stay(world)
@@ -203,7 +203,7 @@ class Batch:
         return self.choices.masks(self.observer.phases)
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
-        """Let each robot act for one decision period; in a world whose mission ends the period ends early.
+        """Run one decision period; in a world whose mission ends the period ends early.
 
         `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
         """
@@ -234,7 +234,7 @@ class Batch:
         return BatchStep(self.observations, self._gained, terminated, truncated, self._final)
 
     def _keep_ends(self) -> None:
-        """Keep what the missions came to that ended with the last tick, and what their robots see."""
+        """Keep the figures and the last observations of the missions that ended with the last tick."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
         for world in ended.tolist():

@@ -27,7 +27,7 @@ Episodes = Callable[[int, int, int], Iterator[Scenario]]
 
 
 class Series:
-    """A source for W worlds in which everything follows from seeds.
+    """The source of W worlds whose episodes follow from seeds.
 
     >>> series = Series(episodes_of("table1"), worlds=2)
     >>> series.begin([5, 6])
@@ -52,7 +52,7 @@ class Series:
     def begin(self, seeds: Sequence[int | None]) -> None:
         """Give each world (W,) the episodes 0, 1, ... of its seed.
 
-        Without one (None) a world goes on with what it has, or begins with a seed that nobody knows.
+        A world without one (None) goes on with its episodes, or begins those of a seed drawn from the system.
         """
         for world, seed in enumerate(seeds):
             if seed is not None or self._running[world] is None:
@@ -60,7 +60,7 @@ class Series:
                 self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
 
     def share(self, seed: int) -> None:
-        """Deal the episodes of one seed out: world w of W gets the episodes w, w + W, ..."""
+        """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
         worlds = len(self._running)
         self._running = [self._episodes(seed, world, worlds) for world in range(worlds)]
 
@@ -122,7 +122,7 @@ def _of_family(family: FamilyConfig, split: Split, size: Size | None) -> Episode
 
 
 def _check_size(family: FamilyConfig, size: Size | None) -> None:
-    """Raise ValueError unless the size says with which torus, of those of the family, the scenarios are meant."""
+    """Raise ValueError unless `size` is a torus of the family, or the family has one torus only."""
     sizes = family.tori
     if size not in sizes and (size is not None or len(sizes) > 1):
         known = ", ".join(f"{own}" for own in sizes)

@@ -11,7 +11,7 @@ from selforg.arrays import Floats
 
 OBSTACLES_BETWEEN = 8
 GOAL_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
-OFF_GOAL, OFF_START = 4.5, 2.2  # [m] of obstacles: so far off, they repel nobody who has arrived or not yet begun
+OFF_GOAL, OFF_START = 4.5, 2.2  # [m] from obstacles: they repel no robot at the goal or at its start
 FIELD = 20.0  # [m]
 
 
@@ -24,10 +24,14 @@ class ReachGoal(Scene):
     measures = (
         Measure("distance to the goal area", "m", "lower", 0.5, "a robot's length beyond touching it"),
         Measure(
-            "obstacles hit per robot and minute", "1/min", "lower", 0.3,
-            "a tenth of what going straight through them gives by chance", guard=True,
+            "obstacles hit per robot and minute",
+            "1/min",
+            "lower",
+            0.3,
+            "a tenth of what going straight through them gives by chance",
+            guard=True,
         ),
-    )  # fmt: skip
+    )
     baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=6, seconds=90.0, ground="torus")
     side = FIELD
@@ -55,7 +59,7 @@ class ReachGoal(Scene):
             Gradients("obstacle", self._obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),
         )
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _look(self) -> None:
