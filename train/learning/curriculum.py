@@ -54,7 +54,7 @@ class Curriculum:
         }
 
     def begin(self, checkpoint: int) -> None:
-        """Give the batches their scenarios after a checkpoint, from the next reset on; seed and checkpoint choose them."""
+        """Give the batches the scenarios that follow a checkpoint; seed and checkpoint decide which, from the next reset."""
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):
             batch.share(int(word) * 2 + 1)
