@@ -1,4 +1,4 @@
-"""Networks inside networks: while a behaviour runs, the network that it holds decides what that means."""
+"""Networks inside networks: while a behaviour runs, the network that it holds decides what the robot does."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from selforg.arrays import Ints
 from selforg.network.model.model import NetworkModel
-from selforg.network.model.packed import Ints
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner, Planner
-from selforg.network.state import state as st
 
 
 @dataclass(frozen=True)
@@ -60,26 +59,26 @@ class NestedNetwork:
         }
 
     def reset(self, rows: Ints | None = None) -> None:
-        """Back to the first step, for all rows or `rows` (K,)."""
+        """Return to the first step in all rows or `rows` (K,)."""
         self.network.reset(rows)
         for inner in self.inner.values():
             inner.reset(rows)
 
     def step(self, rows: Ints | None = None, guarantee: bool = False) -> None:
-        """One decision of `rows` (K,) or all, from the outermost network inwards."""
+        """Decide once in all rows or `rows` (K,), from the outermost network inwards."""
         chosen = np.arange(self.network.rows) if rows is None else rows
         self.network.step(chosen, guarantee)
         for name, inner in self.inner.items():
             b = self.network.model.behaviour_index[name]
             runs = self.network.executing[chosen, b] == 1
-            inner.halt(chosen[~runs | (self.network.state.marks[st.STARTED, chosen, b] == 1)])
+            inner.halt(chosen[~runs | (self.network.started[chosen, b] == 1)])
             active = chosen[runs]
             if len(active):
                 inner.network.readings[active] = self.network.readings[np.ix_(active, self._columns[name])]
                 inner.step(active, guarantee=True)
 
     def halt(self, rows: Ints) -> None:
-        """Stop whatever runs in `rows` (K,), inside too."""
+        """Stop all behaviours in `rows` (K,), inside too."""
         self.network.halt(rows)
         for inner in self.inner.values():
             inner.halt(rows)

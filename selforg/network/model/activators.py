@@ -13,7 +13,8 @@ from typing import ClassVar
 
 from selforg.compiler.decorators import inlined
 
-BOOLEAN, THRESHOLD, LINEAR, GREEDY, EQUAL = range(5)
+BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
+"""Kinds of activators."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +45,7 @@ class Boolean(Activator):
     """Fulfilled while a fact is `desired`."""
 
     desired: bool = True
-    kind: ClassVar[int] = BOOLEAN
+    kind: ClassVar[int] = BOOLEAN_RULE
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -67,7 +68,7 @@ class Threshold(Activator):
     threshold: float
     minimum: bool = True
     value_range: float = 0.0
-    kind: ClassVar[int] = THRESHOLD
+    kind: ClassVar[int] = THRESHOLD_RULE
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -86,7 +87,7 @@ class Linear(Activator):
 
     zero: float
     full: float
-    kind: ClassVar[int] = LINEAR
+    kind: ClassVar[int] = LINEAR_RULE
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -110,7 +111,7 @@ class Greedy(Activator):
 
     maximise: bool = True
     step_size: float = 1.0
-    kind: ClassVar[int] = GREEDY
+    kind: ClassVar[int] = GREEDY_RULE
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -128,7 +129,7 @@ class Equal(Activator):
     """Fulfilled while a reading is exactly `value`."""
 
     value: float
-    kind: ClassVar[int] = EQUAL
+    kind: ClassVar[int] = EQUAL_RULE
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -145,18 +146,18 @@ class Equal(Activator):
 def activate(
     kind: int, reading: float, a: float, b: float, low: float, high: float, direction: float
 ) -> tuple[float, float]:
-    """Satisfaction and wish of one reading; `a`, `b` are the activator's `parameters`."""
-    if kind == LINEAR:
+    """Return satisfaction and wish at one reading; `a` and `b` are the activator's `parameters`."""
+    if kind == LINEAR_RULE:
         slope = (reading - a) / (b - a)
         satisfaction = min(max(low + slope * (high - low), low), high)
         missing = (b - reading) / abs(b - a)
         wish = min(max(missing, 0.0), 1.0) if direction > 0.0 else min(max(missing, -1.0), 0.0)
         return satisfaction, wish
-    if kind == GREEDY:
+    if kind == GREEDY_RULE:
         return (1.0 if a == 0.0 else 0.0), direction
     fulfilled = reading == a
     wish = direction
-    if kind == THRESHOLD:
+    if kind == THRESHOLD_RULE:
         fulfilled = reading >= a if direction > 0.0 else reading <= a
         if b != 0.0:
             wish = min(max((a - reading) / b, -1.0), 1.0)
