@@ -25,8 +25,8 @@ from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, step_rows
 class BehaviourNetwork:
     """R rows (robots) that decide by one model.
 
-    Every decision period: fill `readings` (R, S), call `step()`, then act on what runs (`started`, `executing`).
-    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` or not at all. An
+    In every decision period: fill `readings` (R, S), call `step()`, then act on `started` and `executing`.
+    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` only. An
     `explained` network also notes why each behaviour runs or does not (`recording`, `explanation`).
     """
 
@@ -214,7 +214,7 @@ def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[
 
 @lean_kernel
 def halt_rows(rows: Ints, marks: Ints) -> None:
-    """Stop whatever runs in `rows` (K,); see `BehaviourNetwork.halt`."""
+    """Stop all behaviours in `rows` (K,); see `BehaviourNetwork.halt`."""
     for row in rows:
         for b in range(marks.shape[2]):
             marks[row, st.EXECUTING, b] = 0

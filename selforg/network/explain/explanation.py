@@ -1,4 +1,4 @@
-"""One recorded step of one robot, by name: what every behaviour got from whom, and why it runs or does not."""
+"""Explanation: a recorded step of one robot by name, what every behaviour got and why it runs or does not."""
 
 from __future__ import annotations
 
@@ -90,10 +90,10 @@ def explain(model: NetworkModel, record: StepRecord, row: int) -> Explanation:
     found = np.flatnonzero(record.rows == row)
     if not len(found):
         raise ValueError(f"row {row} was not recorded (recorded: {', '.join(map(str, record.rows.tolist()))})")
-    return _Witness(model, record, int(found[0])).explanation()
+    return _RecordReader(model, record, int(found[0])).explanation()
 
 
-class _Witness:
+class _RecordReader:
     """Reads one row of a record with the model's names."""
 
     def __init__(self, model: NetworkModel, record: StepRecord, k: int) -> None:
@@ -107,28 +107,30 @@ class _Witness:
         activation = record.values[st.ACTIVATION, k]
         order = [b for b in np.argsort(-activation, kind="stable") if record.marks[st.PRESENT, k, b]]
         return Explanation(
-            float(record.row_values[st.THRESHOLD, k]),
-            float(record.row_values[st.DECIDING, k]),
-            float(record.row_values[st.TOTAL, k]),
-            tuple(self.names[b] for b in record.plan[k, :length]) if known else None,
-            int(record.plan_marks[ps.INDEX, k]),
-            {sensor.name: float(value) for sensor, value in zip(model.sensors, record.readings[k], strict=True)},
-            tuple(self._behaviour(int(b)) for b in order),
-            tuple(self._goal(g) for g in range(len(model.goals))),
+            threshold=float(record.row_values[st.THRESHOLD, k]),
+            deciding=float(record.row_values[st.DECIDING, k]),
+            total=float(record.row_values[st.TOTAL, k]),
+            plan=tuple(self.names[b] for b in record.plan[k, :length]) if known else None,
+            plan_index=int(record.plan_marks[ps.INDEX, k]),
+            readings={
+                sensor.name: float(value) for sensor, value in zip(model.sensors, record.readings[k], strict=True)
+            },
+            behaviours=tuple(self._behaviour(int(b)) for b in order),
+            goals=tuple(self._goal(g) for g in range(len(model.goals))),
         )
 
     def _behaviour(self, b: int) -> BehaviourAccount:
         values, marks = self.record.values[:, self.k, b], self.record.marks[:, self.k, b]
         return BehaviourAccount(
-            self.names[b],
-            bool(marks[st.EXECUTING]),
-            self._why(marks),
-            float(values[st.ACTIVATION]),
-            float(values[st.SATISFACTION]),
-            bool(marks[st.READY]),
-            {name: float(values[layer]) for name, layer in st.COMPONENTS.items()},
-            self._wishes(b),
-            tuple(self._conditions_of(b, self.model.behaviours[b], int(marks[st.ALTERNATIVE]))),
+            name=self.names[b],
+            running=bool(marks[st.EXECUTING]),
+            why=self._why(marks),
+            activation=float(values[st.ACTIVATION]),
+            satisfaction=float(values[st.SATISFACTION]),
+            ready=bool(marks[st.READY]),
+            components={name: float(values[layer]) for name, layer in st.COMPONENTS.items()},
+            wishes=self._wishes(b),
+            conditions=tuple(self._conditions_of(b, self.model.behaviours[b], int(marks[st.ALTERNATIVE]))),
         )
 
     def _why(self, marks: Ints) -> str:
@@ -141,11 +143,11 @@ class _Witness:
         packed, goal = self.model.packed.record, self.model.goals[g]
         roots = packed.goal_node[packed.goal_first[g] : packed.goal_first[g + 1]]
         return GoalAccount(
-            goal.name,
-            bool(self.record.goal_enabled[self.k, g]),
-            float(self.record.goal_satisfaction[self.k, g]),
-            self._wishes(len(self.names) + g),
-            tuple(self._tree(tree, int(root)) for tree, root in zip(goal.conditions, roots, strict=True)),
+            name=goal.name,
+            enabled=bool(self.record.goal_enabled[self.k, g]),
+            satisfaction=float(self.record.goal_satisfaction[self.k, g]),
+            wishes=self._wishes(len(self.names) + g),
+            conditions=tuple(self._tree(tree, int(root)) for tree, root in zip(goal.conditions, roots, strict=True)),
         )
 
     def _wishes(self, owner: int) -> tuple[tuple[str, float], ...]:
@@ -186,7 +188,7 @@ def in_short(activator: Activator) -> str:
 
 
 def _node_values(model: NetworkModel, readings: Floats) -> Floats:
-    """Satisfaction of every node (C,) at `readings` (S,)."""
+    """Return the satisfaction of every node (C,) at `readings` (S,)."""
     scratch = scratch_for(model.packed.record)
     evaluate_conditions(np.ascontiguousarray(readings[None]), model.packed.words, scratch.words)
     return scratch.record.node_satisfaction

@@ -62,7 +62,7 @@ def _cells(account: BehaviourAccount) -> list[str]:
 
 
 def _aligned(row: list[str], widths: list[int]) -> list[str]:
-    """Names and reasons to the left, numbers to the right."""
+    """Pad cells to a width: names and reasons to the left, numbers to the right."""
     left = (0, 1, len(row) - 1)
     return [text.ljust(w) if k in left else text.rjust(w) for k, (text, w) in enumerate(zip(row, widths, strict=True))]
 

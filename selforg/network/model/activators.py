@@ -19,7 +19,7 @@ BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
 
 @dataclass(frozen=True, kw_only=True)
 class Activator(ABC):
-    """What every activator has: the satisfaction when it is not fulfilled and when it is."""
+    """The base of all activators: the satisfaction when it is not fulfilled and when it is."""
 
     low: float = 0.0
     high: float = 1.0
@@ -32,7 +32,7 @@ class Activator(ABC):
     @property
     @abstractmethod
     def parameters(self) -> tuple[float, float]:
-        """The two numbers that the rule needs."""
+        """The two numbers that `activate` needs."""
 
     @property
     @abstractmethod

@@ -1,4 +1,4 @@
-"""What a network is made of: sensors, behaviours with effects, goals, sub-networks."""
+"""The parts of a network: sensors, behaviours with effects, goals, and the settings by which it decides."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ A state is `(bits, numbers)`: bit i of `bits` is fact i, `numbers` a tuple of K 
 Whole numbers make sums exact: two orders of the same actions always meet in the same state, and equal costs are ties.
 
 Every bound on a number is one crossing point c, asked from above (x >= c) or from below (x < c); the four relations
-become that, because between two neighbouring whole numbers there is nothing.
+become that, because nothing lies between two neighbouring whole numbers.
 """
 
 from collections.abc import Iterator

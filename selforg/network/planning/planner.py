@@ -56,7 +56,7 @@ class BuiltInPlanner(Planner):
         self.memory = self._make_memory()
 
     def plan(self, readings: Floats, alternatives: Ints, goal_enabled: Ints) -> list[int] | None:
-        """Behaviours in order for one row; None if no goal has a plan."""
+        """Return the behaviours of a plan for one row in their order; None if no goal has a plan."""
         held = tuple(int(alternatives[b]) for b in self._coordinators)
         if held not in self._searches:
             self._searches[held] = SpendingSearch(self._problem(held), self._make_search, self._spent)

@@ -1,6 +1,6 @@
-"""What a planner is asked: facts and numbers, actions that change them, goals over them.
+"""A planning problem: facts and numbers, actions that change them, goals over them.
 
-A problem is plain, frozen data and knows no behaviour network: behaviours become actions (effects on facts set them,
+A problem is frozen data and knows no behaviour network: behaviours become actions (effects on facts set them,
 effects on numbers change them), goals become conditions. The state it is asked for is two arrays,
 `facts` (F,) bool and `numbers` (K,) float in the order of the names given here.
 

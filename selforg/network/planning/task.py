@@ -1,4 +1,4 @@
-"""One set of goals made ready for searching: what matters for it, and how far away it is at least.
+"""A planning task: the part of a problem that matters for one set of goals, and how far away they are at least.
 
 Three things keep the search small without changing its answer.
 

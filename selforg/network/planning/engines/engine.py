@@ -24,9 +24,9 @@ def check_engine(engine: str) -> None:
 
 
 class EngineSearch(Search):
-    """Asks an engine for plans; what the engine guarantees about cost and order of a plan is what one gets.
+    """Asks an engine for plans; their cost and order are as good as the engine makes them.
 
-    The engine gets the problem in whole numbers (see `plan_grid`), because several engines know no others.
+    The engine gets the problem in whole numbers (see `whole_numbers`), because several engines know no others.
 
     Args:
         problem: facts, numbers, actions and goals.
