@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
-from selector.strategies.problem import Decisions, Flags, Floats, Ints, Outcomes, Problem, readable, whole_numbers
+from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
+from selforg.arrays import Flags, Floats, Ints
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -88,6 +89,11 @@ class DecisionStrategy(ABC):
         self.state_names = tuple(first)
         for name, array in first.items():
             setattr(self, name, array)
+
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return the parameters with which the contract tests build the class for a problem."""
+        return {}
 
     @property
     def draws_per_decision(self) -> int:

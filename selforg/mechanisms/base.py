@@ -7,7 +7,7 @@ the buffer. What a mechanism leaves behind it leaves in `deposit`, called after 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from functools import cached_property
-from typing import Unpack, final
+from typing import Any, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
@@ -48,6 +48,11 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
         self.poses = buffer.poses
         self.channels = tuple(channels)
         self._see = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return the keyword arguments with which the contract tests build the class."""
+        return {}
 
 
 class MovementMechanism(Mechanism):

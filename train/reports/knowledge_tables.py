@@ -6,14 +6,14 @@ from datetime import UTC, datetime
 
 from rich.table import Table
 
-from selector.store import Contents, Key, StoreError
-from selector.store.records import Entry
+from selector.store import Key, StoredKnowledge, StoreError
+from selector.store.stored_knowledge import Entry
 from selforg.registry import unknown
 
 NOTHING = "-"
 
 
-def all_goals(contents: Contents) -> Table:
+def all_goals(contents: StoredKnowledge) -> Table:
     """Return one row a goal: how much is known of it, since when and from whom."""
     table = _table("goal", options=True, contexts=True, updates=True, **{"last update": False, "sources": False})
     for goal in _goals(contents):
@@ -30,7 +30,7 @@ def all_goals(contents: Contents) -> Table:
     return table
 
 
-def one_goal(contents: Contents, goal: str) -> Table:
+def one_goal(contents: StoredKnowledge, goal: str) -> Table:
     """Return a row for each option, context and source of a goal: score, count, mean, standard deviation, update."""
     goals = _goals(contents)
     if goal not in goals:
@@ -57,7 +57,7 @@ def _learned(key: Key, entry: Entry) -> tuple[str, ...]:
     return (key.context or NOTHING, str(moments.count), *figures, _time([entry.updated]), key.source)
 
 
-def _goals(contents: Contents) -> list[str]:
+def _goals(contents: StoredKnowledge) -> list[str]:
     return sorted({goal for goal, _ in contents.expert} | {key.goal for key in contents.learned})
 
 
