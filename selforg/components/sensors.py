@@ -46,7 +46,7 @@ class SensorComponent(ABC):
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class; names among them are theirs to give."""
+        """Return the arguments with which the contract tests build the class; None stands for one that they supply."""
         return {}
 
     @final
