@@ -3,7 +3,6 @@ BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
 	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
-.PHONY: check lint test golden bench soak clean-cache
 
 check: lint test  ## all that CI asks for
 
@@ -28,5 +27,3 @@ soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status
 
-clean-cache:  ## compiled code of a kernel whose callees, in another file, have changed
-	find . -name '*.nb[ic]' -not -path './.venv/*' -delete

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.motion import shorter_way
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Bundle, Layout
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.physics import chipmunk_calls as calls
 from clean_swarm_env.physics import motion as motion
 from clean_swarm_env.physics.settings import PhysicsSettings
-from selforg.compiler.decorators import COMPILED
+from selforg.compiler.switches import COMPILED, PLAIN
 
 try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
     from pymunk._chipmunk_cffi import ffi, lib
@@ -68,7 +68,7 @@ class ContactSpace:
 
     def handles(self) -> list[int]:
         """Return the row of `contact_calls` for this space, zeros where compiled code cannot call pymunk."""
-        if not self._shared_memory or not COMPILED:
+        if not self._shared_memory or not COMPILED or PLAIN:
             return [0] * calls.HANDLES
         step, each = ffi.addressof(lib, "cpSpaceStep"), ffi.addressof(lib, "cpSpaceEachBody")
         pointers = [self._space._space, step, each, self._write, self._read]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.motion import wrapped_angle
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Bundle, Layout
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -23,7 +23,7 @@ from clean_swarm_env.physics.collisions import CollisionCounter, Flags, Floats, 
 from clean_swarm_env.physics.contact_space import PERSISTENCE, SKIN, ContactSpace
 from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
-from selforg.compiler.records import Bundle
+from selforg.compiler.bundles import Bundle
 
 PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds somebody touches nearly always, and all pairs cost more
 

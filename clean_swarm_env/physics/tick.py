@@ -16,8 +16,8 @@ from clean_swarm_env.physics.chipmunk_calls import SPACE, touch
 from clean_swarm_env.physics.collisions import Flags, Floats, Ints, count_world, counts_of
 from clean_swarm_env.physics.drive import drive_of, steer_rows
 from clean_swarm_env.physics.motion import land, push, search_contacts, steer_world
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Bundle, Layout
 
 # positions (R, 2), headings (R,), bodies (R, 4), wanted (R, 2), forces (R, 2), seam copies needed (R,), present (R,),
 # patience (W,), handles (W, HANDLES), seam copies that pymunk has (R,), whether pymunk's state holds (W,)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from clean_swarm_env.world.garbage import handle_cargo
 from clean_swarm_env.world.movement import begin_acting
 from clean_swarm_env.world.robot import read_sensors
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import kernel, lean_kernel
-from selforg.compiler.records import Bundle, Layout
 from selforg.network.state import state as st
 
 Floats = NDArray[np.float64]

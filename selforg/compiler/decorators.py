@@ -1,14 +1,14 @@
-"""The one place where compiled functions are declared.
+"""The decorators by which functions are compiled.
 
-Numba's decorators are untyped; these wrappers keep the type of the function they compile, so that `mypy --strict`
-checks the callers. Kernels are cached on disk. Numba's cache looks at the file of the kernel only: after a change to a
-function that is called from a kernel in *another* file, run `make clean-cache`.
+Numba's decorators have no types; these keep the type of the function that they compile, so that `mypy --strict` checks
+the callers. Kernels are kept on disk, see `selforg.compiler.cache`.
 
-What a process compiles first costs time for each function: `part` and `lean_kernel` leave out what is not needed, and
-the garbage collector waits, which would else look through all that the compiler makes again and again.
+Each function costs time when a process compiles for the first time: `part` and `lean_kernel` leave out what is not
+needed, and the garbage collector is off meanwhile: it would look through all objects of the compiler again and again.
 """
 
 import gc
+import warnings
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, cast
 
@@ -16,13 +16,20 @@ import numba
 from numba.core import event
 from numba.extending import register_jitable
 
+from selforg.compiler.cache import cache_directory, folder_for
+from selforg.compiler.switches import PLAIN
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
-COMPILED = not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
-"""Whether anything is compiled at all."""
-LEAN = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
+NUMPY_ERRORS = {"error_model": "numpy"}
+LEAN = NUMPY_ERRORS if PLAIN else {**NUMPY_ERRORS, "no_cfunc_wrapper": True, "_nrt": False}
 """Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway."""
+
+UNCACHED = (
+    "compiled code cannot be kept: neither the package nor the user's cache can be written. Every start compiles anew, "
+    "about a minute; NUMBA_CACHE_DIR names another directory"
+)
 
 
 class WithoutCollector(event.Listener):
@@ -49,27 +56,41 @@ event.register("numba:compile", WithoutCollector())  # type: ignore[no-untyped-c
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile `function` in Numba's nopython mode, cached on disk, without fast-math (same seed, same bits)."""
-    return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy")(function))
+    """Compile `function` in Numba's nopython mode, kept on disk, without fast-math (same seed, same bits)."""
+    return compiled(function, NUMPY_ERRORS)
 
 
 def lean_kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile like `kernel` a function that makes no arrays: a call costs a third less, compiling it a fifth.
 
-    It may look into the arrays that it is given, but must copy slices number by number.
+    The function may look into the arrays that it is given, but must copy slices number by number.
     """
-    options: Any = {**LEAN, "cache": True}
-    return cast("Callable[P, R]", numba.njit(**options)(function))
+    return compiled(function, LEAN)
 
 
 def part(function: Callable[P, R]) -> Callable[P, R]:
     """Compile, whenever a kernel that calls it is compiled, a function that makes no arrays; see `lean_kernel`.
 
-    Called from Python it stays what it is, slow, as tests may want it.
+    Called from Python the function stays what it is, slow, as tests may want it.
     """
     return register_jitable(**LEAN)(function)
 
 
 def inlined(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a small function like `part`, into its callers: handing over arrays would cost more than its work."""
+    """Compile a small function like `part`, into its callers: passing arrays would cost more than its work."""
     return register_jitable(**LEAN, forceinline=True)(function)
+
+
+def compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
+    """Compile `function`; its compiled code is kept in the folder for its source file."""
+    folder = folder_for(function.__code__.co_filename)
+    if folder is None:
+        if cache_directory() is None:
+            warnings.warn(UNCACHED, RuntimeWarning, stacklevel=3)
+        return cast("Callable[P, R]", numba.njit(**options)(function))
+    config: Any = numba.config
+    given, config.CACHE_DIR = config.CACHE_DIR, str(folder)  # Numba reads this while it decorates
+    try:
+        return cast("Callable[P, R]", numba.njit(cache=True, **options)(function))
+    finally:
+        config.CACHE_DIR = given

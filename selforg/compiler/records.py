@@ -1,104 +1,177 @@
-"""Bundles: arrays and numbers that compiled code takes as one argument.
+"""Records: named arrays and numbers that compiled code takes as one argument.
 
-Handing an array over costs Numba a good deal of a microsecond's tenth, twice that inside a tuple, and a tick hands over
-some two hundred. A bundle is an array of words in which everything stands as compiled code wants it; it is made once,
-and unbundling it costs nothing. Whoever owns the arrays makes the bundle, and makes it anew when an array is replaced.
+Passing one array to a kernel costs about 0.06 us, and a tick passes some two hundred. A record is passed as one array
+of words: the addresses, shapes and numbers, laid out as compiled code wants them. Opening it there costs nothing.
+
+A record is a NamedTuple whose fields say what they hold:
+
+    class Grid(NamedTuple):
+        cells: Annotated[Floats, "L 6"]  # number and width [m] of cells along x, y, z, for each level
+        links: Annotated[Links, "M"]  # next gradient in the same cell
+        extent: float  # [m]
+
+    GRID = Recording(Grid)
+    open_grid = GRID.open
+
+    @lean_kernel
+    def look(grid: Words[Grid]) -> float:
+        g = open_grid(grid)
+        return g.cells[0, 1] * g.extent
+
+    packed = GRID.pack(Grid(cells, links, 11.0))
+    look(packed.words)
+
+Who owns the arrays packs the record, and packs a new one when an array is replaced by another.
 """
 
+from __future__ import annotations
+
+import hashlib
 from collections.abc import Callable
-from typing import Any, TypeAlias, cast
+from typing import Annotated, Any, Generic, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.extending import intrinsic, register_jitable
 
 from selforg.arrays import Ints
-from selforg.compiler.decorators import COMPILED
+from selforg.compiler.switches import CHECKED, COMPILED, PLAIN
 
-Compiler: TypeAlias = Any  # Numba and LLVM are not typed
+Record = TypeVar("Record", bound=tuple[Any, ...])
+Compiler = Any  # Numba and LLVM have no types
 LLVM: Compiler = cgutils
-Kind: TypeAlias = Any  # of Numba: what one entry of a bundle is
-Bundle: TypeAlias = Any
-"""(words,) int64; where nothing is compiled, the entries themselves."""
 
-NUMBER, WHOLE = types.float64, types.int64
-DTYPES = {"f": types.float64, "i": types.int64, "l": types.int32, "u": types.uint8, "b": types.bool_}
+NUMBERS: dict[type, Compiler] = {float: types.float64, int: types.int64}
 
 
-def array_kind(name: str) -> Kind:
-    """Return the kind of a C-contiguous array: "f2" is float64 of two axes; i int64, l int32, u uint8, b bool."""
-    return types.Array(DTYPES[name[0]], int(name[1:]), "C")
+class Words(Generic[Record]):
+    """What compiled code takes for a record: (words,) int64; the record itself where nothing goes by address."""
 
 
-def words_of(kind: Kind, value: Any, where: str) -> list[int]:  # noqa: ANN401  (arrays and numbers)
-    """Return one entry as compiled code lays it out."""
-    if kind is NUMBER:
-        return [int(np.float64(value).view(np.int64))]
-    if kind is WHOLE:
-        return [int(value)]
-    fits = isinstance(value, np.ndarray) and value.flags.c_contiguous and value.flags.writeable
-    if not fits or value.ndim != kind.ndim or value.dtype.name != kind.dtype.name.replace("bool_", "bool"):
-        got = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else repr(value)
-        raise TypeError(f"{where}: expected a C-contiguous {kind.dtype} array of {kind.ndim} axes, got {got}")
-    # memory owner and parent (none: the bundle keeps the array), items, their size, data, shape, strides
-    return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+class Packed(Generic[Record]):
+    """A record with its words.
 
+    A copy or a pickle is packed anew, on the copied arrays. An array that owner and record share is shared by their
+    copies too, if both are copied in one go.
 
-class Layout:
-    """What a bundle holds: each entry "number", "whole", or the name of an array as `array_kind` takes it.
-
-    Example:
-        >>> LAYOUT = Layout("i1", "number")
-        >>> unbundle: Callable[[Bundle], tuple[Ints, float]] = LAYOUT.unbundle
-        >>> @lean_kernel
-        ... def total(bundle): numbers, factor = unbundle(bundle); return numbers[0] * factor
+    Attributes:
+        record: the arrays and numbers; the arrays must stay where they are.
+        words: what kernels take.
 
     """
 
-    def __init__(self, *entries: str) -> None:
-        numbers = {"number": NUMBER, "whole": WHOLE}
-        self._kinds = [numbers.get(entry) or array_kind(entry) for entry in entries]
-        self.unbundle: Callable[[Bundle], Any] = same
-        if COMPILED:
-            kind: Kind = types.Tuple(self._kinds)  # type: ignore[no-untyped-call]
-            self.unbundle = unbundling(kind)
+    def __init__(self, recording: Recording[Record], record: Record) -> None:
+        self._recording = recording
+        self.record = record
+        self.words = recording.words_of(record)
 
-    def bundle(self, *entries: Any) -> Bundle:  # noqa: ANN401  (arrays and numbers)
-        """Return a bundle of the entries; it keeps arrays alive, which must stay where they are."""
-        if not COMPILED:
-            return entries
-        if len(entries) != len(self._kinds):
-            raise TypeError(f"bundle: expected {len(self._kinds)} entries, got {len(entries)}")
-        words = []
-        for number, (kind, entry) in enumerate(zip(self._kinds, entries, strict=True)):
-            words += words_of(kind, entry, f"bundle, entry {number}")
-        return np.asarray(Kept(np.array(words, dtype=np.int64), entries))
+    def __reduce__(self) -> tuple[Any, ...]:
+        return packed_as, (type(self.record), tuple(self.record))
+
+
+def packed_as(kind: type[Record], fields: tuple[Any, ...]) -> Packed[Record]:
+    """Return a packed record of a class that has a `Recording`."""
+    recording: Recording[Record] = Recording.of[kind]
+    return recording.pack(kind(*fields))
+
+
+class Recording(Generic[Record]):
+    """How records of one class are packed, and opened in compiled code.
+
+    Attributes:
+        kind: the class, a NamedTuple; fields are float, int, or `Annotated[ARRAY, SHAPE]` with an array type of
+            `selforg.arrays` and a name for each axis, by spaces.
+        open: returns, in compiled code, the record whose words it is given.
+
+    """
+
+    of: dict[type, Any] = {}  # noqa: RUF012  (all recordings, by their class: a copy looks its own up)
+
+    def __init__(self, kind: type[Record]) -> None:
+        self.kind = kind
+        hints = get_type_hints(kind, include_extras=True)
+        self._fields = {name: numba_type(hint, f"{kind.__name__}.{name}") for name, hint in hints.items()}
+        self._shapes = {name: get_args(hint)[1] for name, hint in hints.items() if get_origin(hint) is Annotated}
+        self._tag = int.from_bytes(
+            hashlib.sha256(f"{kind.__module__}.{kind.__qualname__}".encode()).digest()[:7], "big"
+        )
+        self.by_address = COMPILED and not PLAIN
+        self.open: Callable[[Words[Record]], Record] = self._opening() if self.by_address else same_record
+        Recording.of[kind] = self
+
+    def pack(self, record: Record) -> Packed[Record]:
+        """Return the record with its words; TypeError names a field that compiled code would misread."""
+        return Packed(self, record)
+
+    def words_of(self, record: Record) -> Words[Record]:
+        """Return the words of a record, which keep its arrays alive."""
+        if type(record) is not self.kind:
+            raise TypeError(f"expected a {self.kind.__name__}, got {type(record).__name__}")
+        words = [self._tag]
+        for (name, field), value in zip(self._fields.items(), record, strict=True):
+            words += words_of_field(field, value, f"{self.kind.__name__}.{name}", self._shapes.get(name, ""))
+        if not self.by_address:
+            return cast("Words[Record]", record)
+        return cast("Words[Record]", np.asarray(Kept(np.array(words, dtype=np.int64), record)))
+
+    def _opening(self) -> Callable[[Words[Record]], Record]:
+        """Return the function that gives compiled code the fields as a named tuple."""
+        named: Compiler = types.NamedTuple(list(self._fields.values()), self.kind)  # type: ignore[no-untyped-call]
+        tag, message = self._tag, f"these are not the words of a record {self.kind.__name__}"
+
+        def typed(typing: Compiler, words: Compiler) -> Compiler:
+            def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
+                array = context.make_array(signature.args[0])(context, builder, arguments[0])
+                if CHECKED:
+                    wrong = builder.icmp_unsigned("!=", builder.load(array.data), LLVM.ir.IntType(64)(tag))
+                    with builder.if_then(wrong, likely=False):
+                        context.call_conv.return_user_exc(builder, TypeError, (message,))
+                first = LLVM.gep_inbounds(builder, array.data, 1)
+                pointer = builder.bitcast(first, context.get_value_type(named).as_pointer())
+                return builder.load(pointer, align=8)
+
+            return named(words), generate
+
+        return cast("Callable[[Words[Record]], Record]", intrinsic(typed))
+
+
+@register_jitable
+def same_record(record: Any) -> Any:  # noqa: ANN401  (any record)
+    """Return the record itself, where none goes by address."""
+    return record
+
+
+def numba_type(hint: Any, where: str) -> Compiler:  # noqa: ANN401  (a type hint)
+    """Return Numba's type for the type hint of a field."""
+    if hint in NUMBERS:
+        return NUMBERS[hint]
+    array, axes = get_args(hint)
+    _, dtype = get_args(array)  # numpy.ndarray[shape, dtype[scalar]]
+    (scalar,) = get_args(dtype)
+    if not isinstance(axes, str):
+        raise TypeError(f"{where}: expected Annotated[ARRAY, 'AXIS AXIS ...'], got {hint!r}")
+    kind = types.bool_ if scalar is np.bool_ else getattr(types, np.dtype(scalar).name)
+    return types.Array(kind, len(axes.split()), "C")
+
+
+def words_of_field(field: Compiler, value: Any, where: str, shape: str) -> list[int]:  # noqa: ANN401
+    """Return one field as compiled code lays it out."""
+    if field is types.float64:
+        return [int(np.float64(value).view(np.int64))]
+    if field is types.int64:
+        return [int(value)]
+    fits = isinstance(value, np.ndarray) and value.flags.c_contiguous and value.flags.writeable
+    if not fits or value.ndim != field.ndim or value.dtype.name != field.dtype.name.replace("bool_", "bool"):
+        got = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else repr(value)
+        raise TypeError(f"{where}: expected a C-contiguous {field.dtype} array ({shape.replace(' ', ', ')}), got {got}")
+    # memory owner and parent (none: the record keeps the array), items, their size, data, shape, strides
+    return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
 
 
 class Kept:
     """Words that keep the arrays alive to which they point: NumPy keeps the owner of the memory that it shows."""
 
-    def __init__(self, words: Ints, entries: tuple[Any, ...]) -> None:
-        self.words, self.entries = words, entries
+    def __init__(self, words: Ints, record: tuple[Any, ...]) -> None:
+        self.words, self.record = words, record
         self.__array_interface__ = words.__array_interface__
-
-
-def same(bundle: Bundle) -> Any:  # noqa: ANN401  (a tuple of anything)
-    """Return the entries of a bundle where nothing is compiled."""
-    return bundle
-
-
-def unbundling(kind: Kind) -> Callable[[Bundle], Any]:
-    """Return the function that gives compiled code the entries, a tuple of Numba's type `kind`."""
-
-    def typed(typing: Compiler, bundle: Compiler) -> Compiler:
-        def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
-            words = context.make_array(signature.args[0])(context, builder, arguments[0])
-            pointer = builder.bitcast(words.data, context.get_value_type(kind).as_pointer())
-            return builder.load(pointer, align=8)
-
-        return kind(bundle), generate
-
-    made: Compiler = intrinsic(typed)
-    return cast("Callable[[Bundle], Any]", made)

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Bundle, Layout
 from selforg.components.memory import Knowledge
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
 from selforg.network.model.behaviours import SensorKind

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.records import Bundle
+from selforg.compiler.bundles import Bundle
 from selforg.gradients.delivery import Delivery, Mail, address
 from selforg.gradients.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
 from selforg.gradients.names import Codes

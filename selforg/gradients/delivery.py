@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Bundle
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.candidates import half, shortest
 from selforg.gradients.store.columns import POSES, TAG_MOVING, TAG_SOURCE, TAG_SPACE, TEAM, X, Y, Z

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from selforg.arrays import Floats
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import kernel
-from selforg.compiler.records import Bundle
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.candidates import half, shortest
 from selforg.gradients.store.columns import HEARD, POSES, X, Y, Z

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Bundle
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store.columns import (
     CELLS,

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Bundle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose_rows
 from selforg.gradients.gradient import Gradient

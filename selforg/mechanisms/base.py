@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.records import Bundle
+from selforg.compiler.bundles import Bundle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Bundle
 from selforg.network.model import packed as t
 from selforg.network.model.model import NetworkModel
 from selforg.network.model.packed import Floats, Ints, ints_of

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Bundle
 from selforg.gradients.store.candidates import store_of
 from selforg.gradients.store.columns import (
     AFTER,

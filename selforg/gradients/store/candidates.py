@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Bundle, Layout
 from selforg.gradients.store.columns import (
     ATTRACTION,
     COUNTERS,

@@ -9,9 +9,9 @@ The inner loops pass near, not tables: every table handed to a function that is 
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import part
 from selforg.compiler.prefetch import prefetch
-from selforg.compiler.records import Bundle
 from selforg.gradients.store.candidates import (
     MOST_CANDIDATES,
     Margins,

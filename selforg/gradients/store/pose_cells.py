@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from selforg.arrays import Floats, Ints, Links
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Bundle, Layout
 from selforg.gradients.store.columns import DIFFUSION, GOAL, POSES, TEAM, X, Y, Z
 from selforg.gradients.store.grid import bucket_of, cell_of
 

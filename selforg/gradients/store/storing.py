@@ -1,8 +1,8 @@
 """Storing: what happens to the buffer when a gradient arrives. One message after the other, many in one call."""
 
 from selforg.arrays import Floats, Ints
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Bundle
 from selforg.gradients.store.aggregation import aggregate
 from selforg.gradients.store.candidates import store_of
 from selforg.gradients.store.columns import (

@@ -5,7 +5,7 @@ from typing import TypeVar
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
-from selforg.compiler.records import Bundle
+from selforg.compiler.bundles import Bundle
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.candidates import MOST_CANDIDATES, STORE_TABLES, Store
 from selforg.gradients.store.columns import (

@@ -1,8 +1,8 @@
 """Decision rules: what one row makes of its neighbours' spread values. Compiled, chosen by an integer."""
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Bundle
 from selforg.gradients.store.candidates import store_of
 from selforg.gradients.store.columns import DISTANCE, KEY, POSES, SLOT, VALUE
 from selforg.gradients.store.gathering import gather

@@ -7,8 +7,8 @@ or unit heading (Reynolds), its goal radius [m].
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints, Links
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Bundle
 from selforg.gradients.store.candidates import store_of
 from selforg.gradients.store.columns import (
     DIFFUSION,

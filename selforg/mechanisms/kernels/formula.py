@@ -5,8 +5,8 @@ from functools import cache
 from typing import TypeAlias
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Bundle
 from selforg.gradients.store.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
 from selforg.gradients.store.gathering import gather
 from selforg.gradients.store.pose_cells import poses_of

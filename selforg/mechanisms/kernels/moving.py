@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Bundle, Layout
 from selforg.gradients.choosing import STRONGEST
 from selforg.gradients.store.candidates import Margins
 from selforg.gradients.store.columns import (

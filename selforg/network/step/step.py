@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Bundle, Layout
 from selforg.network.model import packed as t
 from selforg.network.model.packed import Floats, Ints, ints_of
 from selforg.network.planning.memory import recall, write_key

@@ -1,66 +1,131 @@
-"""Bundles: compiled code gets the arrays and numbers that were put in, and writes into the same memory."""
+"""Records: compiled code gets the fields that were packed, by name, and writes into the same memory."""
 
+import copy
+import gc
+import os
+import pickle
+import subprocess
+import sys
 import weakref
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
 
-from selforg.compiler.decorators import COMPILED, lean_kernel
-from selforg.compiler.records import Layout
+from selforg.arrays import Flags, Floats, Ints, Links
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Packed, Recording, Words
+from tests.paths import ROOT
 
-LAYOUT = Layout("f2", "i1", "l2", "b1", "number", "whole")
-entries_of = LAYOUT.unbundle
+
+class Sample(NamedTuple):
+    places: Annotated[Floats, "N 2"]
+    counts: Annotated[Ints, "N"]
+    links: Annotated[Links, "N 2"]
+    flags: Annotated[Flags, "N"]
+    factor: float
+    offset: int
+
+
+class Other(NamedTuple):
+    places: Annotated[Floats, "N 2"]
+
+
+SAMPLE, OTHER = Recording(Sample), Recording(Other)
+open_sample = SAMPLE.open
 
 
 @lean_kernel
-def look_and_write(bundle, row):
-    places, counts, links, flags, factor, offset = entries_of(bundle)
-    places[row, 1] = factor * counts[row] + offset
-    links[row, 0] = places.shape[0]
-    flags[row] = True
-    return places.shape[1] + links[row, 1]
+def look_and_write(words: Words[Sample], row: int) -> int:
+    s = open_sample(words)
+    s.places[row, 1] = s.factor * s.counts[row] + s.offset
+    s.links[row, 0] = s.places.shape[0]
+    s.flags[row] = True
+    return s.places.shape[1] + s.links[row, 1]
 
 
-def entries():
-    return (
-        np.zeros((3, 2)), np.arange(3), np.full((3, 2), 4, dtype=np.int32), np.zeros(3, dtype=np.bool_), 2.5, -7,
-    )  # fmt: skip
+def sample() -> Sample:
+    return Sample(
+        places=np.zeros((3, 2)),
+        counts=np.arange(3),
+        links=np.full((3, 2), 4, dtype=np.int32),
+        flags=np.zeros(3, dtype=np.bool_),
+        factor=2.5,
+        offset=-7,
+    )
 
 
-def test_compiled_code_reads_and_writes_the_arrays_of_a_bundle():
-    places, counts, links, flags, factor, offset = entries()
-    bundle = LAYOUT.bundle(places, counts, links, flags, factor, offset)
-    assert [look_and_write(bundle, row) for row in range(3)] == [6, 6, 6]
-    assert places[:, 1].tolist() == [-7.0, -4.5, -2.0]
-    assert links.tolist() == [[3, 4]] * 3
-    assert flags.all()
+def test_compiled_code_reads_and_writes_the_arrays_of_a_record():
+    packed = SAMPLE.pack(sample())
+    assert [look_and_write(packed.words, row) for row in range(3)] == [6, 6, 6]
+    assert packed.record.places[:, 1].tolist() == [-7.0, -4.5, -2.0]
+    assert packed.record.links.tolist() == [[3, 4]] * 3
+    assert packed.record.flags.all()
 
 
-@pytest.mark.skipif(not COMPILED, reason="where nothing is compiled a bundle is what it is made of")
 @pytest.mark.parametrize(
-    ("number", "wrong"),
-    [(0, np.zeros((2, 3)).T), (0, np.zeros(3)), (1, np.zeros(3)), (2, np.zeros((3, 2), dtype=np.int64)), (3, None)],
+    ("field", "wrong"),
+    [
+        ("places", np.zeros((2, 3)).T),
+        ("places", np.zeros(3)),
+        ("counts", np.zeros(3)),
+        ("links", np.zeros((2, 3), dtype=np.int64)),
+        ("flags", None),
+    ],
 )
-def test_what_compiled_code_would_misread_is_refused(number, wrong):
-    given = list(entries())
-    given[number] = wrong
-    with pytest.raises(TypeError, match=f"entry {number}: expected a C-contiguous"):
-        LAYOUT.bundle(*given)
+def test_a_field_that_compiled_code_would_misread_is_refused_by_name(field, wrong):
+    with pytest.raises(TypeError, match=rf"Sample\.{field}: expected a C-contiguous"):
+        SAMPLE.pack(sample()._replace(**{field: wrong}))
 
 
-@pytest.mark.skipif(not COMPILED, reason="where nothing is compiled a bundle is what it is made of")
-def test_a_bundle_has_all_entries():
-    with pytest.raises(TypeError, match="expected 6 entries, got 5"):
-        LAYOUT.bundle(*entries()[:5])
+def test_a_record_of_another_class_is_refused():
+    with pytest.raises(TypeError, match="expected a Sample, got Other"):
+        SAMPLE.pack(Other(np.zeros((3, 2))))
 
 
-def test_a_bundle_keeps_its_arrays():
-    kept = weakref.ref(counts := np.arange(3))
-    given = list(entries())
-    given[1] = counts
-    bundle = LAYOUT.bundle(*given)
-    del counts, given
+def test_words_keep_the_arrays_alive():
+    given = sample()
+    kept = weakref.ref(given.counts)
+    words = SAMPLE.pack(given).words
+    del given
+    gc.collect()
     assert kept() is not None
-    assert look_and_write(bundle, 2) == 6
-    del bundle
-    assert kept() is None
+    assert look_and_write(words, 2) == 6
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda packed: pickle.loads(pickle.dumps(packed))])
+def test_a_copy_works_on_arrays_of_its_own(copied):
+    original = SAMPLE.pack(sample())
+    twin: Packed[Sample] = copied(original)
+    look_and_write(twin.words, 1)
+    assert twin.record.places[1, 1] == -4.5
+    assert not original.record.places.any()
+    del original
+    gc.collect()
+    assert look_and_write(twin.words, 2) == 6
+
+
+def test_owner_and_record_share_their_arrays_in_a_copy_too():
+    given = sample()
+    owner = {"places": given.places, "packed": SAMPLE.pack(given)}
+    twin = copy.deepcopy(owner)
+    look_and_write(twin["packed"].words, 1)
+    assert twin["places"][1, 1] == -4.5
+
+
+SWITCHED = """
+from tests.selforg.compiler.test_records import OTHER, Other, look_and_write, np
+try:
+    print(look_and_write(OTHER.pack(Other(np.zeros((3, 2)))).words, 1))
+except Exception as error:
+    print(type(error).__name__)
+"""
+
+
+@pytest.mark.parametrize("switch", ["CLEAN_SWARM_CHECK_RECORDS", "CLEAN_SWARM_PLAIN_NUMBA"])
+def test_with_a_switch_the_wrong_record_is_an_error_in_compiled_code(switch):
+    environment = {**os.environ, switch: "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", SWITCHED], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == ("TypeError" if "CHECK" in switch else "TypingError")

@@ -10,8 +10,8 @@ from clean_swarm_env.scenes import find, goals
 from clean_swarm_env.scenes.served import expertise
 from tests.paths import ROOT
 from train.analysis.statistics import summarise
-from train.cli import app
 from train.cli import run as goal_cli
+from train.cli.app import app
 from train.goals.scene_runs import Comparison, GoalOutcome, GoalRequest, as_mapping, run_goal
 from train.goals.tables import as_markdown, as_page
 

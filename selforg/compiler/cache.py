@@ -1,0 +1,130 @@
+"""Where compiled kernels are kept: a folder for each source file, named by a hash of all that the kernels are made of.
+
+Numba's own cache looks at the file of a kernel only. What a kernel calls in other files is compiled into it, and so are
+the constants of those files: a change there has to lead to a new folder. The hash covers the file, every file of ours
+that it imports, directly or not, the switches, and the versions of Numba and of its optimiser.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+import time
+from functools import cache
+from pathlib import Path
+
+import numba
+
+from selforg.compiler.switches import CHECKED, PLAIN
+
+OWN_ROOT = Path(__file__).parents[2]
+"""The directory that holds the package `selforg`."""
+WEEK = 7 * 24 * 3600.0
+"""Age [s] from which a folder for older sources is removed; a younger one may serve another branch or process."""
+IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)\)|(.*))|import[ \t]+(.*))$", re.M)
+
+
+@cache
+def cache_directory() -> Path | None:
+    """Return the directory of all compiled code, or None where nothing can be written.
+
+    This is NUMBA_CACHE_DIR if that is set, else a folder beside the package, else one in the user's cache.
+    """
+    given = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    home = os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
+    places = [Path(given)] if given else [OWN_ROOT / "selforg" / "__pycache__" / "kernels", Path(home, "clean-swarm")]
+    for place in places:
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=place):
+                return place
+        except OSError:
+            continue
+    return None
+
+
+@cache
+def folder_for(file: str) -> Path | None:
+    """Return the folder for the kernels of a source file, or None where nothing can be kept or there is no file."""
+    directory, path = cache_directory(), Path(file)
+    if directory is None or not path.is_file():
+        return None
+    name = ".".join(path.with_suffix("").relative_to(root_of(path)).parts)
+    folder = directory / f"{name}-{fingerprint(path)}"
+    if not folder.exists():
+        remove_old(directory, name)
+    return folder
+
+
+@cache
+def fingerprint(file: Path) -> str:
+    """Return the hash of everything that kernels in `file` are compiled from."""
+    config = numba.config
+    known = f"{numba.__version__} {config.OPT} {config.ENABLE_AVX} {PLAIN} {CHECKED}"  # type: ignore[attr-defined]
+    digest = hashlib.sha256(known.encode())
+    for source in sorted(sources_of(file)):
+        digest.update(digest_of(source))
+    return digest.hexdigest()[:16]
+
+
+@cache
+def digest_of(file: Path) -> bytes:
+    """Return the hash of the bytes of a source file."""
+    return hashlib.sha256(contents(file)).digest()
+
+
+def sources_of(file: Path) -> set[Path]:
+    """Return `file` and every file of ours or of its own project that it imports, directly or not."""
+    found, waiting = {file}, [file]
+    while waiting:
+        new = imported_by(waiting.pop()) - found
+        found |= new
+        waiting += new
+    return found
+
+
+@cache
+def imported_by(file: Path) -> frozenset[Path]:
+    """Return the files that `file` imports: of its own project, and of the one that holds this package."""
+    names: set[str] = set()
+    for module, bracketed, listed, plain in IMPORT.findall(contents(file).decode("utf-8", "replace")):
+        entries = [part.split()[0] for part in (bracketed or listed or plain).split(",") if part.split()]
+        names |= {module, *(f"{module}.{entry}" for entry in entries)} if module else set(entries)
+    roots = {root_of(file), OWN_ROOT}
+    return frozenset(path for name in names for root in roots for path in files_of(root, name))
+
+
+@cache
+def files_of(root: Path, name: str) -> tuple[Path, ...]:
+    """Return the file of a module below `root`, or nothing if there is none."""
+    place = root.joinpath(*name.split("."))
+    candidates = (place.with_name(place.name + ".py"), place / "__init__.py")
+    return tuple(path for path in candidates if name and path.is_file())
+
+
+@cache
+def contents(file: Path) -> bytes:
+    """Return the bytes of a source file, nothing if there is no such file."""
+    return file.read_bytes() if file.is_file() else b""
+
+
+@cache
+def root_of(file: Path) -> Path:
+    """Return the directory from which a file is imported: the first one upwards that is no package."""
+    place = file.parent
+    while (place / "__init__.py").is_file():
+        place = place.parent
+    return place
+
+
+def remove_old(directory: Path, name: str) -> None:
+    """Remove folders of kernels of the module `name` that were made for other sources and not used for a week."""
+    for folder in directory.glob(f"{name}-*"):
+        try:
+            if time.time() - folder.stat().st_mtime > WEEK:
+                shutil.rmtree(folder, ignore_errors=True)
+        except OSError:  # another process has just removed it
+            continue
