@@ -7,7 +7,8 @@ from typing import get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from selector.documents.yaml import MAX_SHOWN, DocumentError, unknown
+from selector.documents.errors import MAX_SHOWN, DocumentError
+from selforg.registry import unknown
 
 ConfigurationError = DocumentError
 """A configuration, a file or a name that cannot be used: the one error of all configuration files."""

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import Count, impossible
 from selector.coordination.selection import BY_SCORE
-from selector.documents.yaml import Closed, Number
+from selector.documents.fields import Closed, Number
 from selector.strategies.registry import StrategySpec
 
 Scores = dict[str, dict[str, Number]]

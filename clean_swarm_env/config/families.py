@@ -17,7 +17,7 @@ from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_event
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
 from clean_swarm_env.config.types import Count, Index, impossible
-from selector.documents.yaml import Closed, Positive
+from selector.documents.fields import Closed, Positive
 
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")

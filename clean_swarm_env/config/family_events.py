@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import model_validator
 
 from clean_swarm_env.config.types import Index, Point, impossible
-from selector.documents.yaml import Closed, NonNegative, Positive, Share
+from selector.documents.fields import Closed, NonNegative, Positive, Share
 
 Kind = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
 Span = tuple[NonNegative, NonNegative]

@@ -16,7 +16,10 @@ from clean_swarm_env.config.errors import ConfigurationError, one_line
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
-from selector.documents.yaml import read_mapping, roots, shown, unknown
+from selector.documents.errors import shown
+from selector.documents.files import roots
+from selector.documents.reading import read_mapping
+from selforg.registry import unknown
 
 Content = dict[str, Any]
 M = TypeVar("M", bound=BaseModel)

@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError, model_validator
 from clean_swarm_env.config.errors import ConfigurationError, one_line
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import Point, impossible
-from selector.documents.yaml import Closed, Positive
+from selector.documents.fields import Closed, Positive
 
 START_GAP = 0.01
 """Clearance between solid robots at the start [m]."""

@@ -13,8 +13,10 @@ from pydantic import Field
 
 from clean_swarm_env.learning.observation.terms import PHASES
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.yaml import Closed, DocumentError, Name, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name
 from selforg.compiler.decorators import kernel
+from selforg.registry import unknown
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

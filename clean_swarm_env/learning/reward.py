@@ -20,7 +20,7 @@ from clean_swarm_env.learning.progress import (
     RECYCLED,
     Progress,
 )
-from selector.documents.yaml import Closed, Number, Share
+from selector.documents.fields import Closed, Number, Share
 from selforg.compiler.decorators import kernel
 
 Floats = NDArray[np.float64]

@@ -13,11 +13,11 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.arena import PERIOD, PLACES, THINGS, Arena, Body
 from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.ground import Ground, GroundKind
-from selector.documents.yaml import unknown
 from selforg.arrays import Floats
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.settings import BufferSettings
+from selforg.registry import unknown
 
 LYING = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of everything but pheromones: what lies in one place is one thing."""

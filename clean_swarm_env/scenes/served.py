@@ -16,13 +16,13 @@ from selector.configurations.host import Host, host_knowledge
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
-from selector.documents.yaml import unknown
 from selector.knowledge import load_knowledge
 from selector.strategies.max_score import MaxScore
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.components import Commands
 from selforg.mechanisms import DecisionMechanism
+from selforg.registry import unknown
 
 KNOWLEDGE = "library"
 """Name of the expert knowledge in which the goals of the scenes stand."""

@@ -14,7 +14,8 @@ from clean_swarm_env.world.nearby import cells_along, fill_cells, nearest_point
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_document import coordinated_goals, load_network
-from selector.documents.yaml import DocumentError, find_file, shown
+from selector.documents.errors import DocumentError, shown
+from selector.documents.files import find_file
 from selector.knowledge import Knowledge
 from selforg.compiler.decorators import kernel
 from selforg.network.model.behaviours import Sensor

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.starts import START_GAP, nearest_distance
 from clean_swarm_env.world.littering import drop_cargo
-from selector.documents.yaml import unknown
+from selforg.registry import unknown
 
 if TYPE_CHECKING:
     from clean_swarm_env.world.worlds import Worlds

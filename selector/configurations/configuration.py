@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, Flag, Name, Number, unknown
+from selector.documents.fields import Closed, Flag, Name, Number
 from selector.vocabulary.activators import BooleanSpec
 from selector.vocabulary.components import (
     ActionSpecs,
@@ -29,10 +29,10 @@ from selector.vocabulary.components import (
 )
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
 from selector.vocabulary.settings import SettingsSpec
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient, find
-from selforg.mechanisms import names as mechanism_names
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SpreadGradient
 from selforg.mechanisms.base import Mechanism
 from selforg.network.model.behaviours import Behaviour, Goal, Interface, NetworkSettings, Sensor, SensorKind
+from selforg.registry import unknown
 
 FACTS = ("VectorPresent", "GoalPresent", "GoalReached", "FartherThan", "StateIs", "Changed")
 """Sensors that read facts; what is known may be either, the others read numbers."""
@@ -71,8 +71,8 @@ class ConfigurationSpec(Closed):
     def _names_exist(self) -> Self:
         self._check_kept_apart()
         for name, mechanism in self.mechanisms.items():
-            if mechanism.type not in mechanism_names():
-                raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, mechanism_names())}")
+            if mechanism.type not in MECHANISMS:
+                raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, MECHANISMS.names())}")
         for name, sensor in self.sensors.items():
             self._check_component(sensor, f"sensors.{name}")
         for name, behaviour in self.behaviours.items():
@@ -107,7 +107,7 @@ class ConfigurationSpec(Closed):
     def _check_mechanism(self, name: str, kind: type[Mechanism], expected: str, where: str) -> None:
         _must_know("mechanism", name, self.mechanisms, f"{where}.mechanism")
         given = self.mechanisms[name].type
-        if not issubclass(find(given), kind):
+        if not issubclass(MECHANISMS.find(given), kind):
             raise ValueError(f"{where}.mechanism: expected {expected}, got {name!r}, which is a {given}")
 
     def _check_conditions(self, trees: Iterable[AnyCondition], where: str) -> None:

@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from selector.configurations.configuration import ConfigurationSpec
-from selector.documents.yaml import DocumentError, unknown
+from selector.documents.errors import DocumentError
 from selforg.arrays import Ints
 from selforg.components import Knowledge
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.randomness import DirectionStream
+from selforg.registry import unknown
 from selforg.space import Euclidean
 
 Call = Callable[[float, Ints], None]

@@ -8,7 +8,7 @@ import numpy as np
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import Host
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.vocabulary.components import (
     ActionSpec,
     ActSpec,
@@ -37,7 +37,7 @@ from selforg import components as c
 from selforg.arrays import Ints
 from selforg.components.sensors import SensorComponent
 from selforg.gradients.queries import Filter
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient, find
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SpreadGradient
 from selforg.mechanisms.base import Mechanism
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
@@ -102,7 +102,7 @@ class Content:
 
     def _mechanism(self, name: str, declared: MechanismSpec) -> Mechanism:
         where = f"{self._where}: mechanisms.{name}"
-        cls = find(declared.type)
+        cls = MECHANISMS.find(declared.type)
         arguments = checked_parameters(cls, declared.parameters, f"{where}.parameters")
         known = arguments.get("value")
         if isinstance(known, str):

@@ -26,10 +26,13 @@ from pathlib import Path
 from typing import Any
 
 from selector.coordination.robot_vocabulary import Coordinators, NetworkSpec
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name
 from selector.documents.parameters import check_parameters_used, resolved
-from selector.documents.yaml import Closed, DocumentError, Name, read_mapping, shown, unknown, validated
+from selector.documents.reading import read_mapping
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.network.nesting import NestedModel
+from selforg.registry import unknown
 
 Content = dict[str, Any]
 

@@ -6,11 +6,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from selector.coordination.model import CoordinatorModel
-from selector.documents.yaml import Closed, DocumentError, Name, Share, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name, Share
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model.model import NetworkModel
+from selforg.registry import unknown
 
 Coordinators = Mapping[str, CoordinatorModel]
 

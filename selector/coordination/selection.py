@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from selector import strategies as strategies  # registers those that ship with the project
 from selector.coordination.coordinator import Coordinator
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec

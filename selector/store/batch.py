@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selector.documents.yaml import unknown
 from selector.store.exact_sums import NOTHING, Floats, Ints, Moments, on_grid, sums_by_cell
+from selforg.registry import unknown
 
 
 class Batch:

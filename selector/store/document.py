@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints
 
-from selector.documents.yaml import Closed, DocumentError, Name, as_yaml, read_mapping, shown, validated
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name
+from selector.documents.reading import as_yaml, read_mapping
 from selector.knowledge import Option, knowledge_from
 from selector.store.exact_sums import Moments
 from selector.store.records import Contents, Entry, Key, Rated, contents_of

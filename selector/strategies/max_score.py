@@ -4,11 +4,11 @@ import numpy as np
 
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 
 
-@register
+@STRATEGIES.register
 class MaxScore(DecisionStrategy):
     """The option of the highest score that can serve, the first of several; rewards change nothing."""
 

@@ -2,11 +2,11 @@
 
 from selector.strategies.choosing import chance_of, drawn, even
 from selector.strategies.problem import Decisions, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 
 
-@register
+@STRATEGIES.register
 class Random(DecisionStrategy):
     """Each option that can serve with the same probability; rewards change nothing."""
 

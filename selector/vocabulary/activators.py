@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, Flag, NonNegative, Number, Share
+from selector.documents.fields import Closed, Flag, NonNegative, Number, Share
 from selforg.network.model import activators
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from selector.documents.yaml import Closed, Flag, Name, NonNegative, Number
+from selector.documents.fields import Closed, Flag, Name, NonNegative, Number
 from selforg.gradients.queries import CHOICES
 
 DEFAULT_BUFFER = "gradients"

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
-from selector.documents.yaml import Closed, Flag, Name, Positive, Share
+from selector.documents.fields import Closed, Flag, Name, Positive, Share
 from selector.vocabulary.activators import AnyActivator, activator
 from selforg.network.model import behaviours, conditions
 

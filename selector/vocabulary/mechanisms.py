@@ -10,10 +10,12 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from selector.documents.yaml import DocumentError, Flag, unknown, validated
+from selector.documents.errors import DocumentError, validated
+from selector.documents.fields import Flag
 from selforg.mechanisms import Pheromone
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.spreading import Carried
+from selforg.registry import unknown
 
 FROM_HOST = ("buffer", "directions", "generators")
 """Parameters that the host gives and no document."""

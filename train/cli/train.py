@@ -49,7 +49,7 @@ def _train(
 ) -> None:  # fmt: skip
     if seed < 0:
         raise ConfigurationError(f"--seed: expected a whole number of at least 0, got {seed}")
-    from selector.documents.yaml import DocumentError
+    from selector.documents.errors import DocumentError
     from train.learning.training import DEFAULTS, TrainingRequest, train
 
     request = TrainingRequest(learner, config or DEFAULTS[learner], seed, output, resume, store, tuple(configs or ()))

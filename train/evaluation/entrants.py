@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.yaml import unknown
 from selector.strategies.learned_file import features_of, find_strategy, load_strategy, spec_of
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Ints, Problem
 from selector.strategies.registry import StrategySpec, spec_from_text
 from selector.strategies.streams import row_keys
+from selforg.registry import unknown
 from train.running.rule_pilot import RulePilot
 from train.running.trials import Pilot, PolicyPilot, StrategyPilot
 

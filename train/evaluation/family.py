@@ -17,7 +17,7 @@ from rich.console import Console
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.files import load_family
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import ORACLE, Comparison, Estimate, Standing, compare

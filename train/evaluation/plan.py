@@ -16,9 +16,9 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.robot import coordinators_of, robot_model
 from selector.configurations.library import library_of
-from selector.documents.yaml import unknown
 from selector.knowledge import load_knowledge
 from selforg.network.planning.names import check_planner as check_planner_name
+from selforg.registry import unknown
 from train.analysis.reference import Measured
 
 PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")

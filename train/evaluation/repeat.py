@@ -13,7 +13,7 @@ from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.world.mission import Course, result_of
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.yaml import unknown
+from selforg.registry import unknown
 from train.evaluation.plan import FINGERPRINTED, fingerprints, versions
 from train.running.results import MANIFEST
 from train.running.runs import RunTask, tasks_of

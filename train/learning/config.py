@@ -11,18 +11,11 @@ import configs
 from clean_swarm_env.config.types import Count
 from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
-from selector.documents.yaml import (
-    Closed,
-    DocumentError,
-    Name,
-    NonNegative,
-    Positive,
-    Share,
-    read_mapping,
-    unknown,
-    validated,
-)
+from selector.documents.errors import DocumentError, validated
+from selector.documents.fields import Closed, Name, NonNegative, Positive, Share
+from selector.documents.reading import read_mapping
 from selector.strategies.registry import StrategySpec
+from selforg.registry import unknown
 
 KIND = "training"
 

@@ -8,9 +8,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from selector.documents.yaml import DocumentError, unknown
+from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
+from selforg.registry import unknown
 from train.learning.credit import Paid
 
 Ints = NDArray[np.int64]

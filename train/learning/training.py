@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from train import knowledge_store as stores
 from train.evaluation.plan import versions
 from train.learning.checkpoints import TrainingDirectory

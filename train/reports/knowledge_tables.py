@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 
 from rich.table import Table
 
-from selector.documents.yaml import unknown
 from selector.store import Contents, Key, StoreError
 from selector.store.records import Entry
+from selforg.registry import unknown
 
 NOTHING = "-"
 

@@ -14,7 +14,8 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from clean_swarm_env.config.types import Count
-from selector.documents.yaml import Closed, Name, Number, Positive, unknown
+from selector.documents.fields import Closed, Name, Number, Positive
+from selforg.registry import unknown
 
 PHASES = ("patrol", "approach", "to_recycling", "to_dump")
 """What a robot is about, in the order of their numbers: no item in sight, an item in sight, cargo, recycled cargo."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from selector.documents.yaml import Closed, NonNegative, Positive
+from selector.documents.fields import Closed, NonNegative, Positive
 from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
 from selector.strategies.strategy import Arrays, DecisionStrategy
 from selforg.compiler.decorators import kernel

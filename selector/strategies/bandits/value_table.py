@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from selector.documents.yaml import Closed, NonNegative
+from selector.documents.fields import Closed, NonNegative
 from selector.strategies.problem import Floats, Ints, Outcomes
 from selector.strategies.strategy import Arrays, DecisionStrategy
 

@@ -11,7 +11,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.files import laid_over, load_experiment, load_mission, names
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
-from selector.documents.yaml import Closed
+from selector.documents.fields import Closed
 
 MODELS = [
     model

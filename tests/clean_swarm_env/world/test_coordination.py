@@ -9,7 +9,7 @@ from clean_swarm_env.world.mission import Course, run_mission
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec
 from tests.clean_swarm_env.courses import snapshot

@@ -8,7 +8,7 @@ from selector.configurations.host import Host, host_knowledge
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import knowledge_from, load_knowledge
 from selforg.components import Knowledge
 from selforg.gradients.buffer import SoBuffer

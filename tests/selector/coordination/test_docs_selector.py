@@ -7,7 +7,7 @@ import pytest
 
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.vocabulary import components as words
 from tests.paths import ROOT

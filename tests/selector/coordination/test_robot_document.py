@@ -9,7 +9,7 @@ import configs
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import load_network, network_from
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.network.model.activators import Linear
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings

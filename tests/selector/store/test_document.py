@@ -5,7 +5,7 @@ import json
 import pytest
 from hypothesis import example, given
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import Option
 from selector.store import Contents, Key, Moments, document
 from selector.store.records import Entry, Rated

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from train.analysis.strategy_comparison import compare
 from train.evaluation.entrants import Entrant, entrants_of
 

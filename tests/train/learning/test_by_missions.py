@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.strategies.learned_file import features_of, load_strategy, spec_of
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys

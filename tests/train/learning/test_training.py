@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from clean_swarm_env.config.files import load_family
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore
 from selector.strategies.policy import Network
 from selector.strategies.problem import Problem
