@@ -17,7 +17,7 @@ from scipy import stats
 from clean_swarm_env.config.files import laid_over, load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch, Finished
-from clean_swarm_env.learning.observation.terms import TERMS
+from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.world.robot import GOAL
 
 SEED = 900
@@ -42,7 +42,7 @@ def ends_of(choose: Choice, robots: int, scenarios: int) -> list[Finished]:
     """Return how missions end in which options (R,) are chosen by the situations (R, 4) that robots see."""
     batch = Batch(mission_of(robots), scenarios, begin_anew=False)
     batch.reset(list(range(SEED, SEED + scenarios)))
-    columns = [batch.observer.names.index(name) for name in TERMS["situation"][1]]
+    columns = [batch.observer.names.index(name) for name in TERMS.find("situation").components]
     ends: list[Finished] = []
     while len(ends) < scenarios:
         batch.step(choose(batch.observations[:, columns]))

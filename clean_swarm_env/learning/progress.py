@@ -6,15 +6,12 @@ Shapes: W worlds, N robots a world, R = W * N rows.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.world.garbage import NOTHING
+from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
+from selforg.arrays import Flags, Ints
 from selforg.compiler.decorators import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
 """Rows of `Progress.events`: items picked, recycled and dumped by the robot, collision events in which it took part,
@@ -41,6 +38,7 @@ class Progress:
 
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
+        self._avoiding = avoidance_column(worlds)
         self.limits: Ints = np.ones(worlds.worlds, dtype=np.int64)
         self.events: Ints = np.zeros((len(EVENTS), worlds.rows), dtype=np.int64)
         self.ticks: Ints = np.zeros(worlds.worlds, dtype=np.int64)
@@ -83,13 +81,18 @@ class Progress:
         """
         worlds, garbage = self._worlds, self._worlds.garbage
         count = count_tick(
-            entered, worlds.collisions.in_contact, worlds.network.executing, worlds.coordinator.index, garbage.cargo,
+            entered, worlds.collisions.in_contact, worlds.network.executing, self._avoiding, garbage.cargo,
             garbage.recycled, garbage.done, worlds.team.working, worlds.cleaned, worlds.ticks, self.limits,
             self._cargo, self._recycled, self._done, self.events, self.ticks, self.dumped, self.elapsed, self.outcome,
             self.took_part, self.idle, self._ended,
         )  # fmt: skip
         self.ended = self._ended[:count]
         return count > 0
+
+
+def avoidance_column(worlds: Worlds) -> int:
+    """Return which behaviour of the robots' networks is the coordinator that avoids others; -1 without one."""
+    return next((coordinator.index for coordinator in worlds.coordinators if coordinator.model.goal == GOAL), -1)
 
 
 @kernel
@@ -101,9 +104,8 @@ def count_tick(
 ) -> int:  # fmt: skip
     """Add one tick to `events` (E, R) of the worlds that run; list those that end and return their number.
 
-    executing (R, B): `avoidance` is the column of avoiding. A robot that is not `working` (R,) has lost its cargo, not
-    dumped it. had, had_recycled (R,) and had_done (W,): cargo and items done at the tick
-    before.
+    executing (R, B): `avoidance` is the column of avoiding, -1 without one. A robot that is not `working` (R,) has lost
+    its cargo, not dumped it. had, had_recycled (R,) and had_done (W,): cargo and items done at the tick before.
     """
     ended = 0
     robots = cargo.shape[0] // outcome.shape[0]
@@ -122,7 +124,8 @@ def count_tick(
             events[DUMPED, row] += dumped
             events[COLLISION, row] += entered[row]
             events[CONTACT, row] += in_contact[row]
-            events[AVOIDING, row] += executing[row, avoidance]
+            if avoidance >= 0:
+                events[AVOIDING, row] += executing[row, avoidance]
             had[row] = cargo[row]
             had_recycled[row] = recycled[row]
         dumped_now[world] += done[world] - had_done[world]
