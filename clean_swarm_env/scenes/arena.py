@@ -26,7 +26,7 @@ DriveKind = Literal["differential", "holonomic"]
 
 SUBSTEPS: Final = 4  # physics steps in a control period
 TIMESTEP: Final = 0.05  # [s] of physics
-PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
+CONTROL_PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
 CLOSE: Final = 0.55  # [m] between centres below which a pair counts as colliding, as in the mission
 PLACES, THINGS, STREAMS, DRAWS, RIVALS = range(5)  # what the seed of a world is split into
 
@@ -84,7 +84,7 @@ class Arena:
     @property
     def now(self) -> float:
         """Time since the start [s]."""
-        return self.ticks * PERIOD
+        return self.ticks * CONTROL_PERIOD
 
     def chance(self, world: int, what: int) -> np.random.Generator:
         """Return the generator of a world for one of its parts of chance, as at the beginning."""
