@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from train.analysis.statistics import Summary
-from train.goals.scene_runs import Comparison, GoalOutcome
+from train.goals.scene_runs import GoalOutcome, MeasureComparison
 
 VERDICTS = {True: "yes", False: "no", None: "-"}
 COLUMNS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
@@ -63,9 +63,13 @@ def as_page(outcomes: Sequence[GoalOutcome]) -> str:
     """Return the page of all goals for the docs."""
     seeds = outcomes[0].seeds
     return PAGE.format(
-        runs=len(seeds), first=seeds[0], last=seeds[-1], reached=sum(o.reached for o in outcomes),
-        count=len(outcomes), table=as_markdown(outcomes),
-    )  # fmt: skip
+        runs=len(seeds),
+        first=seeds[0],
+        last=seeds[-1],
+        reached=sum(outcome.reached for outcome in outcomes),
+        count=len(outcomes),
+        table=as_markdown(outcomes),
+    )
 
 
 def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
@@ -83,15 +87,19 @@ def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
     return "\n".join(lines)
 
 
-def _cells(comparison: Comparison) -> tuple[str, ...]:
+def _cells(comparison: MeasureComparison) -> tuple[str, ...]:
     measure = comparison.measure
     unit = "" if measure.unit == "-" else f" [{measure.unit}]"
     sign = "≤" if measure.better == "lower" else "≥"
     return (
-        measure.name + unit, _interval(comparison.mechanism), f"{sign} {measure.target:g}",
-        _interval(comparison.baseline), _interval(comparison.difference), VERDICTS[comparison.met],
+        measure.name + unit,
+        _interval(comparison.mechanism),
+        f"{sign} {measure.target:g}",
+        _interval(comparison.baseline),
+        _interval(comparison.difference),
+        VERDICTS[comparison.met],
         VERDICTS[comparison.beats],
-    )  # fmt: skip
+    )
 
 
 def _interval(summary: Summary) -> str:

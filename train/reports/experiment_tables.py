@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from selforg.arrays import Floats
+from train.analysis.bootstrap import Interval
 from train.analysis.report import Report
-from train.analysis.statistics import Floats, Interval, distance_metrics
+from train.analysis.statistics import distance_metrics
 from train.reports.text_table import Columns, Grid, Row, flat
 
 TITLES = {

@@ -4,7 +4,7 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from tests.train.records import experiment
-from train.evaluation.plan import check_planner
+from train.evaluation.experiment import check_planner
 
 
 def test_a_planner_that_there_is_not_is_one_line_with_its_key():
