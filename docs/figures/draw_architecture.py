@@ -15,16 +15,16 @@ LAYERS = (
     ("selforg", "components > mechanisms > gradients > compiler > arrays; network beside them", MINDS),
 )
 
-STAGES = (  # (lane, stage, what goes on)
-    ("both", "events", "teams, garbage, stations, delivery change when due"),
-    ("minds", "spread", "poses go into the buffers; losses and delays are drawn"),
-    ("minds", "sense mechanisms", "coordinators ask the mechanisms they hold"),
-    ("floor", "sense", "nearest item, stations, cargo become readings"),
-    ("minds", "decide", "satisfaction, wishes, activation, plans, arbitration"),
-    ("floor", "handle cargo", "pick, recycle, dump what starts in this tick"),
-    ("minds", "move", "each running movement gives its rows a vector"),
-    ("minds", "deposit", "pheromones and messages, once all vectors are known"),
-    ("floor", "drive", "four physics steps: turn, push, contacts, count collisions"),
+STAGES = (  # (lane, call, what goes on)
+    ("both", "apply_due", "events change teams, garbage, stations, delivery"),
+    ("minds", "spread_poses, receive_poses", "one instant for all; losses and delays are drawn"),
+    ("minds", "sense", "vectors of mechanisms; items, stations, cargo become readings"),
+    ("minds", "decide", "satisfaction, wishes, plans, activation, arbitration"),
+    ("both", "handle_cargo", "pick, recycle and dump what starts in this tick"),
+    ("minds", "hide_items", "what was picked attracts nobody any more"),
+    ("minds", "act", "each running movement gives its rows a vector"),
+    ("minds", "leave", "pheromones and messages, once all vectors are known"),
+    ("floor", "move", "four physics steps: turn, drive, contacts, count collisions"),
 )
 LANES = {"floor": (0, FLOOR), "minds": (1, MINDS), "both": (0.5, BETWEEN)}
 LANE = 350
