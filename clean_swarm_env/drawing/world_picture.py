@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING, Canvas, draw_world
 from clean_swarm_env.world.garbage import LYING, NOTHING
-from clean_swarm_env.world.worlds import PHEROMONES, Worlds
+from clean_swarm_env.world.minds import PHEROMONES
+from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.queries import Filter, Queries
 
 
@@ -34,7 +35,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
 def _trail(worlds: Worlds, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones of a world."""
     everything = Filter((PHEROMONES,), moving=False, view_distance=np.inf)
-    trail = Queries(worlds.pheromones).gradients(int(worlds.rows_of(world)[0]), worlds.now, everything)
+    trail = Queries(worlds.minds.pheromones).gradients(int(worlds.rows_of(world)[0]), worlds.now, everything)
     places = np.array([gradient.position for gradient in trail], dtype=np.float64).reshape(-1, 2)
     return places, np.array([gradient.diffusion for gradient in trail], dtype=np.float64)
 

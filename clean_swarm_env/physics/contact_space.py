@@ -8,8 +8,9 @@ import pymunk
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics import chipmunk_calls as calls
-from clean_swarm_env.physics import motion as motion
+from clean_swarm_env.physics.motion import COPY_ABOVE, COPY_RIGHT, COPY_RIGHT_ABOVE, COPY_RIGHT_BELOW
 from clean_swarm_env.physics.settings import PhysicsSettings
+from selforg.arrays import Floats
 from selforg.compiler.switches import COMPILED, PLAIN
 
 try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
@@ -24,10 +25,10 @@ PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
 ORIGINALS: Final = pymunk.ShapeFilter(categories=0b01, mask=0b11)
 ABSENT: Final = pymunk.ShapeFilter(categories=0, mask=0)
 COPY_OFFSETS: Final = {
-    motion.COPY_RIGHT: (1, 0),
-    motion.COPY_ABOVE: (0, 1),
-    motion.COPY_RIGHT_ABOVE: (1, 1),
-    motion.COPY_RIGHT_BELOW: (1, -1),
+    COPY_RIGHT: (1, 0),
+    COPY_ABOVE: (0, 1),
+    COPY_RIGHT_ABOVE: (1, 1),
+    COPY_RIGHT_BELOW: (1, -1),
 }  # copy bit -> offset in world sizes
 
 
@@ -42,8 +43,8 @@ class ContactSpace:
     def __init__(
         self,
         settings: PhysicsSettings,
-        bodies: NDArray[np.float64],
-        forces: NDArray[np.float64],
+        bodies: Floats,
+        forces: Floats,
         shared_memory: bool = SHARED_MEMORY,
     ) -> None:
         self._bodies, self._forces = bodies, forces
@@ -67,7 +68,7 @@ class ContactSpace:
             self._force = _channel(forces, lib.FORCE)
 
     def handles(self) -> list[int]:
-        """Return the row of `contact_calls` for this space, zeros where compiled code cannot call pymunk."""
+        """Return the row of `chipmunk_calls` for this space, zeros where compiled code cannot call pymunk."""
         if not self._shared_memory or not COMPILED or PLAIN:
             return [0] * calls.HANDLES
         step, each = ffi.addressof(lib, "cpSpaceStep"), ffi.addressof(lib, "cpSpaceEachBody")
@@ -130,7 +131,7 @@ class ContactSpace:
         lib.cpSpaceEachBody(self._space._space, direction, request)
 
 
-def _channel(array: NDArray[np.float64], fields: int) -> tuple[Any, Any]:
+def _channel(array: Floats, fields: int) -> tuple[Any, Any]:
     """View of a C-contiguous float64 array as pymunk's batch buffer, and the request that names its fields."""
     buffer = ffi.new("pmFloatArray *")
     buffer.arr = ffi.cast("cpFloat *", array.ctypes.data)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.drive import DifferentialDrive
+from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
 from clean_swarm_env.physics.physics import Physics
-from clean_swarm_env.physics.settings import Contacts
+from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
 from selforg.components import Commands
@@ -68,9 +68,9 @@ class Arena:
         self.ground, self.robots, self.worlds, self.body = ground, robots, len(seeds), body
         self.rows = self.worlds * robots
         side = ground.side
-        self.physics = Physics(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP)
+        self.physics = Physics(PhysicsSettings(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP))
         self.positions, self.headings = self.physics.positions, self.physics.headings
-        self.drive = DifferentialDrive(self.rows, body.max_speed)
+        self.drive = DifferentialDrive(self.rows, DriveSettings(max_speed=body.max_speed))
         self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
         self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
         self.poses = OwnPoses(

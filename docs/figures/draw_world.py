@@ -24,7 +24,7 @@ def world_after(seconds: float, seed: int) -> Worlds:
     mission = load_mission("table1")
     worlds = Worlds(mission, CoordinatorModel(GOAL, load_knowledge(mission.knowledge), Library()))
     worlds.reset(0, random_start(mission, seed, 0), seed)
-    worlds.hold(np.full(worlds.rows, worlds.coordinator.model.options.index(OPTION)))
+    worlds.hold(np.full(worlds.rows, worlds.minds.coordinator_of(GOAL).model.options.index(OPTION)))
     for _ in range(round(seconds / worlds.period)):
         worlds.tick()
     return worlds

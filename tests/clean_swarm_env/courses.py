@@ -25,6 +25,11 @@ def mission(name: str = "table1", **changes) -> MissionConfig:
     return MissionConfig.model_validate(laid_over(load_mission(name).model_dump(), changes))
 
 
+CROWD = mission(world={"width": 4.0, "height": 4.0}, robots={"count": 8}, garbage={"count": 2},
+                stations={"recycling": [1.0, 1.0], "dump": [3.0, 3.0]})  # fmt: skip
+"""Solid robots that cannot help touching."""
+
+
 def avoidance() -> CoordinatorModel:
     return CoordinatorModel(GOAL, load_knowledge("cleaning"), Library())
 

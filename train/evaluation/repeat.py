@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from clean_swarm_env.config.errors import ConfigurationError, one_line
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.world.mission import Course, result_of
+from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
 from selforg.registry import unknown
 from train.running.provenance import fingerprints, versions
@@ -55,9 +55,8 @@ def changed_versions(directory: Path) -> list[str]:
 
 def steps_of(task: RunTask) -> Iterator[Worlds]:
     """Repeat a run with explained robots; yield its world after each control period, until the mission is over."""
-    course = Course(
-        task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories, explained=True
-    )
+    run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
+    course = Course(run, explained=True)
     while course.in_progress:
         course.tick()
         yield course.worlds

@@ -6,8 +6,8 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around, open_around, write_way
 from clean_swarm_env.learning.phases import APPROACH, PATROL, TO_DUMP, TO_RECYCLING
+from clean_swarm_env.physics.cells import NOBODY, cell_at, cells_along, fill_cells, nearest_point
 from clean_swarm_env.world.garbage import LYING, NOTHING
-from clean_swarm_env.world.nearby import NOBODY, cell_at, cells_along, fill_cells, nearest_point
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.compiler.records import Words
@@ -49,7 +49,7 @@ def find_items(around: Words[Around], rows: Ints) -> None:
             filled = world
         x, y, item = a.positions[row, 0], a.positions[row, 1], NOBODY
         if items > 0:
-            _, item, _ = nearest_point(x, y, -1, a.sight, a.items[world], 0, lying, a.extent, cells, links)
+            item, _ = nearest_point(x, y, a.sight, a.items[world], lying, a.extent, cells, links)
         a.item[row] = item
         if a.cargo[row] != NOTHING:
             a.phases[row] = TO_DUMP if a.recycled[row] == 1 else TO_RECYCLING

@@ -5,7 +5,7 @@ import pytest
 
 from clean_swarm_env.config.files import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.mission import Course, run_mission
+from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -18,7 +18,7 @@ from tests.clean_swarm_env.courses import snapshot
 def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
     plain, coordinated = load_mission("table1"), load_mission("cleaning-patrol")
     start = random_start(plain, 5, 0)
-    one, other = Course(plain, start, 3, {}), Course(coordinated, start, 3, {})
+    one, other = Course(MissionRun(plain, start, 3, {})), Course(MissionRun(coordinated, start, 3, {}))
     for _ in range(1000):
         one.tick()
         other.tick()
@@ -26,7 +26,9 @@ def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
     for name, part in snapshot(one.worlds, 0).items():
         if name not in ("inner", "held"):  # of the coordinators, of which one has one more
             assert np.array_equal(part, parts[name]), name
-    assert other.worlds.pheromones.count(0, "pheromone") == one.worlds.pheromones.count(0, "pheromone") > 100
+    assert (
+        other.worlds.minds.pheromones.count(0, "pheromone") == one.worlds.minds.pheromones.count(0, "pheromone") > 100
+    )
 
 
 def test_what_robots_patrol_by_decides_the_mission():
@@ -39,7 +41,7 @@ def test_what_robots_patrol_by_decides_the_mission():
 def test_the_same_seed_takes_the_same_course_however_options_change():
     mission = load_mission("cleaning-patrol")
     start = random_start(mission, 5, 1)
-    courses = [Course(mission, start, 7, {}, StrategySpec(name="Random")) for _ in range(2)]
+    courses = [Course(MissionRun(mission, start, 7, {}, StrategySpec(name="Random"))) for _ in range(2)]
     held = set()
     for _ in range(200):
         for course in courses:

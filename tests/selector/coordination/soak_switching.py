@@ -78,7 +78,7 @@ def soak(seconds: float) -> list[str]:
             if one.fingerprint() != other.fingerprint():
                 return [f"fingerprints of equal seeds differ after {period * mission.decision_period:g} s"]
     third, last = (float(np.mean(part)) for part in np.array_split(memory, 4)[2:])
-    stored = one.worlds.pheromones.count(0, "pheromone")
+    stored = one.worlds.minds.pheromones.count(0, "pheromone")
     print(f"{periods} decision periods of 2 x {one.worlds.rows} robots, fingerprint {one.fingerprint()[:12]}")
     print(f"memory: third quarter {third / 1024:.0f} KiB, last {last / 1024:.0f} KiB; {stored} pheromones in a world")
     if last - third > GROWTH:
