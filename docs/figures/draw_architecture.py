@@ -1,19 +1,20 @@
-"""Draws the layers and one tick as SVG: `python -m docs.figures.draw_architecture [DIR]` (default docs/pictures)."""
+"""Draws the layers and one tick as SVG: `python -m docs.figures.draw_architecture [DIR]` (default docs/pictures).
+
+The layers inside a package are those of its contract in `pyproject.toml`.
+"""
 
 import sys
+import tomllib
 from html import escape
 from pathlib import Path
 
-PICTURES = Path(__file__).parents[1] / "pictures"
+ROOT = Path(__file__).parents[2]
+PICTURES = ROOT / "docs" / "pictures"
 INK, PALE, FLOOR, MINDS, BETWEEN = "#1b2a41", "#8d99ae", "#d9f0e6", "#d7e6f5", "#fbe3d4"
 WIDTH, BOX, GAP = 760, 42, 16
 
-LAYERS = (
-    ("train", "cli > evaluation > goals | reports > analysis | learning > running", BETWEEN),
-    ("clean_swarm_env", "borders > learning | drawing > world | scenes > config | physics", FLOOR),
-    ("selector", "coordination > configurations > strategies | store | vocabulary > documents", MINDS),
-    ("selforg", "components > mechanisms > gradients > compiler > arrays; network beside them", MINDS),
-)
+PACKAGES = {"train": BETWEEN, "clean_swarm_env": FLOOR, "selector": MINDS, "selforg": MINDS}
+"""Package -> colour, from the top down."""
 
 STAGES = (  # (lane, call, what goes on)
     ("both", "apply_due", "events change teams, garbage, stations, delivery"),
@@ -59,15 +60,24 @@ def svg(height: float, parts: list[str]) -> str:
     return "\n".join([head, '<rect width="100%" height="100%" fill="white"/>', marker, *parts, "</svg>"]) + "\n"
 
 
+def inside(package: str) -> str:
+    """Return the layers inside a package, from the top down; those of one layer do not import each other."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
+    found = [contract["layers"] for contract in contracts if contract.get("containers") == [package]]
+    return " > ".join(found[0]) if found else ""
+
+
 def layers() -> str:
     """Return the picture of the layers; an import leads down only."""
     parts = []
-    for number, (name, inside, colour) in enumerate(LAYERS):
+    for number, (name, colour) in enumerate(PACKAGES.items()):
         y = 10 + number * (BOX + GAP)
-        parts += box(20, y, WIDTH - 40, colour, name, inside)
+        parts += box(20, y, WIDTH - 40, colour, name, inside(name))
         if number:
             parts.append(arrow(WIDTH / 2, y - GAP, WIDTH / 2, y))
-    return svg(10 + len(LAYERS) * (BOX + GAP), parts)
+    return svg(10 + len(PACKAGES) * (BOX + GAP), parts)
 
 
 def tick() -> str:
