@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name, Number
 from selector.documents.files import find_file
 from selector.documents.reading import read_mapping
+from selforg.arrays import Floats
 from selforg.registry import unknown
 
 
@@ -78,7 +78,7 @@ class Knowledge:
             raise DocumentError(f"{self.source}: {unknown('goal', goal, self.goals)}")
         return self.table[goal]
 
-    def scores(self, goal: str) -> npt.NDArray[np.float64]:
+    def scores(self, goal: str) -> Floats:
         """Return the scores (O,) of the options of a goal."""
         return np.array([option.score for option in self.options(goal)], dtype=np.float64)
 

@@ -8,8 +8,8 @@ import platformdirs
 
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
-from selector.store import Contents, KnowledgeStore, StoreError, document
-from selector.store.records import contents_of
+from selector.store import KnowledgeStore, StoredKnowledge, StoreError, document
+from selector.store.stored_knowledge import stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
 """Environment variable that names the store unless `--store` does."""
@@ -34,7 +34,7 @@ def opened(url: str | None, *, create: bool) -> KnowledgeStore:
     return KnowledgeStore(str(path), create=create)
 
 
-def contents_named(given: str, source: str, directories: Sequence[Path] = ()) -> Contents:
+def contents_named(given: str, source: str, directories: Sequence[Path] = ()) -> StoredKnowledge:
     """Return what a file holds, expert knowledge or an exported store, or the expert knowledge of a name.
 
     Args:
@@ -48,10 +48,10 @@ def contents_named(given: str, source: str, directories: Sequence[Path] = ()) ->
         return document.read(path, source)
     if path.suffix or path.name != given:
         raise DocumentError(f"{given}: no such file")
-    return contents_of(load_knowledge(given, directories), source)
+    return stored(load_knowledge(given, directories), source)
 
 
-def amount(contents: Contents) -> str:
+def amount(contents: StoredKnowledge) -> str:
     """Return in words how much there is."""
     updates = sum(entry.moments.count for entry in contents.learned.values())
     return f"{counted(len(contents.expert), 'expert option')}, {counted(updates, 'update')}"

@@ -56,7 +56,7 @@ class Foraging(Scene):
 
     def _look(self) -> None:
         assert isinstance(self.controller, ServedTeam)  # the baseline is one too
-        carrying = self.controller.knowledge.values("carrying") == 1.0
+        carrying = self.controller.memory["carrying"].values == 1.0
         at_nest = self.ground.distances(self.arena.positions, self.ground.centre) < NEST_RADIUS + AT_NEST
         brought = self._carried & ~carrying & at_nest
         self._brought += self.arena.by_world(brought).sum(axis=1)

@@ -18,7 +18,7 @@ from clean_swarm_env.world.delivery import Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
 from clean_swarm_env.world.robot import robot_model
 from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors
-from selector.configurations.host import Host, host_knowledge
+from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
@@ -149,8 +149,8 @@ class Minds(Uncopied):
         planner = planner_named(model, mission.network.planner)
         self.network = BehaviourNetwork(model, self.rows, planner, explained)
         self._chances = [np.random.default_rng(0)] * self.rows
-        self._knowledge = host_knowledge((spec for m in models for spec in m.configurations), self.rows)
-        host = Host(self.poses, self._buffers, self.directions, self._chances, self._knowledge)
+        self._memory = host_memory((spec for m in models for spec in m.configurations), self.rows)
+        host = Host(self.poses, self._buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
         self.nested: tuple[Inner, ...] = ()
         self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
@@ -174,7 +174,7 @@ class Minds(Uncopied):
     def begin(self, rows: Ints) -> None:
         """Clear the networks and the knowledge of `rows` (K,)."""
         self.network.reset(rows)
-        self._knowledge.reset(rows)
+        self._memory.reset(rows)
         for inner in self._inner:
             inner.reset(rows)
 

@@ -23,6 +23,9 @@ class FloorRecord(NamedTuple):
     done: Annotated[Ints, "W"]  # items dumped
     nearest: Annotated[Ints, "R"]  # the item that a robot would take, as it last sensed; NOTHING where none is near
     picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones
+    lying: Annotated[Flags, "M"]  # scratch: items of one world that lie
+    cells: Annotated[Ints, "lines columns"]  # scratch: see `physics.cells`
+    links: Annotated[Ints, "M"]  # scratch: see `physics.cells`
     sight: float  # distance up to which an item is seen [m]
     at_item: float  # distance up to which a robot is at an item [m]
     at_station: float  # distance up to which a robot is at a station [m]

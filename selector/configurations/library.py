@@ -7,7 +7,7 @@ from typing import Any
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
-from selector.configurations.running import Content
+from selector.configurations.running import RunningConfiguration
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.files import files_of
 from selector.documents.parameters import check_parameters_used, resolved
@@ -57,7 +57,7 @@ class Library:
         except DocumentError as error:
             raise DocumentError(f"{where}: {error}") from error
         configuration = validated(ConfigurationSpec, content, where)
-        Content(configuration, trial_host(configuration), where)
+        RunningConfiguration(configuration, trial_host(configuration), where)
         return configuration
 
     def of_option(self, option: Option) -> ConfigurationSpec:

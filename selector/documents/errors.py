@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar, get_args
+from typing import TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -48,19 +48,30 @@ def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
     return PydanticCustomError(IMPOSSIBLE, message, {"key": key, "expected": expected, "given": str(given)})
 
 
+def of_part(part: str, error: ValidationError, model: type[BaseModel]) -> PydanticCustomError:
+    """Return the error of a part as one that the validator of the whole can raise; its key begins with `part`."""
+    key, what = _first_mistake(error, model)
+    return PydanticCustomError(IMPOSSIBLE, "{what}", {"key": f"{part}.{key}", "what": what})
+
+
 def one_line(error: ValidationError, where: str, model: type[BaseModel]) -> str:
     """Return `where: key: what is wrong` for the first mistake of `error`, raised when validating `model`."""
-    details = error.errors(include_url=False)
-    # An unknown key often makes another one missing: the unknown one is named.
-    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-    key = ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)])
-    return f"{where}: {f'{key}: ' if key else ''}{_what(first, model)}"
+    key, what = _first_mistake(error, model)
+    return f"{where}: {f'{key}: ' if key else ''}{what}"
 
 
 def shown(path: Path) -> str:
     """Return `path` as a user in the working directory would write it."""
     relative = os.path.relpath(path)
     return str(path) if relative.startswith("..") else relative
+
+
+def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
+    """Return the dotted key of the first mistake, and what is wrong."""
+    details = error.errors(include_url=False)
+    # An unknown key often makes another one missing: the unknown one is named.
+    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+    return ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)]), _what(first, model)
 
 
 def _key_of_context(details: ErrorDetails) -> list[str]:
@@ -88,14 +99,23 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
 
 def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
     """Return the keys of the model that lies at `location` below `model`; empty if the types do not tell."""
-    here: type[BaseModel] | None = model
+    here: object = model
     for part in location:
-        if isinstance(part, int):
-            continue
-        if here is None or part not in here.model_fields:
-            return []
-        here = _model_in(here.model_fields[part].annotation)
-    return sorted(here.model_fields) if here is not None else []
+        here = _below(here, part)
+    found = _model_in(here)
+    return sorted(found.model_fields) if found is not None else []
+
+
+def _below(annotation: object, part: int | str) -> object:
+    """Return the type of what lies at one key or index of a value; None if its type does not tell."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation.model_fields[part].annotation if part in annotation.model_fields else None
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is dict:
+        return arguments[1]
+    if origin is tuple and isinstance(part, int):
+        return arguments[0 if Ellipsis in arguments else part]
+    return next((found for one in arguments if (found := _below(one, part)) is not None), None)
 
 
 def _model_in(annotation: object) -> type[BaseModel] | None:

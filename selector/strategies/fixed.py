@@ -5,9 +5,10 @@ import numpy as np
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints, Outcomes
+from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
 from selforg.registry import unknown
 
 

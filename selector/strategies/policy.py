@@ -6,9 +6,10 @@ from selector.documents.errors import shown
 from selector.documents.fields import Closed, Flag, Name
 from selector.strategies.choosing import best, chance_of, drawn
 from selector.strategies.policy_file import TrainedPolicy, Weights, find_policy, load_policy
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
+from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
 ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}

@@ -10,9 +10,10 @@ from pydantic import Field, model_validator
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Name
 from selector.documents.reading import read_value
-from selector.strategies.problem import Ints, Problem
+from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import Keys
+from selforg.arrays import Ints
 from selforg.registry import Registry, UnknownNameError
 
 STRATEGIES: Registry[DecisionStrategy] = Registry("strategy")

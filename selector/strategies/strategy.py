@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
-from selector.strategies.problem import Decisions, Flags, Floats, Ints, Outcomes, Problem, readable, whole_numbers
+from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
+from selforg.arrays import Flags, Floats, Ints
 
 Arrays = dict[str, npt.NDArray[Any]]
 

@@ -19,7 +19,7 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from train.analysis.bootstrap import Interval, interval, resampled
 
-RESAMPLES = 5_000
+COMPARISON_RESAMPLES = 5_000
 """Bootstrap resamples."""
 LEAST_GAP = 1e-6
 """Share of the best fixed option's cost below which a gap is none."""
@@ -99,7 +99,7 @@ def _standing(label: str, costs: _Costs) -> StrategyStanding:
     seeds, scenarios = costs.own.shape
     means = costs.means(np.arange(scenarios), np.arange(seeds))
     samples = [np.arange(count) for count in (scenarios, seeds) if count > 1]  # one seed is no sample to draw from
-    drawn = resampled(samples, costs.means, RESAMPLES, paired=False) if scenarios > 1 else np.zeros((3, 0))
+    drawn = resampled(samples, costs.means, COMPARISON_RESAMPLES, paired=False) if scenarios > 1 else np.zeros((3, 0))
     share, shares = _shares(means[:, None]), _shares(drawn)
     certain = len(shares) > MOSTLY * drawn.shape[1]
     return StrategyStanding(

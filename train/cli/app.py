@@ -14,17 +14,17 @@ import typer
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli import evaluate, knowledge, repeat, run, train
 from train.cli.options import Configs, error_console
+from train.running.exit_codes import BAD_INPUT, INTERRUPTED
 
-BAD_INPUT, INTERRUPTED = 2, 130
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-app.command("evaluate")(evaluate.evaluate)
+app.command("evaluate")(evaluate.evaluate_command)
 app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
-app.command("run")(run.run)
-app.command("explain")(repeat.explain)
-app.command("record")(repeat.record)
+app.command("run")(run.run_command)
+app.command("explain")(repeat.explain_command)
+app.command("record")(repeat.record_command)
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ from train.cli.options import Configs, check_least, wide_console
 GROUNDS = ("torus", "open")
 
 
-def run(
+def run_command(
     goal: Annotated[str | None, typer.Argument(help="Name of a goal; --all runs every one.")] = None,
     every: Annotated[bool, typer.Option("--all", help="Run every goal and print the table of them all.")] = False,
     robots: Annotated[int | None, typer.Option(help="Number of robots; the scene's own unless given.")] = None,
@@ -62,7 +62,7 @@ def run(
         typer.echo(f"{len(outcomes)} goals in {output}")
     else:
         for outcome in outcomes:
-            wide_console().print(tables.on_terminal(outcome))
+            wide_console().print(tables.goal_on_terminal(outcome))
 
 
 def _write(output: Path, page: str) -> None:

@@ -57,7 +57,7 @@ class Tape:
         return len(self._held)
 
 
-def record(task: RunTask, output: Path) -> int:
+def record_run(task: RunTask, output: Path) -> int:
     """Repeat a whole run and keep every step of every robot in an NPZ file; return the number of steps (T)."""
     if output.exists():
         raise ConfigurationError(f"{output}: exists already; expected a new file")

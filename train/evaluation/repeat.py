@@ -6,10 +6,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from clean_swarm_env.config.errors import ConfigurationError, one_line
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import one_line
 from selforg.registry import unknown
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import MANIFEST, read_manifest

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from selector.documents.arrays import Arrays, load_arrays, save_arrays
-from selector.store import Batch as StoreBatch
-from selector.store import KnowledgeStore
+from selector.store import KnowledgeStore, RewardSums
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
@@ -53,7 +52,7 @@ class BanditTraining(Training):
         self.strategy = self._built(self.settings.strategy, self.problem, self._learning.teams)
         self._decisions = 0
         self._best = self.strategy.learned()
-        self._record = StoreBatch(self.problem.goal, self.problem.options)
+        self._record = RewardSums(self.problem.goal, self.problem.options)
         if self.checkpoint_file.is_file():
             self._load()
 
@@ -119,7 +118,7 @@ class BanditTraining(Training):
         save_arrays(self.checkpoint_file, arrays, description)
         if self._store is not None and self._record.count:
             self._store.add(self._record, source=f"{self.config.name}-seed{self.job.seed}")
-        self._record = StoreBatch(self.problem.goal, self.problem.options)
+        self._record = RewardSums(self.problem.goal, self.problem.options)
 
     def _load(self) -> None:
         arrays, description = load_arrays(self.checkpoint_file)

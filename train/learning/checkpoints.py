@@ -13,7 +13,7 @@ from typing import Any
 
 from train.running.run_folder import RunFolder
 
-HISTORY = "history.jsonl"
+HISTORY_FILE = "history.jsonl"
 
 
 class TrainingFolder(RunFolder):
@@ -31,4 +31,4 @@ class TrainingFolder(RunFolder):
 
     def write_history(self, entries: Sequence[Mapping[str, Any]]) -> None:
         """Write one line for each checkpoint."""
-        self.write(HISTORY, "".join(json.dumps(entry) + "\n" for entry in entries))
+        self.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in entries))

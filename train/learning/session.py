@@ -18,12 +18,11 @@ from selector.documents.errors import DocumentError
 from train.learning.checkpoints import TrainingFolder
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob
+from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
 from train.running.warm_up import announce, compiled_before
 
-FINISHED, INTERRUPTED = 0, 130
-"""Exit codes; 130 is that of a program ended by Ctrl-C."""
-PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
+LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
 """Packages that a learner needs besides those of all runs."""
 
 
@@ -93,7 +92,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
 def check_installed(learner: str) -> dict[str, str]:
     """Return the versions of all packages that a learner needs; one that is missing raises DocumentError."""
     try:
-        return versions(PACKAGES[learner])
+        return versions(LEARNER_PACKAGES[learner])
     except PackageNotFoundError as error:
         install = "pip install -c constraints.txt '.[train]'"
         raise DocumentError(f"training by {learner} needs {error.name}, which is not installed: {install}") from error

@@ -5,6 +5,7 @@ Shapes: R rows, F components of an observation, K components that a strategy see
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -30,11 +31,8 @@ class Pilot(Protocol):
         """Return the option (R,) that each row holds in the coming decision period, from what it sees (R, F)."""
 
 
-class PilotMaker(Protocol):
-    """What makes a pilot for a batch of worlds."""
-
-    def __call__(self, problem: Problem, teams: Ints) -> Pilot:
-        """Return a pilot for rows of `teams` (R,), whose features are all components of the observation."""
+PilotMaker = Callable[[Problem, Ints], Pilot]
+"""Makes a pilot for rows of teams (R,), for a problem whose features are all components of the observation."""
 
 
 class StrategyPilot:

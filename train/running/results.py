@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.running.run_folder import RunFolder
-from train.running.runs import COLUMNS, RunRecord
+from train.running.runs import RUN_COLUMNS, RunRecord
 
 JOURNAL, RUNS = "runs.jsonl", "runs.csv"
 
@@ -66,7 +66,7 @@ class Results:
 
     def _rewrite(self) -> None:
         self.folder.write(JOURNAL, "".join(map(_line, self.records)))
-        self.folder.write(RUNS, ",".join(COLUMNS) + "\n" + "".join(map(_row, self.records)))
+        self.folder.write(RUNS, ",".join(RUN_COLUMNS) + "\n" + "".join(map(_row, self.records)))
 
 
 def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:

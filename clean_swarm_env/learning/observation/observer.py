@@ -11,7 +11,7 @@ from clean_swarm_env.learning.observation.around import AROUND, Around, open_aro
 from clean_swarm_env.learning.observation.searches import find_items, find_neighbours, find_stations, list_present
 from clean_swarm_env.learning.observation.term import Observed
 from clean_swarm_env.learning.observation.terms import ObservationConfig
-from clean_swarm_env.learning.progress import Progress
+from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
@@ -33,7 +33,7 @@ class Observer:
 
     """
 
-    def __init__(self, worlds: Worlds, progress: Progress, config: ObservationConfig | None = None) -> None:
+    def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = config or ObservationConfig()
         self._around = AROUND.pack(around_robots(worlds, self.config.neighbour_ranges))
         self._terms = self.config.build(Observed(worlds, progress, self._around))

@@ -8,9 +8,10 @@ from pydantic import Field
 from selector.documents.fields import NonNegative, Number
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, summed, weighted
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
+from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import Arrays, DecisionStrategy
+from selforg.arrays import Floats, Ints
 
 
 class DiscountedUCBParameters(PriorParameters):

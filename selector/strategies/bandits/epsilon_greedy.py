@@ -5,8 +5,9 @@ import numpy as np
 from selector.documents.fields import NonNegative, Share
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.choosing import best, chance_of, drawn, even
-from selector.strategies.problem import Decisions, Ints
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
 
 
 class EpsilonGreedyParameters(PriorParameters):

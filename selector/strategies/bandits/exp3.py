@@ -7,9 +7,10 @@ from pydantic import Field, model_validator
 
 from selector.documents.fields import Closed, NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
+from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import Arrays, DecisionStrategy
+from selforg.arrays import Floats, Ints
 
 
 class EXP3Parameters(Closed):

@@ -5,9 +5,10 @@ import numpy as np
 from selector.documents.fields import Positive
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Floats, Ints
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.streams import student_t
+from selforg.arrays import Floats, Ints
 
 
 class GaussianThompsonParameters(PriorParameters):

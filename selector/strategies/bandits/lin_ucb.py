@@ -2,8 +2,9 @@
 
 from selector.strategies.bandits.linear_model import LinearModel
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
 
 
 @STRATEGIES.register

@@ -4,9 +4,10 @@ import numpy as np
 
 from selector.strategies.bandits.linear_model import LinearModel
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.streams import normals
+from selforg.arrays import Ints
 
 
 @STRATEGIES.register

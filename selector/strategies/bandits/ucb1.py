@@ -5,8 +5,9 @@ import numpy as np
 from selector.documents.fields import NonNegative
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
-from selector.strategies.problem import Decisions, Ints
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
 
 
 class UCB1Parameters(PriorParameters):

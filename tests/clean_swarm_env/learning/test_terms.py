@@ -1,7 +1,5 @@
 """Contract of every registered observation term; a user's own terms join by being registered."""
 
-import copy
-
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -98,15 +96,6 @@ class TestEveryTerm:
         config = mission(robots={"count": 3, "capacity": 5})
         for seen in course(batch_of(name, worlds=1, config=config), 5):
             assert not seen[3:].any()
-
-    def test_a_copy_looks_at_its_own_world(self, name):
-        batch = batch_of(name, worlds=1)
-        *_, last = course(batch, 5)
-        twin, before = copy.deepcopy(batch), last.copy()
-        for _ in course(batch, 3):
-            pass
-        twin.observer.observe(twin.observations)
-        assert_array_equal(twin.observations, before)
 
 
 def test_the_default_holds_all_shipped_terms_and_no_others():

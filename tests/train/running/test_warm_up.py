@@ -58,18 +58,18 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
     task, limits, compiled, expected, monkeypatch, tmp_path, capsys
 ):
     monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
-    setting = pipeline.Setting(1, tmp_path / "r", False, pipeline.Console())
-    assert pipeline.evaluate(OneRun(task), setting) == pipeline.FINISHED
+    execution = pipeline.Execution(1, tmp_path / "r", False, pipeline.Console())
+    assert pipeline.evaluate(OneRun(task), execution) == pipeline.FINISHED
     assert limits == expected
     assert (LINE in capsys.readouterr().err) is not compiled
 
 
 def test_nothing_is_compiled_for_an_evaluation_that_is_done(task, limits, monkeypatch, tmp_path):
-    setting = pipeline.Setting(1, tmp_path / "r", True, pipeline.Console())
-    pipeline.evaluate(OneRun(task), setting)
+    execution = pipeline.Execution(1, tmp_path / "r", True, pipeline.Console())
+    pipeline.evaluate(OneRun(task), execution)
     limits.clear()
     monkeypatch.setattr(pipeline, "compiled_before", lambda: False)
-    pipeline.evaluate(OneRun(task), setting)
+    pipeline.evaluate(OneRun(task), execution)
     assert limits == []
 
 
