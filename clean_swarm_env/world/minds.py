@@ -16,10 +16,11 @@ from clean_swarm_env.physics.drive import ORDERS, Orders
 from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.delivery import Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
-from clean_swarm_env.world.robot import robot_model
+from clean_swarm_env.world.robot import robot_network
 from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.records import Packed
@@ -145,14 +146,16 @@ class Minds(Uncopied):
     def _build_network(
         self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path], explained: bool
     ) -> None:
-        model = robot_model(mission.network, models, directories)
+        robot = robot_network(mission.network, models, directories)
+        model = robot.model
         planner = planner_named(model, mission.network.planner)
         self.network = BehaviourNetwork(model, self.rows, planner, explained)
         self._chances = [np.random.default_rng(0)] * self.rows
-        self._memory = host_memory((spec for m in models for spec in m.configurations), self.rows)
+        configurations = (spec for m in models for spec in m.configurations)
+        self._memory = host_memory((*configurations, *robot.all_specs()), self.rows)
         host = Host(self.poses, self._buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
-        self.nested: tuple[Inner, ...] = ()
+        self.nested = inner_networks(robot, self.network, host, explained=explained)
         self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
 
     def coordinator_of(self, goal: str) -> Coordinator:

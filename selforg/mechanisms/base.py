@@ -6,7 +6,7 @@ the buffer. What a mechanism leaves behind it leaves in `deposit`, called after 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from typing import Unpack, final
+from typing import Any, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +45,11 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
         self._see = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
         self._table_for = -1
         self._channel_table: Ints = np.zeros(1, dtype=np.int64)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return the keyword arguments with which the contract tests build the class."""
+        return {}
 
     def _channels_now(self) -> Ints:
         """Return the channel table, made anew when the buffer has heard of new channels."""

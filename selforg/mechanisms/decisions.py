@@ -1,7 +1,7 @@
 """Decision mechanisms."""
 
 from collections.abc import Sequence
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -81,6 +81,11 @@ class Quorum(NeighbourDecision):
             buffer, channel=buffer.poses.channel if channel is None else channel, carried=carried, **options
         )
         self.threshold = at_least(self, "threshold", threshold, 0.0)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a threshold."""
+        return {"threshold": 2}
 
 
 @MECHANISMS.register
@@ -162,6 +167,11 @@ class ForagingDecision(DecisionMechanism):
         super().__init__(buffer, value=probability, **options)
         self.probability = float(probability)
         self._generators = generators  # not copied: the host may give a row another one
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a probability that needs no generators."""
+        return {"probability": 1.0}
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
         values[:] = self.probability

@@ -1,6 +1,7 @@
 """Spreading: gradients that robots carry or leave, with a value or without one."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -88,6 +89,11 @@ class SpreadGradient(Mechanism):
     def __init__(self, buffer: SoBuffer, *, carried: Carried) -> None:
         super().__init__(buffer)
         self._spreader = Spreader(buffer, carried)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return what to spread."""
+        return {"carried": Carried("beacon")}
 
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
         """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""

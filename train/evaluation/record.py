@@ -2,7 +2,8 @@
 
 The file holds what `recording.stacked` makes of the robots' network; `held` (T, R, C), the option of
 each coordinator; and, for every option that was ever held, the same arrays of the network inside, their names beginning
-with `GOAL/OPTION/`. A network inside decides only in steps in which its coordinator runs; in others it stays as it was.
+with `GOAL/OPTION/`. The networks inside other behaviours, `network_names`, have the same arrays, their names beginning
+with that of the network. A network inside decides only in steps in which its holder runs; in others it stays as it was.
 """
 
 import io
@@ -14,6 +15,7 @@ import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
+from selector.coordination.inner_network import at_any_depth
 from selector.documents.arrays import Arrays, write_whole
 from selforg.arrays import Ints
 from selforg.network.explain.recording import Recorder, stacked
@@ -29,12 +31,13 @@ class Tape:
         self._worlds = worlds
         self._outer = Recorder(worlds.network)
         self._inner = [[Recorder(content.network) for content in c.contents] for c in worlds.coordinators]
+        self._nested = {one.name: Recorder(one.network) for one in at_any_depth(worlds.minds.nested)}
         self._held: list[Ints] = []
 
     def take(self) -> None:
         """Keep the last step."""
         self._outer.take()
-        for recorders in self._inner:
+        for recorders in (*self._inner, self._nested.values()):
             for recorder in recorders:
                 recorder.take()
         self._held.append(np.stack([coordinator.held for coordinator in self._worlds.coordinators], axis=1))
@@ -50,6 +53,10 @@ class Tape:
             for k in np.unique(held[:, :, c]).tolist():
                 arrays = stacked(self._inner[c][k].steps) | _names(coordinator.contents[k].network.model)
                 found |= {f"{model.goal}/{model.options[k]}/{name}": array for name, array in arrays.items()}
+        found["network_names"] = np.array(list(self._nested), dtype=np.str_)
+        for one in at_any_depth(self._worlds.minds.nested):
+            arrays = stacked(self._nested[one.name].steps) | _names(one.network.model)
+            found |= {f"{one.name}/{name}": array for name, array in arrays.items()}
         return found
 
     def __len__(self) -> int:
