@@ -21,7 +21,7 @@ from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount, explain
 from selforg.network.explain.recording import Recorder
-from selforg.network.explain.text import COLUMNS, header
+from selforg.network.explain.text import TERM_TITLES, header
 from selforg.network.network import BehaviourNetwork
 from train.evaluation.repeat import world_at
 from train.running.runs import RunTask
@@ -126,10 +126,10 @@ def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
     table = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("", no_wrap=True)
     table.add_column("behaviour", overflow="fold")
-    for head in ("active", *(HEADS.get(name, head) for name, head in COLUMNS.items())):
+    for head in ("active", *(HEADS.get(name, head) for name, head in TERM_TITLES.items())):
         table.add_column(head, justify="right", no_wrap=True)
     for account in behaviours:
-        terms = [f"{account.components[name]:.2f}" for name in COLUMNS]
+        terms = [f"{account.components[name]:.2f}" for name in TERM_TITLES]
         table.add_row("*" if account.running else "", Text(account.name), f"{account.activation:.2f}", *terms)
     return table
 
