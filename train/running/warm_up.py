@@ -4,13 +4,13 @@ from pathlib import Path
 
 from rich.console import Console
 
-from clean_swarm_env.world import robot
+from clean_swarm_env.world import tick_kernels
 from selforg.compiler.cache import folder_for
 from selforg.compiler.switches import COMPILED
 from train.running.runs import Task
 
-EVERY_MISSION = Path(robot.__file__)
-"""A file whose kernels every mission calls, and only a running one."""
+EVERY_MISSION = Path(tick_kernels.__file__)
+"""The file of kernels that every mission calls, and that only a running mission calls."""
 
 
 def compile_first(task: Task) -> None:
