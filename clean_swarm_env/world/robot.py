@@ -57,7 +57,7 @@ def coordinators_of(
 def robot_network(
     config: NetworkConfig, coordinators: Sequence[CoordinatorModel], directories: Sequence[Path] = ()
 ) -> RobotNetwork:
-    """Return the network of a cleaning robot, and those inside its behaviours, as `robots/<config.robot>.yaml` has it.
+    """Return the network of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
 
     Raises:
         DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.

@@ -1,4 +1,4 @@
-"""One step of one robot as a reader sees it: what it weighed, what it planned, what runs and why.
+"""Explain one step of one robot: what the robot weighed, what it planned, what runs and why.
 
 The text is meant for 80 columns: a table of what adds up to each behaviour's activation, a tree of reasons, conditions
 and goals.
@@ -32,7 +32,7 @@ HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "su
 
 @dataclass(frozen=True)
 class Coordinated:
-    """One coordinator of a robot in one step: the option it held, and the network inside if that decided."""
+    """One coordinator of a robot in one step: its option, and what the network inside decided if it ran."""
 
     goal: str
     option: str

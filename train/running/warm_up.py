@@ -1,4 +1,4 @@
-"""Compile before the runs: once and in one process, instead of in every worker at the same time."""
+"""Compile before the runs, once and in one process, instead of in every worker at the same time."""
 
 from pathlib import Path
 
@@ -14,13 +14,13 @@ EVERY_MISSION = Path(tick_kernels.__file__)
 
 
 def compile_first(task: Task) -> None:
-    """Do the first second of a run, which compiles what all runs need."""
+    """Run the first second of one run, which compiles the kernels that all runs call."""
     announce()
     task.beginning().run()
 
 
 def announce() -> None:
-    """Say on the standard error why nothing else happens for a while."""
+    """Print on the standard error that the kernels are being compiled."""
     Console(stderr=True, highlight=False, soft_wrap=True).print("compiling for this machine, once: about a minute")
 
 

@@ -94,10 +94,10 @@ def test_permuted_rows_give_permuted_movements(name):
 def test_the_same_seed_moves_the_same_and_moving_changes_nothing(name):
     first, second = crowded(), crowded()
     one, other = build(name, first), build(name, second)
-    before = first.buffer.table.near[: len(first.buffer)].copy()
+    before = first.buffer.table.record.near[: len(first.buffer)].copy()
     np.testing.assert_array_equal(one.move(1.0)[0], other.move(1.0)[0])
     np.testing.assert_array_equal(one.move(1.2)[0], other.move(1.2)[0])
-    np.testing.assert_array_equal(first.buffer.table.near[: len(first.buffer)], before)
+    np.testing.assert_array_equal(first.buffer.table.record.near[: len(first.buffer)], before)
 
 
 @pytest.mark.parametrize("name", MOVEMENTS)
