@@ -15,6 +15,8 @@ WIDTH, BOX, GAP = 760, 42, 16
 
 PACKAGES = {"train": BETWEEN, "clean_swarm_env": FLOOR, "selector": MINDS, "selforg": MINDS}
 """Package -> colour, from the top down."""
+UNWRITTEN = {"selforg": "components > mechanisms > gradients | network > compiler > arrays"}
+"""Layers of a package without a contract of its own."""
 
 STAGES = (  # (lane, call, what goes on)
     ("both", "apply_due", "events change teams, garbage, stations, delivery"),
@@ -66,7 +68,7 @@ def inside(package: str) -> str:
         "contracts"
     ]
     found = [contract["layers"] for contract in contracts if contract.get("containers") == [package]]
-    return " > ".join(found[0]) if found else ""
+    return " > ".join(found[0]) if found else UNWRITTEN.get(package, "")
 
 
 def layers() -> str:
