@@ -114,3 +114,20 @@ def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what
         raise ValueError(f"{name}: expected {what} 0..{count - 1}, got {numbers.min()}..{numbers.max()}")
     numbers.flags.writeable = False
     return numbers
+
+
+def canonical_order(groups: Ints, option: Ints, reward: Floats, chance: Floats, context: Floats) -> Ints:
+    """Return an order (K,) that depends on the contents only, so that sums over a batch do not depend on row order."""
+    order = np.lexsort((chance, reward, option, groups))
+    keys = (groups, option, reward, chance)
+    if context.shape[1] and len(order) > 1 and _ties(order, keys):
+        order = np.lexsort((*context.T, *reversed(keys)))
+    return order
+
+
+def _ties(order: Ints, keys: tuple[npt.NDArray[Any], ...]) -> bool:
+    equal = np.ones(len(order) - 1, dtype=bool)
+    for key in keys:
+        ordered = key[order]
+        equal &= ordered[1:] == ordered[:-1]
+    return bool(equal.any())

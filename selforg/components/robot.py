@@ -9,8 +9,9 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action, Commands
-from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
-from selforg.components.sources import Source
+from selforg.components.sensors import SensorComponent, VectorSensor
+from selforg.components.sources import MovementSource, Source
+from selforg.components.vector_readings import VectorReadings
 from selforg.network.network import BehaviourNetwork
 
 Actions = Mapping[str, Action | Sequence[Action]]
@@ -117,11 +118,12 @@ def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | A
 
 def _by_source(sensors: Sequence[tuple[int, SensorComponent]], readings: Floats) -> list[VectorReadings]:
     """Return what writes the vector sensors among `sensors`, those of one source together."""
-    found: dict[int, dict[int, VectorSensor]] = {}
+    found: dict[int, tuple[MovementSource, dict[int, float]]] = {}
     for column, component in sensors:
         if isinstance(component, VectorSensor):
-            found.setdefault(id(component.source), {})[column] = component
-    return [VectorReadings(next(iter(those.values())).source, those, readings) for those in found.values()]
+            _, those = found.setdefault(id(component.source), (component.source, {}))
+            those[column] = component.longest_absent
+    return [VectorReadings(source, those, readings) for source, those in found.values()]
 
 
 @lean_kernel
