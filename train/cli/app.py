@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `train`, `run`, `explain`, `record`, `list`, `knowledge` and `--version`.
+"""The command line: `clean-swarm evaluate`, `train`, `run`, `draw`, `explain`, `record`, `list`, `knowledge`.
 
 What is wrong with the input is one line on the standard error and exit code 2; Ctrl-C ends with exit code 130. The
 heavy imports wait until a command needs them, so that help is quick.
@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
+from train.cli import draw as draw_cli
 from train.cli import knowledge as knowledge_cli
 from train.cli import run as goal_cli
 from train.cli import train as training_cli
@@ -32,6 +33,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 app.add_typer(knowledge_cli.app, name="knowledge")
 app.add_typer(training_cli.app, name="train")
 app.command()(goal_cli.run)
+app.command()(draw_cli.draw)
 
 
 def main() -> None:
