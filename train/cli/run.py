@@ -28,6 +28,7 @@ def run(
     option: Annotated[
         str | None, typer.Option(help="Option that serves the goal; the one of the highest score unless given.")
     ] = None,
+    knowledge: Annotated[str, typer.Option(help="Expert knowledge in which the goal stands.")] = "library",
     arena: Annotated[str | None, typer.Option(help="torus or open; the scene's own unless given.")] = None,
     configs: Annotated[
         list[Path] | None,
@@ -45,7 +46,7 @@ def run(
         for name in _goals() if every else (str(goal),):
             status.update(f"running {name}")
             outcomes.append(
-                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ())))  # type: ignore[arg-type]
+                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ()), knowledge))  # type: ignore[arg-type]
             )
     if json:
         given = [as_mapping(outcome) for outcome in outcomes]
