@@ -63,9 +63,10 @@ def draw_trajectories() -> Figure:
 def courses() -> Iterator[Scene]:
     """Yield what there is to see, control period by control period, but for pheromones."""
     mission = load_mission(MISSION)
-    worlds = Worlds(mission, CoordinatorModel(GOAL, load_knowledge(mission.knowledge), Library()))
+    model = CoordinatorModel(GOAL, load_knowledge(mission.knowledge), Library())
+    worlds = Worlds(mission, model)
     worlds.reset(0, random_start(mission, SEED, 0), SEED)
-    worlds.hold(np.full(worlds.rows, worlds.coordinator.model.options.index(OPTION)))
+    worlds.hold(np.full(worlds.rows, model.options.index(OPTION)))
     for _ in range(round(SECONDS / worlds.period)):
         worlds.tick()
         yield replace(scene_of(worlds, 0), pheromones=np.zeros((0, 2)), pheromone_diffusions=np.zeros(0))

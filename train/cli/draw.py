@@ -51,7 +51,8 @@ def draw(robot: Robot, output: Output = None, knowledge: ExpertKnowledge = None,
 
 def _found(name: str, directories: list[Path]) -> Path:
     """Return the file of a robot or configuration: what is a path to a file, else the first of that name."""
-    from selector.documents.yaml import roots, unknown
+    from selector.documents.yaml import roots
+    from selforg.registry import unknown
 
     if Path(name).suffix in (".yaml", ".yml"):
         return Path(name)
