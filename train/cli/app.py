@@ -33,7 +33,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 app.add_typer(knowledge_cli.app, name="knowledge")
 app.add_typer(training_cli.app, name="train")
 app.command()(goal_cli.run)
-app.command()(draw_cli.draw)
+app.command("draw")(draw_cli.draw_diagram)
 
 
 def main() -> None:

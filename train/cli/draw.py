@@ -13,10 +13,10 @@ from clean_swarm_env.config.errors import ConfigurationError
 if TYPE_CHECKING:
     from train.reports.network_diagram.content import NetworkPanel
 
-Robot = Annotated[
+RobotOrConfiguration = Annotated[
     str, typer.Argument(help="Name of a robot or of a mechanism configuration, or path to its YAML file.")
 ]
-Output = Annotated[
+PictureFile = Annotated[
     Path | None, typer.Option(help="File to write, .svg, .png or .pdf; NAME.svg in this directory unless given.")
 ]
 ExpertKnowledge = Annotated[
@@ -29,13 +29,14 @@ Directories = Annotated[
 ]
 
 
-def draw(robot: Robot, output: Output = None, knowledge: ExpertKnowledge = None, configs: Directories = None) -> None:
+def draw_diagram(
+    robot: RobotOrConfiguration,
+    output: PictureFile = None,
+    knowledge: ExpertKnowledge = None,
+    configs: Directories = None,
+) -> None:
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
-    from train.reports.network_diagram.picture import (
-        PICTURE_SUFFIXES,
-        draw_panels,
-        save_picture,
-    )
+    from train.reports.network_diagram.picture import PICTURE_SUFFIXES, draw_panels, save_picture
 
     if output is not None and output.suffix not in PICTURE_SUFFIXES:
         raise ConfigurationError(f"--output: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {output}")

@@ -158,7 +158,7 @@ class _Panel:
 
     def behaviour(self, behaviour: Behaviour, lines: Sequence[str], kind: BoxKind) -> None:
         key = f"behaviour.{behaviour.name}"
-        said = [] if behaviour.ready_threshold == Behaviour("").ready_threshold else [_ready(behaviour)]
+        said = [] if behaviour.ready_threshold == Behaviour.ready_threshold else [_ready(behaviour)]
         self.add(key, kind, behaviour.name, *lines, *said)
         for _, face in behaviour.interfaces:
             for tree in face.preconditions:
