@@ -89,11 +89,14 @@ def place_panel(panel: NetworkPanel) -> PlacedPanel:
 def text_width(text: str, bold: bool = False) -> float:
     """Return the width of a line of text [pt]."""
     font = FontProperties(family=FONT, weight="bold" if bold else "normal")
-    return ROUNDING * float(TextPath((0.0, 0.0), text, size=FONT_SIZE, prop=font).get_extents().x1)
+    if not text.strip():  # nothing to draw
+        return 0.0
+    plain = text.replace("$", r"\$")  # no formula
+    return ROUNDING * float(TextPath((0.0, 0.0), plain, size=FONT_SIZE, prop=font).get_extents().x1)
 
 
 def _sized(box: DiagramBox) -> PlacedBox:
-    broken = [wrap(line, LETTERS, subsequent_indent="  ") for line in box.lines]
+    broken = [wrap(line, LETTERS, subsequent_indent="  ") or [""] for line in box.lines]
     lines = tuple(part for line in broken for part in line)
     bold = 0 if box.kind in NAMELESS else len(broken[0])
     width = max(text_width(line, i < bold) for i, line in enumerate(lines)) + 2.0 * PADDING

@@ -78,7 +78,9 @@ def save_picture(figure: Figure, file: Path) -> None:
 
 
 def _draw_panel(axes: Axes, placed: PlacedPanel, top: float) -> None:
-    axes.text(BORDER, top + 16.0, placed.panel.title, fontsize=11.0, weight="bold", color=TEXT, va="center")
+    axes.text(
+        BORDER, top + 16.0, placed.panel.title, fontsize=11.0, parse_math=False, weight="bold", color=TEXT, va="center"
+    )
     for heading, x in placed.headings:
         axes.text(x, top + 35.0, heading, fontsize=FONT_SIZE, weight="bold", color=FRAME, va="center", family=FONT)
     leaving = port_heights(placed, lambda start, end: (start, end))
@@ -105,7 +107,7 @@ def _draw_box(axes: Axes, placed: PlacedBox, top: float) -> None:
         axes.text(
             placed.x + PADDING, top + placed.y + 0.5 * PADDING + (i + 0.5) * LINE, line, fontsize=FONT_SIZE,
             family=FONT, weight="bold" if i < placed.bold else "normal",
-            color=TEXT, va="center_baseline", zorder=4,
+            color=TEXT, parse_math=False, va="center_baseline", zorder=4,
         )  # fmt: skip
 
 
