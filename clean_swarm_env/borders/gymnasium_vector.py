@@ -23,9 +23,8 @@ from clean_swarm_env.borders.spaces import action_space, observation_space, star
 from clean_swarm_env.learning.batch import Batch, Finished
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.learning.progress import EVENTS
+from selforg.arrays import Flags, Floats
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
 Infos = dict[str, Any]
 
 

@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from clean_swarm_env.borders.spaces import action_space, observation_space, start_of
-from clean_swarm_env.learning.batch import Batch, Finished, Step
+from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.learning.progress import COLLISION, EVENTS
+from clean_swarm_env.learning.progress import COLLISIONS, EVENTS
 
 Info = dict[str, Any]
 
@@ -154,12 +154,12 @@ class RobotVecEnv(VecEnv):
     def _infos(self) -> list[Info]:
         """Return what happened in the period, for each row."""
         infos: list[Info] = [{} for _ in range(self.num_envs)]
-        events = self._joined.events[: COLLISION + 1]
+        events = self._joined.events[: COLLISIONS + 1]
         for kind, row in np.argwhere(events).tolist():
             infos[row][f"own_{EVENTS[kind]}"] = int(events[kind, row])
         return infos
 
-    def _add_end(self, infos: list[Info], end: Finished, step: Step) -> None:
+    def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
         """Add what a mission came to and begin the sums of the next one."""
         elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():

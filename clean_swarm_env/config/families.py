@@ -16,8 +16,9 @@ from clean_swarm_env.config.events import Event
 from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_events, random_stations
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
-from clean_swarm_env.config.types import Count, Index, impossible
-from selector.documents.yaml import Closed, Positive
+from clean_swarm_env.config.types import Count, Index
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, Positive
 
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")

@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from clean_swarm_env.learning.observation.terms import PHASES
+from clean_swarm_env.learning.phases import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.yaml import Closed, DocumentError, Name, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-Phase = Literal["patrol", "approach", "to_recycling", "to_dump"]
+from selforg.registry import unknown
 
 
 class ActionConfig(Closed):

@@ -18,23 +18,20 @@ from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
-from clean_swarm_env.learning.episodes import Series, Size, Source, episodes_of
+from clean_swarm_env.learning.episodes import EpisodeSource, Series, Size, episodes_of
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.observation.terms import ObservationConfig
-from clean_swarm_env.learning.progress import COMPLETED, TIMED_OUT, Progress
+from clean_swarm_env.learning.progress import COMPLETED, TIME_OVER, MissionProgress
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from selforg.arrays import Flags, Floats
 
 
-class Step(NamedTuple):
+class BatchStep(NamedTuple):
     """What one decision period brought; the arrays are the batch's own, valid until the next call."""
 
     observations: Observations
@@ -121,7 +118,7 @@ class Batch:
         family: FamilyConfig | str | None = None,
         split: Split = "train",
         size: Size | None = None,
-        source: Source | None = None,
+        source: EpisodeSource | None = None,
         knowledge: str | None = None,
         observation: ObservationConfig | None = None,
         reward: RewardConfig | None = None,
@@ -132,7 +129,7 @@ class Batch:
         episodes = episodes_of(mission, family, split, size, knowledge, directories)
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
-        self._source: Source = self._series if source is None else source
+        self._source: EpisodeSource = self._series if source is None else source
         self.action, self.begin_anew = action or ActionConfig(), begin_anew
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
@@ -143,7 +140,7 @@ class Batch:
         self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
-        self.progress = Progress(self.worlds)
+        self.progress = MissionProgress(self.worlds)
         self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
         self.observer = Observer(self.worlds, self.progress, observation)
         self.width = self.observer.width
@@ -207,7 +204,7 @@ class Batch:
         """Return which options (R, O) can serve in the coming period, those of all goals one after the other."""
         return self.choices.masks(self.observer.phases)
 
-    def step(self, actions: NDArray[Any]) -> Step:
+    def step(self, actions: NDArray[Any]) -> BatchStep:
         """Let each robot act for one decision period; in a world whose mission ends the period ends early.
 
         `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
@@ -228,7 +225,7 @@ class Batch:
                 if progress.outcome.all():  # no world runs
                     break
         self.rewards.of(progress, self._gained)
-        terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIMED_OUT
+        terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self._finished:
                 self._begin(end.world)
@@ -236,7 +233,7 @@ class Batch:
         if not self.begin_anew and progress.outcome.any():
             over = np.repeat(terminated | truncated, self.robots)
             self.observations[over] = self._final[over]
-        return Step(self.observations, self._gained, terminated, truncated, self._final)
+        return BatchStep(self.observations, self._gained, terminated, truncated, self._final)
 
     def _keep_ends(self) -> None:
         """Keep what the missions came to that ended with the last tick, and what their robots see."""

@@ -19,7 +19,7 @@ from clean_swarm_env.config.starts import random_start, run_seed
 
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
-Source = Callable[[int], Scenario | None]
+EpisodeSource = Callable[[int], Scenario | None]
 """From a world of a batch to what it does next, None if there is nothing left for it."""
 Episodes = Callable[[int, int, int], Iterator[Scenario]]
 """From a seed, the number of an episode and a step to that episode and every one a step further, without end."""

@@ -10,19 +10,19 @@ from clean_swarm_env.scenes.baselines import Controller, StandStill
 from clean_swarm_env.scenes.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.scenes.measures.order import barycentre
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from clean_swarm_env.scenes.served import ServedTeam
 from selforg.arrays import Floats, Ints
 
 EARSHOT = 3.0
 """How far a robot is heard [m], the range of the configurations."""
-MAX_TRIES = 1000
+NETWORK_TRIES = 1000
 """Draws of places until the robots form one network."""
 CENTER = 1
 """State of a robot that has elected itself the centre."""
 
 
-class Standing(Scene):
+class StandingRobots(Scene):
     """Robots that stand where they are."""
 
     def _rival(self) -> Controller:
@@ -35,8 +35,8 @@ class Standing(Scene):
         return self.arena.by_world(values), self.arena.by_world(states)
 
 
-@register
-class FindBarycenter(Standing):
+@SCENES.register
+class FindBarycenter(StandingRobots):
     """The robot nearest to the middle of the team is to be found by itself."""
 
     goal = "FindBarycenter"
@@ -69,8 +69,8 @@ class FindBarycenter(Standing):
         return {self.measures[0].name: error, self.measures[1].name: count.astype(np.float64)}
 
 
-@register
-class MaxValue(Standing):
+@SCENES.register
+class MaxValue(StandingRobots):
     """Each robot has measured something; all are to know the largest value."""
 
     goal = "MaxValue"
@@ -86,7 +86,7 @@ class MaxValue(Standing):
     torus_side = 18.0
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        for _ in range(MAX_TRIES):
+        for _ in range(NETWORK_TRIES):
             places = scattered(rng, self.chosen.robots, self.ground, 0.6)
             if connected(in_earshot(places[None], EARSHOT, self.ground)[0]):
                 return places, any_headings(rng, self.chosen.robots)

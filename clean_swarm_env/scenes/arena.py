@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.drive import DifferentialDrive
+from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
 from clean_swarm_env.physics.physics import Physics
-from clean_swarm_env.physics.settings import Contacts
+from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
 from selforg.components import Commands
@@ -26,7 +26,7 @@ DriveKind = Literal["differential", "holonomic"]
 
 SUBSTEPS: Final = 4  # physics steps in a control period
 TIMESTEP: Final = 0.05  # [s] of physics
-PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
+CONTROL_PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
 CLOSE: Final = 0.55  # [m] between centres below which a pair counts as colliding, as in the mission
 PLACES, THINGS, STREAMS, DRAWS, RIVALS = range(5)  # what the seed of a world is split into
 
@@ -68,9 +68,9 @@ class Arena:
         self.ground, self.robots, self.worlds, self.body = ground, robots, len(seeds), body
         self.rows = self.worlds * robots
         side = ground.side
-        self.physics = Physics(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP)
+        self.physics = Physics(PhysicsSettings(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP))
         self.positions, self.headings = self.physics.positions, self.physics.headings
-        self.drive = DifferentialDrive(self.rows, body.max_speed)
+        self.drive = DifferentialDrive(self.rows, DriveSettings(max_speed=body.max_speed))
         self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
         self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
         self.poses = OwnPoses(
@@ -84,7 +84,7 @@ class Arena:
     @property
     def now(self) -> float:
         """Time since the start [s]."""
-        return self.ticks * PERIOD
+        return self.ticks * CONTROL_PERIOD
 
     def chance(self, world: int, what: int) -> np.random.Generator:
         """Return the generator of a world for one of its parts of chance, as at the beginning."""

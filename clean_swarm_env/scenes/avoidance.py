@@ -6,11 +6,11 @@ ones would push against each other for ever, which would count as one.
 
 import numpy as np
 
-from clean_swarm_env.scenes.arena import PERIOD, Body
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
 from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill, Together
 from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 OBSTACLES, OBSTACLE_RADIUS = 12, 0.5  # [-], [m]
@@ -48,7 +48,7 @@ class Crossing(Scene):
     @property
     def _progress(self) -> Floats:
         """Mean speed (W,) [m/s] in the wanted direction."""
-        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.arena.ticks * PERIOD)
+        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.arena.ticks * CONTROL_PERIOD)
         return speed
 
     @property
@@ -56,8 +56,8 @@ class Crossing(Scene):
         return self.chosen.robots * self.chosen.seconds / 60.0
 
 
-@register
-class CollisionAvoidance(Crossing):
+@SCENES.register
+class CrossingObstacles(Crossing):
     """Obstacles stand in the way; robots do too."""
 
     goal = "CollisionAvoidance"
@@ -76,7 +76,7 @@ class CollisionAvoidance(Crossing):
         super()._prepare(chances)
         starts = self.positions
         self._obstacles = np.stack([
-            scattered(rng, OBSTACLES, self.ground, 2.0, free_of=starts[world], gap=1.6)
+            scattered(rng, OBSTACLES, self.ground, 2.0, free_of=Taken(starts[world], 1.6))
             for world, rng in enumerate(chances)
         ])  # fmt: skip
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
@@ -93,8 +93,8 @@ class CollisionAvoidance(Crossing):
         return {"collisions per robot and minute": events / self._robot_minutes, PROGRESS.name: self._progress}
 
 
-@register
-class AgentCollisionAvoidance(Crossing):
+@SCENES.register
+class CrossingRobots(Crossing):
     """Nothing but robots."""
 
     goal = "AgentCollisionAvoidance"

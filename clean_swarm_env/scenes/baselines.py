@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from clean_swarm_env.scenes.arena import PERIOD, RIVALS, Arena
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD, RIVALS, Arena
 from selforg.arrays import Floats
 from selforg.components import Commands
 
@@ -45,7 +45,7 @@ class Wander(Controller):
 
     def __init__(self, arena: Arena, every: float = 2.0) -> None:
         super().__init__(arena)
-        self._ticks = max(round(every / PERIOD), 1)
+        self._ticks = max(round(every / CONTROL_PERIOD), 1)
         self._generators = arena.generators(RIVALS)
 
     def _command(self, commands: Commands) -> None:

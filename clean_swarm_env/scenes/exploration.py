@@ -5,13 +5,13 @@ import numpy as np
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.coverage import Coverage
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats, Ints
 
 SIGHT, PITCH = 0.5, 0.25  # [m]
 
 
-class Exploration(Scene):
+class ExploringScene(Scene):
     """Robots that look at the ground while they move."""
 
     baseline = "random walk, a new direction every 2 s"
@@ -36,8 +36,8 @@ class Exploration(Scene):
         self.coverage.look(self.arena.positions, self.arena.now)
 
 
-@register
-class CollectiveExploration(Exploration):
+@SCENES.register
+class CollectiveExploration(ExploringScene):
     """The area that the team has seen counts once, whoever saw it."""
 
     goal = "CollectiveExploration"
@@ -55,8 +55,8 @@ class CollectiveExploration(Exploration):
         return {"area seen": self.coverage.area}
 
 
-@register
-class IndividualExploration(Exploration):
+@SCENES.register
+class IndividualExploration(ExploringScene):
     """Every robot has a map of its own, and nobody tells it what others have seen."""
 
     goal = "IndividualExploration"

@@ -3,8 +3,8 @@
 import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from clean_swarm_env.scenes.served import ServedTeam, expertise
 from selforg.arrays import Floats
 
@@ -16,7 +16,7 @@ RANDOM_SEARCH = "RandomSearch"
 """Option of the knowledge that is the baseline."""
 
 
-@register
+@SCENES.register
 class Foraging(Scene):
     """Patches hold more than can be brought; an item is brought when a robot gets rid of it at the nest."""
 
@@ -39,7 +39,7 @@ class Foraging(Scene):
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         nest = self.ground.centre[None]
         self._food = np.stack(
-            [scattered(rng, PATCHES, self.ground, 6.0, side=24.0, free_of=nest, gap=AWAY) for rng in chances]
+            [scattered(rng, PATCHES, self.ground, 6.0, side=24.0, free_of=Taken(nest, AWAY)) for rng in chances]
         )
         self._carried = np.zeros(self.arena.rows, dtype=np.bool_)
         self._brought = np.zeros(self.arena.worlds)
@@ -56,7 +56,7 @@ class Foraging(Scene):
 
     def _look(self) -> None:
         assert isinstance(self.controller, ServedTeam)  # the baseline is one too
-        carrying = self.controller.knowledge.values("carrying") == 1.0
+        carrying = self.controller.memory["carrying"].values == 1.0
         at_nest = self.ground.distances(self.arena.positions, self.ground.centre) < NEST_RADIUS + AT_NEST
         brought = self._carried & ~carrying & at_nest
         self._brought += self.arena.by_world(brought).sum(axis=1)

@@ -6,14 +6,14 @@ from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.exploration import PITCH, SIGHT
 from clean_swarm_env.scenes.measures.coverage import Coverage
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 SETTLING = 0.5
 """Share of the run that is over before idleness counts: at the start nothing has been idle for long."""
 
 
-@register
+@SCENES.register
 class ExplorationPatrol(Scene):
     """Idleness of a place is the time since somebody saw it; its mean over the field and the second half counts."""
 

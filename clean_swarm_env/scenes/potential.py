@@ -4,17 +4,17 @@ import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller, GoTo, Wander
 from clean_swarm_env.scenes.measures.field import Field, height
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
 HILLS, START_AWAY = 5, 5.0  # [-], [m]
-REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
+SOURCE_REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
 SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 
 
-@register
+@SCENES.register
 class FollowPotentialField(Scene):
     """Height is the potential of which the gradients' forces are the slope; 0 is the top."""
 
@@ -29,12 +29,12 @@ class FollowPotentialField(Scene):
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         top = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=top, gap=START_AWAY)
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_AWAY))
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         top = self.ground.centre[None]
-        hills = [scattered(rng, HILLS, self.ground, 2.0, side=12.0, free_of=top, gap=4.0) for rng in chances]
+        hills = [scattered(rng, HILLS, self.ground, 2.0, side=12.0, free_of=Taken(top, 4.0)) for rng in chances]
         self._hills = np.stack(hills)
         tops = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
         self._field = Field(
@@ -62,7 +62,7 @@ class FollowPotentialField(Scene):
         return {"share of the height climbed": 1.0 - self._height() / self._start}
 
 
-@register
+@SCENES.register
 class FollowMaxPotential(Scene):
     """Three sources; the one that reaches farthest is to be found, though another one may be nearer."""
 
@@ -79,10 +79,10 @@ class FollowMaxPotential(Scene):
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
-        self._sources = np.stack([scattered(rng, len(REACHES), self.ground, 6.0) for rng in chances])
+        self._sources = np.stack([scattered(rng, len(SOURCE_REACHES), self.ground, 6.0) for rng in chances])
 
     def _around(self) -> tuple[Gradients, ...]:
-        return (Gradients("field", self._sources, +1, diffusion=np.array(REACHES), goal_radius=SOURCE_RADIUS),)
+        return (Gradients("field", self._sources, +1, diffusion=np.array(SOURCE_REACHES), goal_radius=SOURCE_RADIUS),)
 
     def _rival(self) -> Controller:
         away = self.ground.distances(self.positions[:, :, None], self._sources[:, None])
@@ -90,6 +90,6 @@ class FollowMaxPotential(Scene):
         return GoTo(self.arena, nearest.reshape(-1, 2), SOURCE_RADIUS + self.body.pose_goal_radius)
 
     def _result(self) -> dict[str, Floats]:
-        away = self.ground.distances(self.positions, self._sources[:, None, int(np.argmax(REACHES))])
+        away = self.ground.distances(self.positions, self._sources[:, None, int(np.argmax(SOURCE_REACHES))])
         there = away <= SOURCE_RADIUS + self.body.pose_goal_radius + self.body.radius
         return {"robots at the source of most reach": there.mean(axis=1)}

@@ -4,8 +4,8 @@ import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 OBSTACLES, OBSTACLE_RADIUS = 8, 0.5  # [-], [m]
@@ -14,7 +14,7 @@ OFF_GOAL, OFF_START = 4.5, 2.2  # [m] of obstacles: so far off, they repel nobod
 FIELD = 20.0  # [m]
 
 
-@register
+@SCENES.register
 class ReachGoal(Scene):
     """Robots start around the goal, at least START_AWAY from it; obstacles lie in between."""
 
@@ -33,7 +33,7 @@ class ReachGoal(Scene):
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         goal = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=goal, gap=START_AWAY)
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(goal, START_AWAY))
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
@@ -42,7 +42,7 @@ class ReachGoal(Scene):
         for world, rng in enumerate(chances):
             taken = np.concatenate([goal, self.positions[world]])
             gaps = np.array([OFF_GOAL] + [OFF_START] * self.chosen.robots)
-            self._obstacles[world] = scattered(rng, OBSTACLES, self.ground, 3.0, side=14.0, free_of=taken, gap=gaps)
+            self._obstacles[world] = scattered(rng, OBSTACLES, self.ground, 3.0, side=14.0, free_of=Taken(taken, gaps))
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
 
     def _around(self) -> tuple[Gradients, ...]:

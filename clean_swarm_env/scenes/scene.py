@@ -5,23 +5,23 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeVar, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.scenes.arena import PERIOD, PLACES, THINGS, Arena, Body
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD, PLACES, THINGS, Arena, Body
 from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.ground import Ground, GroundKind
-from selector.documents.yaml import unknown
 from selforg.arrays import Floats
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.settings import BufferSettings
+from selforg.registry import Registry, UnknownNameError
 
-LYING = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
+AROUND_SETTINGS = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of everything but pheromones: what lies in one place is one thing."""
-TRAILS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
+TRAIL_SETTINGS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
 """Settings of the buffer of pheromones: those of the cleaning mission."""
 
 
@@ -62,7 +62,7 @@ class Setting:
     @property
     def ticks(self) -> int:
         """Control periods to run."""
-        return max(round(self.seconds / PERIOD), 1)
+        return max(round(self.seconds / CONTROL_PERIOD), 1)
 
 
 @dataclass(frozen=True)
@@ -163,11 +163,11 @@ class Scene(ABC):
         What a robot puts into `own_pheromones` nobody else finds.
         """
         space, poses = self.ground.space, self.arena.poses
-        gradients = SoBuffer(LYING, space, poses)
+        gradients = SoBuffer(AROUND_SETTINGS, space, poses)
         for lying in self.around:
             lying.store(gradients)
-        own = SoBuffer(TRAILS, space, poses, Delivery(reach=0.0))
-        return {"gradients": gradients, "pheromones": SoBuffer(TRAILS, space, poses), "own_pheromones": own}
+        own = SoBuffer(TRAIL_SETTINGS, space, poses, Delivery(reach=0.0))
+        return {"gradients": gradients, "pheromones": SoBuffer(TRAIL_SETTINGS, space, poses), "own_pheromones": own}
 
     @property
     def positions(self) -> Floats:
@@ -210,25 +210,18 @@ class Scene(ABC):
         """Look at the robots after each control period."""
 
 
-_scenes: dict[str, type[Scene]] = {}
-Class = TypeVar("Class", bound=type[Scene])
-
-
-def register(scene: Class) -> Class:
-    """Enter a scene under its goal; a goal that has one raises ValueError."""
-    if scene.goal in _scenes:
-        raise ValueError(f"goal {scene.goal!r} has a scene already, in {_scenes[scene.goal].__module__}")
-    _scenes[scene.goal] = scene
-    return scene
+SCENES: Registry[Scene] = Registry("goal", lambda scene: scene.goal)
+"""Scenes by their goals."""
 
 
 def goals() -> tuple[str, ...]:
     """Return the goals that have a scene, sorted."""
-    return tuple(sorted(_scenes))
+    return SCENES.names()
 
 
 def find(goal: str) -> type[Scene]:
     """Return the scene of a goal; an unknown one raises ConfigurationError and lists the known ones."""
-    if goal not in _scenes:
-        raise ConfigurationError(unknown("goal", goal, goals()))
-    return _scenes[goal]
+    try:
+        return SCENES.find(goal)
+    except UnknownNameError as error:
+        raise ConfigurationError(str(error)) from error

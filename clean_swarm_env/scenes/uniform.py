@@ -6,11 +6,11 @@ from clean_swarm_env.scenes.arena import Body
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.order import nearest_neighbours, unevenness
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 
-@register
+@SCENES.register
 class UniformDistribution(Scene):
     """Distances to the nearest neighbour tell: equal and large on a lattice, unequal and small by chance."""
 

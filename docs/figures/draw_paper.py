@@ -28,9 +28,9 @@ from docs.figures.draw_trajectories import draw_trajectories
 from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models
 from selector.coordination.robot_document import coordinated_goals, load_network
-from selector.documents.yaml import find_file
+from selector.documents.files import find_file
 from selector.knowledge import load_knowledge
-from selector.strategies.registry import registered
+from selector.strategies.registry import STRATEGIES
 from train.reports.network_diagram import draw_panels, robot_panels
 
 DIRECTORY = Path(__file__).parents[1] / "pictures"
@@ -110,7 +110,7 @@ def draw_coordination() -> Figure:
 
 def draw_selector() -> Figure:
     """Return Fig. 4: the parts of the selector and what they hand on."""
-    library, strategies = Library(), sorted(registered())
+    library, strategies = Library(), STRATEGIES.names()
     known = load_knowledge("library")
     figure, axes = canvas(11.6, 4.9, "Parts of the selector")
     goal = draw_block(

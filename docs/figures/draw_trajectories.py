@@ -18,12 +18,12 @@ from clean_swarm_env.drawing.picture import (
     LEFTOVERS,
     PAPER,
     SEARCHING,
-    Scene,
+    Canvas,
     appearances,
     draw_ruler,
     draw_station,
 )
-from clean_swarm_env.drawing.world_picture import scene_of
+from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -60,7 +60,7 @@ def draw_trajectories() -> Figure:
     return figure
 
 
-def courses() -> Iterator[Scene]:
+def courses() -> Iterator[Canvas]:
     """Yield what there is to see, control period by control period, but for pheromones."""
     mission = load_mission(MISSION)
     model = CoordinatorModel(GOAL, load_knowledge(mission.knowledge), Library())
@@ -69,10 +69,10 @@ def courses() -> Iterator[Scene]:
     worlds.hold(np.full(worlds.rows, model.options.index(OPTION)))
     for _ in range(round(SECONDS / worlds.period)):
         worlds.tick()
-        yield replace(scene_of(worlds, 0), pheromones=np.zeros((0, 2)), pheromone_diffusions=np.zeros(0))
+        yield replace(canvas_of(worlds, 0), pheromones=np.zeros((0, 2)), pheromone_diffusions=np.zeros(0))
 
 
-def draw_ways(axes: Axes, scenes: list[Scene]) -> None:
+def draw_ways(axes: Axes, scenes: list[Canvas]) -> None:
     """Draw a line for each robot and period in the colour of its cargo; steps across a seam are left out."""
     places = np.stack([scene.positions for scene in scenes])
     cargo = np.stack([scene.cargo for scene in scenes if scene.cargo is not None])
@@ -85,7 +85,7 @@ def draw_ways(axes: Axes, scenes: list[Scene]) -> None:
         )
 
 
-def draw_ends(axes: Axes, scene: Scene, garbage_sight: float) -> None:
+def draw_ends(axes: Axes, scene: Canvas, garbage_sight: float) -> None:
     """Draw the robots where they end, how far they see garbage, and the reach of their pose gradients."""
     reach = scene.goal_radius + scene.diffusion
     cargo = np.zeros(len(scene.positions), dtype=np.int64) if scene.cargo is None else scene.cargo
@@ -99,7 +99,7 @@ def draw_ends(axes: Axes, scene: Scene, garbage_sight: float) -> None:
             axes.plot([x, x + nose[0]], [y, y + nose[1]], color="white", linewidth=2.0, zorder=7)
 
 
-def signs(garbage_sight: float, scene: Scene) -> Iterator[Line2D]:
+def signs(garbage_sight: float, scene: Canvas) -> Iterator[Line2D]:
     """Yield the entries of the legend."""
     for load, colour in CARGO.items():
         yield Line2D([], [], color=colour, linewidth=2.5, label=f"way {NAMES[load]}")

@@ -2,11 +2,14 @@
 
 import numpy as np
 
-from selector.documents.yaml import Closed, DocumentError, Name, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
+from selforg.registry import unknown
 
 
 class FixedParameters(Closed):
@@ -16,7 +19,7 @@ class FixedParameters(Closed):
     """Name of the option to take wherever it can serve; elsewhere it is the one of the highest score."""
 
 
-@register
+@STRATEGIES.register
 class Fixed(DecisionStrategy):
     """One option, whatever happens."""
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from selector.documents.yaml import Closed, Flag, Number, Share
+from selector.documents.fields import Closed, Flag, Number, Share
 
 if TYPE_CHECKING:
     from selforg.network.model.behaviours import NetworkSettings

@@ -13,7 +13,7 @@ from selforg.mechanisms.base import at_least
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.kernels.deciding import BARYCENTER, GOSSIP_MAX, QUORUM, decide_rows
 from selforg.mechanisms.options import LookOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 from selforg.mechanisms.spreading import Carried, Spreader
 
 
@@ -55,7 +55,7 @@ class NeighbourDecision(DecisionMechanism):
                 self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
 
 
-@register
+@MECHANISMS.register
 class Quorum(NeighbourDecision):
     """Value: neighbours in view; state: whether they are at least `threshold`.
 
@@ -83,7 +83,7 @@ class Quorum(NeighbourDecision):
         self.threshold = at_least(self, "threshold", threshold, 0.0)
 
 
-@register
+@MECHANISMS.register
 class GossipMax(NeighbourDecision):
     """Value: the maximum of the own and all received values; the state is a name that never changes."""
 
@@ -105,7 +105,7 @@ class GossipMax(NeighbourDecision):
         super().__init__(buffer, channel=channel, key=key, value=value, carried=carried, **options)
 
 
-@register
+@MECHANISMS.register
 class MorphogenesisBarycenter(NeighbourDecision):
     """Value: sum of the distances to all neighbours; state Center where it is smaller than every received one.
 
@@ -138,7 +138,7 @@ class MorphogenesisBarycenter(NeighbourDecision):
         self._center.spread(now, centers, self.values[centers], diffusions=self.values[centers])
 
 
-@register
+@MECHANISMS.register
 class ForagingDecision(DecisionMechanism):
     """State Exploration with a probability, else Exploitation; value: that probability.
 

@@ -24,7 +24,7 @@ from selforg.gradients.store.columns import (
 from selforg.mechanisms.base import RuleMechanism
 from selforg.mechanisms.kernels.rules import AVOID_ALL, CHEMOTAXIS_GE, CHOICE, FOLLOW_ONE, RANDOM_IF_ZERO, WANDER
 from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class DepositingMechanism(RuleMechanism):
         self.buffer.deposit(rows, self._message, self._tag, float(now))
 
 
-@register
+@MECHANISMS.register
 class Patrol(DepositingMechanism):
     """Moves away from all gradients of its channels and leaves a repulsive pheromone with each command.
 
@@ -101,14 +101,14 @@ class TrailMechanism(DepositingMechanism):
         super().__init__(buffer, pheromone=pheromone, **options)
 
 
-@register
+@MECHANISMS.register
 class DepositPheromones(TrailMechanism):
     """ChemotaxisGe while depositing."""
 
     rule = CHEMOTAXIS_GE
 
 
-@register
+@MECHANISMS.register
 class DepositPheromonesMin(TrailMechanism):
     """FollowMinReach while depositing."""
 
@@ -121,7 +121,7 @@ class DepositPheromonesMin(TrailMechanism):
         self._parameters[CHOICE] = LEAST_REACH
 
 
-@register
+@MECHANISMS.register
 class DepositPheromonesRandom(TrailMechanism):
     """Exploration while depositing."""
 

@@ -9,17 +9,17 @@ from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import RuleMechanism, at_least
 from selforg.mechanisms.kernels.rules import ANGLE_XY, ANGLE_YZ, EXPLOIT, WANDER
 from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
-@register
+@MECHANISMS.register
 class Exploration(RuleMechanism):
     """A random direction, at `max_speed`, for every row that knows its pose."""
 
     rule = WANDER
 
 
-@register
+@MECHANISMS.register
 class Exploitation(RuleMechanism):
     """Ge & Cui attraction to all static gradients ahead, whatever their sign (Q14).
 

@@ -23,7 +23,7 @@ from selforg.mechanisms.kernels.flocking import (
     flock_rows,
 )
 from selforg.mechanisms.options import MoveOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 class FlockMechanism(CompiledMechanism):
@@ -53,7 +53,7 @@ class FlockMechanism(CompiledMechanism):
         )  # fmt: skip
 
 
-@register
+@MECHANISMS.register
 class FlockingReynolds(FlockMechanism):
     """Separation + cohesion + alignment of Reynolds (1987), doi:10.1145/37401.37406, capped at max_speed.
 
@@ -75,7 +75,7 @@ class FlockingReynolds(FlockMechanism):
         self._parameters[SEPARATION] = positive(self, "separation", separation)
 
 
-@register
+@MECHANISMS.register
 class Flocking(FlockMechanism):
     """Algorithm 1 of Olfati-Saber (2006), doi:10.1109/TAC.2005.864190, as intended (deviation Q6).
 

@@ -8,24 +8,24 @@ from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import RuleMechanism
 from selforg.mechanisms.kernels.rules import AVOID_ALL, CHOICE, COLLISION, FOLLOW_ALL, FOLLOW_ONE
 from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
-@register
+@MECHANISMS.register
 class CollisionAvoidance(RuleMechanism):
     """Away from all repulsive gradients; the others are ignored."""
 
     rule = COLLISION
 
 
-@register
+@MECHANISMS.register
 class FollowAll(RuleMechanism):
     """Towards attractive and away from repulsive gradients; neutral ones are ignored."""
 
     rule = FOLLOW_ALL
 
 
-@register
+@MECHANISMS.register
 class AvoidAll(RuleMechanism):
     """Away from all gradients, whatever their sign."""
 
@@ -43,28 +43,28 @@ class FollowOne(RuleMechanism):
         self._parameters[CHOICE] = self.choice
 
 
-@register
+@MECHANISMS.register
 class FollowStrongest(FollowOne):
     """Towards (or away from) the strongest gradient: repulsions by their length, attractions by 1 - length."""
 
     choice = STRONGEST
 
 
-@register
+@MECHANISMS.register
 class FollowMin(FollowOne):
     """Towards the farthest attractive gradient: the one with the longest attraction."""
 
     choice = FARTHEST
 
 
-@register
+@MECHANISMS.register
 class FollowMinReach(FollowOne):
     """Towards the attractive gradient of least reach."""
 
     choice = LEAST_REACH
 
 
-@register
+@MECHANISMS.register
 class FollowMaxReach(FollowOne):
     """Towards the attractive gradient of most reach."""
 

@@ -20,7 +20,7 @@ class FormulaMechanism(LimitedMechanism):
         >>> @kernel
         ... def spring(distance, own_goal, own_reach, diffusion, goal, attraction):
         ...     return distance - own_reach
-        >>> @register
+        >>> @MECHANISMS.register
         ... class Spring(FormulaMechanism):
         ...     formula = spring
 

@@ -8,7 +8,7 @@ from selforg.gradients.store.columns import SKIP_OWN
 from selforg.mechanisms.base import RuleMechanism
 from selforg.mechanisms.kernels.rules import FERNANDEZ, REPULSION
 from selforg.mechanisms.options import MoveOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 class Repulsion(RuleMechanism):
@@ -25,7 +25,7 @@ class Repulsion(RuleMechanism):
         self._see |= SKIP_OWN
 
 
-@register
+@MECHANISMS.register
 class RepulsionFernandez(Repulsion):
     """Repulsion of Fernandez-Marquez et al. (2013), doi:10.1007/s11047-012-9324-y.
 
@@ -35,7 +35,7 @@ class RepulsionFernandez(Repulsion):
     rule = FERNANDEZ
 
 
-@register
+@MECHANISMS.register
 class RepulsionGradient(Repulsion):
     """Balch & Hybinette repulsion from the neighbours, doi:10.1109/ROBOT.2000.844042; contact counts the own reach."""
 

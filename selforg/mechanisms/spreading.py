@@ -24,7 +24,7 @@ from selforg.gradients.store.columns import (
     X,
 )
 from selforg.mechanisms.base import Mechanism
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Spreader:
         buffer.spread(messages, tags, now)
 
 
-@register
+@MECHANISMS.register
 class SpreadGradient(Mechanism):
     """Spreads a configured gradient at the robot; it neither moves nor decides."""
 

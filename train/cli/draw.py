@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
+from train.cli.options import Configs
 
 if TYPE_CHECKING:
     from train.reports.network_diagram.content import NetworkPanel
@@ -23,17 +24,13 @@ ExpertKnowledge = Annotated[
     str | None,
     typer.Option(help="Expert knowledge whose options the coordinators show; that of the robot's name unless given."),
 ]
-Directories = Annotated[
-    list[Path] | None,
-    typer.Option(help="Directory whose robots/, mechanisms/ and knowledge/ go first; can be repeated."),
-]
 
 
-def draw_diagram(
+def draw_command(
     robot: RobotOrConfiguration,
     output: PictureFile = None,
     knowledge: ExpertKnowledge = None,
-    configs: Directories = None,
+    configs: Configs = None,
 ) -> None:
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
     from train.reports.network_diagram.picture import PICTURE_SUFFIXES, draw_panels, save_picture
@@ -51,26 +48,23 @@ def draw_diagram(
 
 
 def _found(name: str, directories: list[Path]) -> Path:
-    """Return the file of a robot or configuration: what is a path to a file, else the first of that name."""
-    from selector.documents.yaml import roots
+    """Return the file of a robot or configuration by its name, the robot's first, or by its path."""
+    from selector.documents.files import files_of, find_file
     from selforg.registry import unknown
 
-    if Path(name).suffix in (".yaml", ".yml"):
-        return Path(name)
-    searched = roots(directories)
-    for kind in ("robots", "mechanisms"):
-        for root in searched:
-            if (root / kind / f"{name}.yaml").is_file():
-                return root / kind / f"{name}.yaml"
-    known = {p.stem for root in searched for kind in ("robots", "mechanisms") for p in (root / kind).glob("*.yaml")}
-    raise ConfigurationError(unknown("robot or configuration", name, sorted(known)))
+    robots, configurations = files_of("robots", directories), files_of("mechanisms", directories)
+    if Path(name).suffix or name in robots:
+        return find_file("robots", name, directories)
+    if name not in configurations:
+        raise ConfigurationError(unknown("robot or configuration", name, sorted({*robots, *configurations})))
+    return configurations[name]
 
 
 def _panels(path: Path, knowledge: str | None, directories: list[Path]) -> "list[NetworkPanel]":
     from selector.configurations.library import library_of
     from selector.coordination.model import coordinator_models
     from selector.coordination.robot_document import coordinated_goals
-    from selector.documents.yaml import read_mapping
+    from selector.documents.reading import read_mapping
     from selector.knowledge import Knowledge, load_knowledge
     from train.reports.network_diagram.content import configuration_panels, robot_panels
 

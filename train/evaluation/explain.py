@@ -79,7 +79,7 @@ def as_json(situation: dict[str, Any], explanation: Explanation, coordinated: Se
     return json.dumps(situation | asdict(explanation) | coordinators, indent=2, allow_nan=False)
 
 
-def on_terminal(
+def step_on_terminal(
     situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]
 ) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""

@@ -11,17 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.arrays import Arrays, write_whole
+from selforg.arrays import Ints
 from selforg.network.explain.recording import Recorder, stacked
 from selforg.network.model.model import NetworkModel
 from train.evaluation.repeat import steps_of
-from train.running.results import write_atomically
 from train.running.runs import RunTask
-
-Arrays = dict[str, NDArray[Any]]
 
 
 class Tape:
@@ -31,7 +29,7 @@ class Tape:
         self._worlds = worlds
         self._outer = Recorder(worlds.network)
         self._inner = [[Recorder(content.network) for content in c.contents] for c in worlds.coordinators]
-        self._held: list[NDArray[np.int64]] = []
+        self._held: list[Ints] = []
 
     def take(self) -> None:
         """Keep the last step."""
@@ -59,10 +57,12 @@ class Tape:
         return len(self._held)
 
 
-def record(task: RunTask, output: Path) -> int:
+def record_run(task: RunTask, output: Path) -> int:
     """Repeat a whole run and keep every step of every robot in an NPZ file; return the number of steps (T)."""
     if output.exists():
         raise ConfigurationError(f"{output}: exists already; expected a new file")
+    if not output.parent.is_dir():
+        raise ConfigurationError(f"{output}: cannot be written (no such directory)")
     tape = None
     for worlds in steps_of(task):
         tape = tape or Tape(worlds)
@@ -73,10 +73,7 @@ def record(task: RunTask, output: Path) -> int:
     file = io.BytesIO()
     arrays: Any = tape.arrays()
     np.savez_compressed(file, run=np.array(json.dumps(run | {"period_s": worlds.period})), **arrays)
-    try:
-        write_atomically(output, file.getvalue())
-    except OSError as error:
-        raise ConfigurationError(f"{output}: cannot be written ({error.strerror})") from error
+    write_whole(output, file.getvalue())
     return len(tape)
 
 

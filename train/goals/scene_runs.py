@@ -47,7 +47,7 @@ class GoalRequest:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MeasureComparison:
     """One measure: what the mechanism and the baseline gave, and the difference on the same starts."""
 
     measure: Measure
@@ -77,7 +77,7 @@ class GoalOutcome:
     option: str
     setting: Setting
     seeds: Sequence[int]
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[MeasureComparison, ...]
 
     @property
     def own_setting(self) -> bool:
@@ -109,8 +109,8 @@ def setting_of(scene: type[Scene], request: GoalRequest) -> Setting:
     return replace(scene.setting, **changes)
 
 
-def _compared(measure: Measure, served: Floats, rival: Floats) -> Comparison:
-    return Comparison(measure, summarise(served), summarise(rival), summarise(np.subtract(served, rival)))
+def _compared(measure: Measure, served: Floats, rival: Floats) -> MeasureComparison:
+    return MeasureComparison(measure, summarise(served), summarise(rival), summarise(np.subtract(served, rival)))
 
 
 def as_mapping(outcome: GoalOutcome) -> dict[str, Any]:

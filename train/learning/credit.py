@@ -8,11 +8,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from selforg.arrays import Flags, Floats, Ints
 
 
 class Paid(NamedTuple):
@@ -60,10 +57,9 @@ class Credit:
         places, rows = np.nonzero(complete)
         self._waits[places, rows] = False
         return Paid(
-            rows, self._options[places, rows], self._sums[places, rows], self._contexts[places, rows],
-            self._chances[places, rows],
-        )  # fmt: skip
-
-    def drop(self) -> None:
-        """Forget all decisions that wait."""
-        self._waits[:] = False
+            rows=rows,
+            options=self._options[places, rows],
+            rewards=self._sums[places, rows],
+            contexts=self._contexts[places, rows],
+            chances=self._chances[places, rows],
+        )

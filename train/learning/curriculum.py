@@ -40,9 +40,13 @@ class Curriculum:
         self.batches: list[Batch] = []
         for family, task in zip(families, config.tasks, strict=True):
             self.batches += family_batches(
-                family, task.worlds, sizes=_sizes(family), observation=config.observation, reward=config.reward,
+                family,
+                task.worlds,
+                sizes=_sizes(family),
+                observation=config.observation,
+                reward=config.reward,
                 directories=directories,
-            )  # fmt: skip
+            )
         self._families = families
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]

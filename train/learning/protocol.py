@@ -5,17 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from selector.documents.yaml import DocumentError, unknown
-from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
 from train.learning.credit import Paid
 
-Ints = NDArray[np.int64]
 Taker = Callable[[Paid, int], None]
-"""Is told of decisions whose rewards are complete, and how many more decisions have been made."""
+"""Takes decisions whose rewards are complete, and how many more decisions have been made."""
 
 
 class Learning(Protocol):
@@ -27,11 +22,3 @@ class Learning(Protocol):
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
         """Let the strategy decide and learn until the next checkpoint; return the costs of missions that ended [s]."""
-
-
-def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
-    """Return the places of components of an observation; an unknown one is a DocumentError."""
-    for name in names:
-        if name not in problem.features:
-            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
-    return np.array([problem.features.index(name) for name in names], dtype=np.int64)

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import Scenario
-from clean_swarm_env.learning.observation.terms import ObservationConfig
-from train.running.trials import PilotMaker, run_trials
+from train.running.pilots import PilotMaker
+from train.running.trials import TrialSettings, run_trials
 
 
 def measured(
-    scenarios: Mapping[str, Sequence[Scenario]],
-    maker: PilotMaker,
-    observation: ObservationConfig,
-    directories: tuple[Path, ...] = (),
+    scenarios: Mapping[str, Sequence[Scenario]], maker: PilotMaker, settings: TrialSettings
 ) -> dict[str, float]:
     """Return mission cost [s], collision events and share of completed missions: means, family by family."""
     figures = {}
     for family, some in scenarios.items():
-        results = run_trials(some, maker, observation=observation, directories=directories)
+        results = run_trials(some, maker, settings)
         figures[f"{family}/cost_s"] = float(np.mean([result.cost_s for result in results]))
         figures[f"{family}/completed"] = float(np.mean([result.completed for result in results]))
         figures[f"{family}/duration_s"] = float(np.mean([result.duration_s for result in results]))
@@ -32,10 +28,10 @@ def measured(
 
 
 @dataclass
-class Progress:
+class CheckpointHistory:
     """What the checkpoints so far have shown."""
 
-    history: list[dict[str, Any]] = field(default_factory=list)
+    entries: list[dict[str, Any]] = field(default_factory=list)
     """One entry for each checkpoint."""
     best: float = float("inf")
     """Lowest score so far."""
@@ -52,5 +48,5 @@ class Progress:
         better = bool(costs) and score < self.best
         if costs:
             self.best, self.since = (score, 0) if better else (self.best, self.since + 1)
-        self.history.append({**entry, **figures, "score": score if costs else None, "best": better})
+        self.entries.append({**entry, **figures, "score": score if costs else None, "best": better})
         return better

@@ -8,6 +8,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+EMPTY_CELL = "-"
+"""Stands where there is no figure."""
 MAX_ROWS_SHOWN = 30
 """Rows above the summary that the terminal lists; Markdown always has all."""
 

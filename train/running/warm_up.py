@@ -1,24 +1,30 @@
-"""Compiling before the runs: once and in one process, instead of in every worker at the same time."""
+"""Compile before the runs: once and in one process, instead of in every worker at the same time."""
 
-from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 
 from rich.console import Console
 
-from train.running.runs import MissionRunner, RunTask, execute
+from clean_swarm_env.world import robot
+from selforg.compiler.cache import folder_for
+from selforg.compiler.switches import COMPILED
+from train.running.runs import Task
+
+EVERY_MISSION = Path(robot.__file__)
+"""A file whose kernels every mission calls, and only a running one."""
 
 
-def compile_first(task: RunTask, run_mission: MissionRunner) -> None:
-    """Run the first control periods of a task if nothing was ever compiled here, and say so on the standard error."""
-    if compiled_before():
-        return
+def compile_first(task: Task) -> None:
+    """Do the first second of a run, which compiles what all runs need."""
+    announce()
+    task.beginning().run()
+
+
+def announce() -> None:
+    """Say on the standard error why nothing else happens for a while."""
     Console(stderr=True, highlight=False, soft_wrap=True).print("compiling for this machine, once: about a minute")
-    execute(replace(task, mission=task.mission.model_copy(update={"time_limit": 1.0})), run_mission)
 
 
 def compiled_before() -> bool:
-    """Tell whether compiled code lies beside the package; where it cannot be kept there, a short run costs little."""
-    spec = find_spec("selforg")
-    places = spec.submodule_search_locations if spec and spec.submodule_search_locations else ()
-    return any(any(Path(place).rglob("*.nbi")) for place in places)
+    """Tell whether the kernels of today's sources lie on the disk; true as well where nothing can be kept there."""
+    folder = folder_for(str(EVERY_MISSION))
+    return not COMPILED or folder is None or any(folder.rglob("*.nbi"))

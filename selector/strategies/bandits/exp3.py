@@ -5,11 +5,12 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, NonNegative, Number
+from selector.documents.fields import Closed, NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import Arrays, DecisionStrategy
+from selforg.arrays import Floats, Ints
 
 
 class EXP3Parameters(Closed):
@@ -31,7 +32,7 @@ class EXP3Parameters(Closed):
         return self
 
 
-@register
+@STRATEGIES.register
 class EXP3(DecisionStrategy):
     """EXP3 (Auer, Cesa-Bianchi, Freund & Schapire 2002, doi:10.1137/S0097539701398375, figure 1).
 

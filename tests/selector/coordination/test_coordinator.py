@@ -9,7 +9,7 @@ from selector.configurations.host import Host
 from selector.configurations.library import Library
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer

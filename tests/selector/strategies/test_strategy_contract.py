@@ -5,7 +5,7 @@ import pytest
 
 from selector.strategies.bandits.value_table import ValueTable
 from selector.strategies.problem import Problem
-from selector.strategies.registry import create, registered
+from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
 from tests.selector.strategies.policies import exported
 
@@ -20,7 +20,7 @@ GROUPS = {
 }
 
 pytestmark = [
-    pytest.mark.parametrize("name", list(registered())),
+    pytest.mark.parametrize("name", STRATEGIES.names()),
     pytest.mark.parametrize("sharing", list(GROUPS)),
 ]
 

@@ -8,20 +8,18 @@ from selforg.components import (
     Changed,
     Decide,
     DecisionSource,
-    DriveLimits,
     GoalDistance,
     GoalPresent,
     GoalReached,
     GoalSource,
-    Knowledge,
     Known,
     Move,
     MovementSource,
     OrganisedRobots,
+    RobotMemory,
     SetState,
     VectorLength,
     VectorPresent,
-    holonomic,
 )
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -71,7 +69,7 @@ def travellers(starts):
     buffer.store_static(0, "goal", np.array([[8.0, 2.0]]), 0.0, diffusion=20.0, goal_radius=1.5)
     push = MovementSource(RepulsionGradient(poses))
     goal = GoalSource(buffer)
-    knowledge = Knowledge(rows, {"told": False})
+    memory = RobotMemory(rows, {"told": False})
     model = traveller_model()
     robots = OrganisedRobots(
         model,
@@ -82,33 +80,32 @@ def travellers(starts):
             "goal": GoalPresent(goal),
             "there": GoalReached(goal),
             "far": GoalDistance(goal, unseen=20.0),
-            "told": Known(knowledge, "told"),
+            "told": Known(memory["told"]),
         },
         {
             "Go": Move(MovementSource(ChemotaxisBalch(buffer, channels=("goal",), min_speed=0.5))),
             "Avoid": Move(push),
-            "Tell": SetState(knowledge, "told", True),
+            "Tell": SetState(memory["told"], True),
         },
         BuiltInPlanner(model),
     )
-    return poses, robots, knowledge
+    return poses, robots, memory
 
 
 def travel(starts, ticks=300):
-    poses, robots, knowledge = travellers(starts)
+    poses, robots, memory = travellers(starts)
     positions, course = starts.copy(), []
     for tick in range(1, ticks + 1):
         now = tick * PERIOD
         poses.update(positions, np.zeros(len(starts)), now)
-        velocity, _ = holonomic(robots.tick(now), np.zeros(len(starts)), DriveLimits())
-        positions = positions + velocity * PERIOD
+        positions = positions + robots.tick(now).vectors * PERIOD
         course.append(positions)
-    return np.array(course), knowledge
+    return np.array(course), memory
 
 
 def test_travellers_arrive_and_say_so():
-    course, knowledge = travel(STARTS)
-    assert knowledge.values("told").tolist() == [1.0] * 4
+    course, memory = travel(STARTS)
+    assert memory["told"].values.tolist() == [1.0] * 4
     assert (np.linalg.norm(course[-1] - [8.0, 2.0], axis=1) < 2.5).all()
 
 
@@ -139,7 +136,7 @@ def test_news_spread_until_nobody_would_decide_otherwise():
     poses.update(places, np.zeros(6), 0.5)
     buffer = SoBuffer(BufferSettings(view_distance=1.0), poses.space, poses)
     gossip = GossipMax(buffer, channel="news", value=[1.0, 2.0, 9.0, 3.0, 4.0, 5.0], carried=None, view_distance=1.5)
-    first = Knowledge(6, {"spoken": False})
+    first = RobotMemory(6, {"spoken": False})
     model = NetworkModel(
         facts("news", "spoken"),
         [
@@ -151,7 +148,7 @@ def test_news_spread_until_nobody_would_decide_otherwise():
     )
     greeted = []
     robots = OrganisedRobots(
-        model, 6, {"news": Changed(DecisionSource(gossip)), "spoken": Known(first, "spoken")},
+        model, 6, {"news": Changed(DecisionSource(gossip)), "spoken": Known(first["spoken"])},
         {"Tell": Decide(gossip), "Greet": Greeting(gossip, first, greeted)},
     )  # fmt: skip
     for tick in range(1, 40):
@@ -163,13 +160,13 @@ def test_news_spread_until_nobody_would_decide_otherwise():
 class Greeting(Decide):
     """Spread once, so that the neighbours have something to hear."""
 
-    def __init__(self, mechanism, knowledge, greeted):
+    def __init__(self, mechanism, memory, greeted):
         super().__init__(mechanism)
-        self.knowledge, self.greeted = knowledge, greeted
+        self.memory, self.greeted = memory, greeted
 
     def _act(self, now, rows, started, commands):
         self.greeted += started.tolist()
-        self.knowledge.write("spoken", started, True)
+        self.memory["spoken"].write(started, True)
 
 
 def test_a_host_function_is_called_when_its_behaviour_starts():
@@ -193,6 +190,6 @@ def test_a_host_function_is_called_when_its_behaviour_starts():
     ],
 )
 def test_components_that_do_not_fit_are_refused(sensors, actions, message):
-    known = Known(Knowledge(1, {"told": False}), "told")
+    known = Known(RobotMemory(1, {"told": False})["told"])
     with pytest.raises(ValueError, match=message):
         OrganisedRobots(traveller_model(), 1, dict.fromkeys(sensors, known), actions)

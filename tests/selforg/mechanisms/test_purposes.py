@@ -2,11 +2,10 @@
 
 import pytest
 
-from selforg import mechanisms
-from selforg.mechanisms import DecisionMechanism, MovementMechanism
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
 from selforg.mechanisms.purposes import PATTERNS, Purpose
 
-OURS = [name for name in mechanisms.names() if mechanisms.find(name).__module__.startswith("selforg.")]
+OURS = [name for name in MECHANISMS.names() if MECHANISMS.find(name).__module__.startswith("selforg.")]
 
 
 def test_every_registered_mechanism_has_exactly_one_place():
@@ -17,7 +16,7 @@ def test_every_registered_mechanism_has_exactly_one_place():
 def test_mechanisms_are_of_the_kind_that_their_purpose_says(pattern):
     kinds = {Purpose.MOVEMENT: MovementMechanism, Purpose.DECISION: DecisionMechanism}
     for name in pattern.mechanisms:
-        assert issubclass(mechanisms.find(name), kinds.get(pattern.purpose, object))
+        assert issubclass(MECHANISMS.find(name), kinds.get(pattern.purpose, object))
 
 
 def test_patterns_build_on_earlier_ones_and_all_advanced_ones_on_gradients():

@@ -13,8 +13,9 @@ from typing import Any
 from selector.configurations.configuration import ConfigurationSpec
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import load_network
+from selector.documents.errors import shown, validated
 from selector.documents.parameters import resolved
-from selector.documents.yaml import read_mapping, shown, validated
+from selector.documents.reading import read_mapping
 from selector.knowledge import Knowledge
 from selforg.network.model.behaviours import Behaviour, Goal, Sensor
 from selforg.network.model.conditions import Condition, Optional, Tree, leaves

@@ -4,16 +4,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selector.documents.yaml import unknown
-from selector.store.exact_sums import NOTHING, Floats, Ints, Moments, on_grid, sums_by_cell
+from selector.store.exact_sums import NOTHING, Moments, on_grid, sums_by_cell
+from selforg.arrays import Floats, Ints
+from selforg.registry import unknown
 
 
-class Batch:
+class RewardSums:
     """Rewards that the options of one goal brought: exact sums for each option and context.
 
     A batch costs memory by the options and contexts seen, not by the rewards recorded.
 
-    >>> batch = Batch("AvoidCollision", ["near", "far"])
+    >>> batch = RewardSums("AvoidCollision", ["near", "far"])
     >>> batch.record(np.array([0, 1, 1]), np.array([0.5, 1.0, 2.0]))
     >>> batch.moments["far", ""].mean
     1.5

@@ -61,13 +61,13 @@ class Rated:
 
 
 @dataclass(frozen=True)
-class Contents:
+class StoredKnowledge:
     """Expert options by goal and name, and learned entries by key."""
 
     expert: Mapping[tuple[str, str], Rated] = field(default_factory=dict)
     learned: Mapping[Key, Entry] = field(default_factory=dict)
 
-    def merged(self, other: "Contents") -> "Contents":
+    def merged(self, other: "StoredKnowledge") -> "StoredKnowledge":
         """Return what a store holds that took in both, in any order.
 
         Raises:
@@ -83,7 +83,7 @@ class Contents:
         learned = dict(self.learned)
         for key, entry in other.learned.items():
             learned[key] = learned[key].merged(entry) if key in learned else entry
-        return Contents(expert, learned)
+        return StoredKnowledge(expert, learned)
 
     def knowledge(self, source: str) -> Knowledge:
         """Return the expert options as expert knowledge; `source` stands in its error messages."""
@@ -93,10 +93,10 @@ class Contents:
         return Knowledge({goal: tuple(options) for goal, options in table.items()}, source)
 
 
-def contents_of(knowledge: Knowledge, source: str = EXPERT, updated: int | None = None) -> Contents:
+def stored(knowledge: Knowledge, source: str = EXPERT, updated: int | None = None) -> StoredKnowledge:
     """Return expert knowledge as the contents of a store."""
     now = microseconds() if updated is None else updated
-    return Contents(
+    return StoredKnowledge(
         {
             (goal, option.name): Rated(option, position, source, now)
             for goal in knowledge.goals
@@ -122,7 +122,7 @@ def definition(option: Option) -> tuple[str, str]:
     return option.configuration, parameters
 
 
-def check(contents: Contents) -> None:
+def check(contents: StoredKnowledge) -> None:
     """Raise StoreError for what no store takes: unreadable names, impossible entries and times, odd parameters."""
     times = [rated.updated for rated in contents.expert.values()] + [e.updated for e in contents.learned.values()]
     for updated in times:
