@@ -21,7 +21,7 @@ HEADING, BORDER = 46.0, 16.0
 """Room for title and headings above the boxes, and around everything [pt]."""
 LETTERS = 40
 """Letters after which a line is broken."""
-ROUNDING = 1.04
+SCREEN_ROUNDING = 1.04
 """Screens round the width of letters: a drawn line is up to so much longer than the font says."""
 NAMELESS = (BoxKind.CONDITION, BoxKind.EFFECT)
 """Boxes that have no name above what is said."""
@@ -92,7 +92,7 @@ def text_width(text: str, bold: bool = False) -> float:
     if not text.strip():  # nothing to draw
         return 0.0
     plain = text.replace("$", r"\$")  # no formula
-    return ROUNDING * float(TextPath((0.0, 0.0), plain, size=FONT_SIZE, prop=font).get_extents().x1)
+    return SCREEN_ROUNDING * float(TextPath((0.0, 0.0), plain, size=FONT_SIZE, prop=font).get_extents().x1)
 
 
 def _sized(box: DiagramBox) -> PlacedBox:

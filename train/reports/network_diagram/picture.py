@@ -28,7 +28,7 @@ from train.reports.network_diagram.layout import (
 
 PICTURE_SUFFIXES: Final = (".svg", ".png", ".pdf")
 """Endings of files that a picture can be saved to."""
-LEGEND: Final = 34.0
+LEGEND_ROOM: Final = 34.0
 """Room for the legend under the panels [pt]."""
 TEXT, FRAME = "#1b1b1b", "#6b6b6b"
 FILLS: Final = {
@@ -57,7 +57,7 @@ def draw_panels(panels: Sequence[NetworkPanel]) -> Figure:
     placed = [place_panel(panel) for panel in panels]
     used = [kind for kind in LinkKind if any(link.kind is kind for panel in panels for link in panel.links)]
     wide = max(*(panel.width for panel in placed), sum(text_width(kind.value) + 48.0 for kind in used) + 2 * BORDER)
-    tall = sum(panel.height for panel in placed) + LEGEND
+    tall = sum(panel.height for panel in placed) + LEGEND_ROOM
     figure = Figure(figsize=(wide / 72.0, tall / 72.0), facecolor="white")
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(0.0, wide), ylim=(tall, 0.0))
@@ -66,7 +66,7 @@ def draw_panels(panels: Sequence[NetworkPanel]) -> Figure:
     for panel in placed:
         _draw_panel(axes, panel, top)
         top += panel.height
-    _draw_legend(axes, used, top + 0.4 * LEGEND)
+    _draw_legend(axes, used, top + 0.4 * LEGEND_ROOM)
     return figure
 
 
