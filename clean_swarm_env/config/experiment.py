@@ -37,7 +37,7 @@ class PublishedFigures(Closed):
 
 
 class ExperimentConfig(Closed):
-    """A mission, the conditions to compare on it and the start configurations they share."""
+    """A mission, the conditions to compare on it and their start configurations."""
 
     name: str
     """Name of the experiment."""

@@ -69,7 +69,7 @@ class ServedTeam(Controller):
     """Robots that consist of one coordinator; what it commands is what they do.
 
     Attributes:
-        memory: what every robot knows whatever option it holds, to begin with what the scene says.
+        memory: what every robot knows whatever option it holds, at first what the scene says.
 
     """
 
@@ -96,5 +96,6 @@ class ServedTeam(Controller):
     def _command(self, commands: Commands) -> None:
         for buffer in self._buffers.values():
             buffer.deliver(self.arena.now)
-        told = self._robots.tick(self.arena.now)
-        commands.vectors[:], commands.commanded[:], commands.in_place[:] = told.vectors, told.commanded, told.in_place
+        orders = self._robots.tick(self.arena.now)
+        commands.vectors[:], commands.commanded[:] = orders.vectors, orders.commanded
+        commands.in_place[:] = orders.in_place

@@ -16,10 +16,11 @@ from clean_swarm_env.physics.drive import ORDERS, Orders
 from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.delivery import Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
-from clean_swarm_env.world.robot import robot_model
+from clean_swarm_env.world.robot import robot_network
 from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.records import Packed
@@ -27,7 +28,8 @@ from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import ChemotaxisBalch, Patrol, Pheromone
+from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
+from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.names import planner_named
 from selforg.randomness import DirectionStream
@@ -67,7 +69,8 @@ class Minds(Uncopied):
         network: the robots' behaviour networks.
         coordinators: (C,) of the goals that the robot's document coordinates, in its order.
         nested: the networks inside other behaviours of the robot's document.
-        to_garbage, patrol: the mechanisms that the robots follow by themselves.
+        to_garbage, patrol: the mechanisms that robots follow by themselves, unless a network inside the behaviour or
+            a coordinator moves them.
         commands: what the robots are told in this tick; `orders` is the record of the same arrays.
         packed: the record that compiled code takes.
 
@@ -90,24 +93,22 @@ class Minds(Uncopied):
             Orders(self.commands.vectors, self.commands.commanded, self.commands.in_place)
         )
         index = self.network.model.behaviour_index
-        patrols = ["Patrol"] if "Patrol" in index else []  # unless that is coordinated
-        movers = np.array([index[name] for name in ("MoveToGarbage", *patrols)], dtype=np.int64)
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
                 readings=self.network.readings,
                 marks=self.network.state.mark_table,
                 handling=np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")], dtype=np.int64),
                 transport=np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")], dtype=np.int64),
-                movers=movers,
+                movers=np.array([index[name] for name in self._movers], dtype=np.int64),
                 starting=np.zeros((self.rows, 3), dtype=np.bool_),
                 vectors=self.commands.vectors,
                 commanded=self.commands.commanded,
                 in_place=self.commands.in_place,
-                running=np.zeros((len(movers), self.rows), dtype=np.int64),
-                counts=np.zeros(len(movers), dtype=np.int64),
+                running=np.zeros((len(self._movers), self.rows), dtype=np.int64),
+                counts=np.zeros(len(self._movers), dtype=np.int64),
             )
         )
-        self._patrolling: Ints = np.zeros(0, dtype=np.int64)  # rows of this tick
+        self._moved: list[tuple[MovementMechanism, Ints]] = []  # mechanisms of this tick, and the rows that they moved
 
     def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
         space = Torus(mission.world.width, mission.world.height)
@@ -145,14 +146,20 @@ class Minds(Uncopied):
     def _build_network(
         self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path], explained: bool
     ) -> None:
-        model = robot_model(mission.network, models, directories)
-        planner = planner_named(model, mission.network.planner)
-        self.network = BehaviourNetwork(model, self.rows, planner, explained)
+        robot = robot_network(mission.network, models, directories)
+        planner = planner_named(robot.model, mission.network.planner)
+        self.network = BehaviourNetwork(robot.model, self.rows, planner, explained)
+        configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
-        self._memory = host_memory((spec for m in models for spec in m.configurations), self.rows)
+        self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
         host = Host(self.poses, self._buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
-        self.nested: tuple[Inner, ...] = ()
+        self.nested = inner_networks(robot, self.network, host, explained=explained)
+        self._movers = {
+            name: mechanism
+            for name, mechanism in (("MoveToGarbage", self.to_garbage), ("Patrol", self.patrol))
+            if name in robot.model.behaviour_index and name not in robot.inner
+        }
         self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
 
     def coordinator_of(self, goal: str) -> Coordinator:
@@ -220,19 +227,19 @@ class Minds(Uncopied):
         """Give every robot in which a behaviour runs that moves a vector."""
         begin_orders(floor.words, self.packed.words)
         commands, record = self.commands, self.packed.record
-        to_garbage, *patrols = record.counts.tolist()
-        if to_garbage:
-            self.to_garbage.move_into(now, record.running[0, :to_garbage], commands.vectors, commands.commanded)
-        self._patrolling = record.running[-1, : sum(patrols)]
-        if len(self._patrolling):
-            self.patrol.move_into(now, self._patrolling, commands.vectors, commands.commanded)
+        self._moved.clear()
+        for mechanism, rows, count in zip(self._movers.values(), record.running, record.counts.tolist(), strict=True):
+            if count:
+                mechanism.move_into(now, rows[:count], commands.vectors, commands.commanded)
+                self._moved.append((mechanism, rows[:count]))
         for inner in self._inner:
             inner.act(now, commands)
 
     def leave(self, now: float) -> None:
         """Leave in the world what others shall find from the next tick on: traces of the patrol, and what is spread."""
-        if len(self._patrolling):
-            self.patrol.deposit(now, self._patrolling)
+        for mechanism, rows in self._moved:
+            if isinstance(mechanism, DepositingMechanism):
+                mechanism.deposit(now, rows)
         for inner in self._inner:
             inner.leave(now)
 

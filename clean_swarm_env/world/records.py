@@ -39,7 +39,7 @@ class MindsRecord(NamedTuple):
     marks: Annotated[Ints, "R LAYERS B"]  # of the network
     handling: Annotated[Ints, "3"]  # behaviours that pick, recycle and dump
     transport: Annotated[Ints, "2"]  # behaviours that go to the stations
-    movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism of the robot's own
+    movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism by themselves
     starting: Annotated[Flags, "R 3"]  # robots that pick, recycle and dump in this tick
     vectors: Annotated[Floats, "R 2"]  # orders of the tick, see `Commands`
     commanded: Annotated[Flags, "R"]

@@ -9,11 +9,11 @@ from clean_swarm_env.config.network import NetworkConfig
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_document import coordinated_goals, load_network
+from selector.coordination.robot_network import RobotNetwork
 from selector.documents.errors import DocumentError, shown
 from selector.documents.files import find_file
 from selector.knowledge import Knowledge
 from selforg.network.model.behaviours import Sensor
-from selforg.network.model.model import NetworkModel
 
 GOAL = "AvoidCollision"
 """The goal that every cleaning robot coordinates."""
@@ -54,10 +54,10 @@ def coordinators_of(
     return coordinator_models(coordinated_goals(find_file("robots", config.robot, directories)), knowledge, library)
 
 
-def robot_model(
+def robot_network(
     config: NetworkConfig, coordinators: Sequence[CoordinatorModel], directories: Sequence[Path] = ()
-) -> NetworkModel:
-    """Return the model of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
+) -> RobotNetwork:
+    """Return the network of a cleaning robot, as `configs/robots/<config.robot>.yaml` declares it.
 
     Raises:
         DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.
@@ -66,11 +66,12 @@ def robot_model(
     path = find_file("robots", config.robot, directories)
     parameters = {"transport_full_range": config.transport_full_range}
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
-    model = load_network(path, by_goal, parameters, config.build()).model
+    robot = load_network(path, by_goal, parameters, config.build())
+    model = robot.model
     if model.sensors[: len(SENSORS)] != SENSORS:
         expected, given = (", ".join(s.name for s in sensors) for sensors in (SENSORS, model.sensors))
         raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
     missing = [name for name in BEHAVIOURS if name not in model.behaviour_index]
     if missing:
         raise DocumentError(f"{shown(path)}: expected the behaviours {', '.join(BEHAVIOURS)}; {missing[0]} is missing")
-    return model
+    return robot

@@ -10,7 +10,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.files import load_experiment
 from clean_swarm_env.config.starts import load_starts, random_start
-from clean_swarm_env.world.robot import coordinators_of, robot_model
+from clean_swarm_env.world.robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
 from selforg.network.planning.names import check_planner
@@ -125,7 +125,7 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
     library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
     library.check(knowledge)
-    robot_model(network, coordinators_of(network, knowledge, library, directories), directories)
+    robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

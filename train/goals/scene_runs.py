@@ -19,7 +19,7 @@ from train.analysis.statistics import Summary, summarise
 
 @dataclass(frozen=True)
 class GoalRequest:
-    """What the user asked for; None: as the scene says."""
+    """What the user asked for. The scene decides wherever a field is None."""
 
     goal: str
     """Name of the goal."""
@@ -71,7 +71,7 @@ class MeasureComparison:
 
 @dataclass(frozen=True)
 class GoalOutcome:
-    """What came out for a goal."""
+    """The result of running a goal."""
 
     scene: type[Scene]
     option: str
@@ -91,7 +91,12 @@ class GoalOutcome:
 
 
 def run_goal(request: GoalRequest) -> GoalOutcome:
-    """Run a goal; whatever does not exist or fit raises an error of one line."""
+    """Run a goal in its scene.
+
+    Raises:
+        ConfigurationError: something that does not exist or fit.
+
+    """
     scene = find(request.goal)
     expert = expertise(request.goal, request.option, request.directories, request.knowledge)
     setting = setting_of(scene, request)

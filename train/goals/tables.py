@@ -12,7 +12,7 @@ from train.goals.scene_runs import GoalOutcome, MeasureComparison
 
 VERDICTS = {True: "yes", False: "no", None: "-"}
 HEADS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
-"""Of both tables; intervals are those of 95 %."""
+"""Heads of the columns of both tables; intervals are 95 % intervals."""
 
 
 def goal_on_terminal(outcome: GoalOutcome) -> Group:

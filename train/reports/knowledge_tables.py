@@ -13,7 +13,7 @@ from train.reports.text_table import EMPTY_CELL
 
 
 def all_goals(contents: StoredKnowledge) -> Table:
-    """Return one row a goal: how much is known of it, since when and from whom."""
+    """Return a table with a row for each goal: options, contexts, updates, last update, sources."""
     table = _table("goal", options=True, contexts=True, updates=True, **{"last update": False, "sources": False})
     for goal in _goals(contents):
         learned = {key: entry for key, entry in contents.learned.items() if key.goal == goal}

@@ -7,7 +7,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.learning.observation.around import AROUND, Around, open_around
+from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
 from clean_swarm_env.learning.observation.searches import find_items, find_neighbours, find_stations, list_present
 from clean_swarm_env.learning.observation.term import Observed
 from clean_swarm_env.learning.observation.terms import ObservationConfig
@@ -35,7 +35,7 @@ class Observer:
 
     def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = config or ObservationConfig()
-        self._around = AROUND.pack(around_robots(worlds, self.config.neighbour_ranges))
+        self._around = AROUND_RECORD.pack(around_robots(worlds, self.config.neighbour_ranges))
         self._terms = self.config.build(Observed(worlds, progress, self._around))
         needed = {need for term in self._terms for need in term.needs}
         self._searches = [search for name, search in SEARCHES.items() if name in needed]

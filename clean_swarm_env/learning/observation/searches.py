@@ -1,4 +1,4 @@
-"""Searches: they fill in what several observation terms need of `Around`, which tells the letters of shapes."""
+"""Searches that fill in fields of `Around` which several observation terms read; letters of shapes as there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MARGIN = 1.0 + 1e-9
 
 @lean_kernel
 def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
-    """List in `rows` (R,) the robots that are present in the worlds `chosen` (C,), count teams; return the number."""
+    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), and count the teams; return their number."""
     a = open_around(around)
     robots, count = a.present.shape[0] // a.team.shape[0], 0
     for world in chosen:

@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, MINDS
-from clean_swarm_env.world.robot import SENSORS, robot_model
+from clean_swarm_env.world.robot import SENSORS, robot_network
 from clean_swarm_env.world.tick_kernels import read_sensors
 from tests.clean_swarm_env.courses import avoidance
 from tests.clean_swarm_env.world.records import floor_record, minds_record
@@ -40,7 +40,7 @@ def _read(robot, items, stage, cargo=NOTHING, recycled=0):
 
 
 def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_reference():
-    model = robot_model(NetworkConfig(), [avoidance()])
+    model = robot_network(NetworkConfig(), [avoidance()]).model
     assert [behaviour.name for behaviour in model.behaviours] == [*BEHAVIOURS, "AvoidCollision"]
     for behaviour in model.behaviours[:-1]:
         sensors, effects, ready = BEHAVIOURS[behaviour.name]
@@ -55,7 +55,7 @@ def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_referen
 
 def test_settings_reach_the_network():
     config = NetworkConfig(activation_threshold=5.0, threshold_decay=0.7, activation_decay=0.6, max_parallel=2)
-    settings = robot_model(config, [avoidance()]).settings
+    settings = robot_network(config, [avoidance()]).model.settings
     assert (settings.activation_threshold, settings.threshold_decay) == (5.0, 0.7)
     assert (settings.activation_decay, settings.max_parallel) == (0.6, 2)
 
