@@ -13,7 +13,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.documents.files import files_of
 from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission
 
-FAMILIES = files_of("families")
+FAMILIES = list(files_of("families"))
 
 
 def test_all_families_are_shipped():
