@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` c
     from clean_swarm_env.learning.reward import RewardConfig as RewardConfig
     from clean_swarm_env.world.mission import run_mission as run_mission
 
-PLACES = {
+MODULE_OF = {
     "ConfigurationError": "config.errors",
     "FamilyConfig": "config.families",
     "load_family": "config.files",
@@ -44,8 +44,8 @@ PLACES = {
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401  (any public name; type checkers see the imports above)
     """Import a public name when it is first used."""
-    if name not in PLACES:
+    if name not in MODULE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{PLACES[name]}"), name)
+    value = getattr(import_module(f"{__name__}.{MODULE_OF[name]}"), name)
     globals()[name] = value
     return value

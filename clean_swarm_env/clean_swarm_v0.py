@@ -97,13 +97,13 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observations], AgentInfos]:
-        """Begin an episode; `options["start"]` may give a `StartConfiguration` (other keys are left alone)."""
+        """Begin an episode; `options["start"]` may give a `StartConfiguration` (other keys are ignored)."""
         seen = self._batch.reset([seed], [start_of(options)])
         self.agents = self._at_work()
         return self._of(self.agents, seen.copy()), self._infos(self.agents)
 
     def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
-        """Let each robot act for one decision period; the period ends early when the mission does."""
+        """Run one decision period; the period ends early when the mission does."""
         if not self.agents:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         step = self._batch.step(self._checked(actions))
@@ -175,13 +175,13 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         choices = self._choices
         for agent, action in actions.items():
             if choices and isinstance(action, int | np.integer) and 0 <= action < choices:
-                continue  # what `contains` says, in a tenth of the time
+                continue  # as `contains` answers, in a tenth of the time
             space = self.action_spaces[agent]
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {action!r}")
         default: NDArray[Any] = self._batch.choices.default if self._batch.action.mode == "option" else np.zeros(2)
-        first = default.reshape(np.shape(actions[self.agents[0]]))  # what robots do that join during the period
+        first = default.reshape(np.shape(actions[self.agents[0]]))  # the action of robots that join during the period
         return np.array([actions.get(agent, first) for agent in self.possible_agents])
 
 

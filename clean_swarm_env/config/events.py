@@ -59,7 +59,7 @@ class Join(At):
 
 
 class Remove(At):
-    """Robots are taken away: they are gone; what they carried lies where they were."""
+    """Robots are taken away; what they carried lies where they were."""
 
     do: Literal["remove"]
     """What happens."""

@@ -55,7 +55,7 @@ def draw_events(
 ) -> list[dict[str, Any]]:
     """Return the events of one scenario that begins with `robots`, in the order of their times.
 
-    Where the last robot but one would go, one joins instead if robots may join, else nothing happens.
+    An event that would leave fewer than two robots becomes a join if robots may join; otherwise it is left out.
     """
     number = int(rng.integers(changes.number[0], changes.number[1] + 1))
     times = np.sort(rng.uniform(QUIET, 1.0 - QUIET, size=number)) * time_limit

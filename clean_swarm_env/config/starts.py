@@ -1,7 +1,7 @@
 """Start configurations: random ones by seed, and files of given ones with the figures measured on them.
 
 Randomness: scenario k of seed S draws from `SeedSequence(S, spawn_key=(k,))`, with one child for the robots and one for
-the items, so that it stays the same whatever the number of scenarios or workers, and the items whatever the robots.
+the items. So a scenario does not depend on the number of scenarios or workers, nor its items on the number of robots.
 """
 
 import zlib
@@ -85,7 +85,7 @@ class StartsCase(StartConfiguration, extra="ignore"):
 
 
 class StartsFile(Closed, extra="ignore"):
-    """A file of start configurations with its torus and stations (data of others: further keys are left alone)."""
+    """A file of start configurations with its torus and stations (data of others: further keys are ignored)."""
 
     torus_m: tuple[Positive, Positive]
     """Lengths of the torus along x and y [m]."""

@@ -1,7 +1,7 @@
 """A picture of the world: robots with their gradients, garbage, stations and the pheromone trail, on the torus.
 
 Plain arrays in, a Matplotlib figure out; nothing here knows the mission. Colours are those of Okabe and Ito, which
-colour-blind readers can tell apart; what matters is told by shape as well.
+colour-blind readers can tell apart; shapes differ too.
 Shapes: N robots, G items of garbage, M pheromones.
 """
 
@@ -31,7 +31,7 @@ TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
 
 
 def no_places() -> NDArray[np.float64]:
-    """Nothing anywhere: (0, 2)."""
+    """Return no places: (0, 2)."""
     return np.zeros((0, 2))
 
 
@@ -104,7 +104,7 @@ def draw_world(canvas: Canvas, title: str = "", inches: float = 7.0) -> Figure:
 
 
 def trail_strength(canvas: Canvas) -> NDArray[np.float64]:
-    """How strongly the pheromones are felt, on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
+    """Return how strong the pheromones are on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
 
     In each cell the strongest one counts, by the linear fall of Balch and Hybinette's repulsion from 1 at its
     centre to 0 at its diffusion radius.

@@ -1,4 +1,4 @@
-"""A batch's world as a canvas to draw."""
+"""The picture of one world of a batch."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from selforg.gradients.queries import Filter, Queries
 
 
 def canvas_of(worlds: Worlds, world: int) -> Canvas:
-    """Return what there is to see of a world now."""
+    """Return what is to be drawn of a world now."""
     garbage, mission = worlds.garbage, worlds.mission
     rows = worlds.rows_of(world)
     rows = rows[worlds.physics.present[rows]]
@@ -23,13 +23,21 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     cargo = np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING)
     trail, diffusions = _trail(worlds, world)
     return Canvas(
-        worlds.physics.positions[rows].copy(), worlds.physics.headings[rows].copy(), recycling, dump,
-        width=mission.world.width, height=mission.world.height, radius=mission.robots.radius,
-        goal_radius=mission.robots.pose_goal_radius, diffusion=mission.robots.pose_diffusion,
-        station_radius=mission.stations.reach, cargo=cargo,
-        garbage=garbage.positions[world][garbage.stage[world] == LYING], pheromones=trail,
+        worlds.physics.positions[rows].copy(),
+        worlds.physics.headings[rows].copy(),
+        recycling,
+        dump,
+        width=mission.world.width,
+        height=mission.world.height,
+        radius=mission.robots.radius,
+        goal_radius=mission.robots.pose_goal_radius,
+        diffusion=mission.robots.pose_diffusion,
+        station_radius=mission.stations.reach,
+        cargo=cargo,
+        garbage=garbage.positions[world][garbage.stage[world] == LYING],
+        pheromones=trail,
         pheromone_diffusions=diffusions,
-    )  # fmt: skip
+    )
 
 
 def _trail(worlds: Worlds, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

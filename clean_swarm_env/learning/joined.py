@@ -25,7 +25,7 @@ from selforg.arrays import Flags, Ints
 
 
 class Joined:
-    """Some batches as if they were one; all arrays given are the caller's.
+    """Several batches used as one. Arrays that are returned belong to the caller.
 
     Args:
         batches: B batches, at least one, with the same options, actions and observations.
@@ -70,7 +70,7 @@ class Joined:
         return np.concatenate(seen)
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
-        """Let each robot act for one decision period; see `Batch.step`."""
+        """Run one decision period; see `Batch.step`."""
         if actions.shape[:1] != (self.rows,):
             raise ValueError(f"actions: expected one for each of {self.rows} rows, got shape {actions.shape}")
         parts = np.split(actions, self._cuts)
@@ -79,7 +79,7 @@ class Joined:
 
     @property
     def finished(self) -> tuple[Finished, ...]:
-        """The missions that came to their end in the last period."""
+        """The missions that ended in the last period."""
         return tuple(
             replace(end, world=first + end.world)
             for batch, first in zip(self.batches, self._first_worlds, strict=True)
@@ -138,7 +138,7 @@ def _check_alike(batches: Sequence[Batch]) -> None:
 
 
 def _compared(batch: Batch) -> dict[str, Any]:
-    """Return what batches have in common that are joined."""
+    """Return what must be equal in batches that are joined."""
     return {
         "options": dict(batch.options),
         "action": batch.action.model_dump(),

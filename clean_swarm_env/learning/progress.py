@@ -50,9 +50,9 @@ class Followed(NamedTuple):
     ended: Annotated[Ints, "W"]  # the first of them: worlds whose missions ended with the last tick
 
 
-PERIOD = Recording(Period)
-FOLLOWED = Recording(Followed)
-open_period, open_followed = PERIOD.open, FOLLOWED.open
+PERIOD_RECORD = Recording(Period)
+FOLLOWED_RECORD = Recording(Followed)
+open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
 
 
 class MissionProgress:
@@ -77,10 +77,10 @@ class MissionProgress:
         count, rows, garbage = worlds.worlds, worlds.rows, worlds.garbage
         self.events, self.ticks, self.dumped = numbers(len(EVENTS), rows), numbers(count), numbers(count)
         self.outcome, self.took_part = numbers(count), np.zeros(rows, dtype=np.bool_)
-        self.period = PERIOD.pack(Period(self.events, self.ticks, self.dumped, self.outcome, self.took_part))
+        self.period = PERIOD_RECORD.pack(Period(self.events, self.ticks, self.dumped, self.outcome, self.took_part))
         self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
         self.ended: Ints = numbers(0)
-        self._followed = FOLLOWED.pack(
+        self._followed = FOLLOWED_RECORD.pack(
             Followed(
                 working=worlds.team.working,
                 in_contact=worlds.collisions.in_contact,

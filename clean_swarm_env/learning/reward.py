@@ -52,8 +52,8 @@ class Prices(NamedTuple):
     shared: float
 
 
-PRICES = Recording(Prices)
-open_prices = PRICES.open
+PRICES_RECORD = Recording(Prices)
+open_prices = PRICES_RECORD.open
 
 
 class Rewards:
@@ -76,7 +76,9 @@ class Rewards:
             "avoiding": config.avoiding * period,
         }
         weights = np.array([own[event] for event in EVENTS])
-        self.prices = PRICES.pack(Prices(weights, config.dumped, config.time * period, config.completed, config.shared))
+        self.prices = PRICES_RECORD.pack(
+            Prices(weights, config.dumped, config.time * period, config.completed, config.shared)
+        )
 
     def of(self, progress: MissionProgress, rewards: Floats) -> None:
         """Fill `rewards` (R,) with those of the period that `progress` counted; robots that took no part get none."""

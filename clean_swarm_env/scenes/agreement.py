@@ -1,11 +1,11 @@
-"""FindBarycenter and MaxValue: nobody moves, all decide by what they hear of the others."""
+"""FindBarycenter and MaxValue: robots stand and decide by what they hear of the others."""
 
 from typing import ClassVar
 
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.scenes.arena import RIVALS
+from clean_swarm_env.scenes.arena import BASELINES
 from clean_swarm_env.scenes.baselines import Controller, StandStill
 from clean_swarm_env.scenes.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.scenes.measures.order import barycentre
@@ -25,12 +25,12 @@ CENTER = 1
 class StandingRobots(Scene):
     """Robots that stand where they are."""
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)
 
     def _decisions(self) -> tuple[Floats, Ints]:
         """Return what the robots have decided: values and states (W, N)."""
-        assert isinstance(self.controller, ServedTeam)  # the baselines are worked out otherwise
+        assert isinstance(self.controller, ServedTeam)  # baselines have no decisions
         values, states = self.controller.decisions()
         return self.arena.by_world(values), self.arena.by_world(states)
 
@@ -43,11 +43,14 @@ class FindBarycenter(StandingRobots):
     story = "9 robots on 10 m x 10 m find out which of them stands in the middle"
     measures = (
         Measure(
-            "distance of the elected robot to the barycentre", "m", "lower", 2.0,
+            "distance of the elected robot to the barycentre",
+            "m",
+            "lower",
+            2.0,
             "the nearest of 9 robots on 100 m2 is 1.7 m away on average",
         ),
         Measure("robots elected", "-", "lower", 1.1, "one; two where two stand alike", guard=True),
-    )  # fmt: skip
+    )
     baseline = "a robot drawn by lot"
     setting = Setting(robots=9, seconds=5.0, ground="open")
     fewest = 2
@@ -103,14 +106,14 @@ class MaxValue(StandingRobots):
     def _look(self) -> None:
         if not self.served:
             return
-        told = (self._decisions()[0] == self._values.max(axis=1, keepdims=True)).all(axis=1)
-        rounds = self.arena.ticks - 1  # in the first period everybody has told the own value, no more
-        self._agreed = np.where(told, np.minimum(self._agreed, rounds), self._agreed)
+        agreed = (self._decisions()[0] == self._values.max(axis=1, keepdims=True)).all(axis=1)
+        rounds = self.arena.ticks - 1  # in the first period every robot tells its own value only
+        self._agreed = np.where(agreed, np.minimum(self._agreed, rounds), self._agreed)
 
     def _result(self) -> dict[str, Floats]:
         if not self.served:
             for world, hears in enumerate(self._hears):
-                rng = self.arena.chance(world, RIVALS)
+                rng = self.arena.chance(world, BASELINES)
                 self._agreed[world] = rounds_by_calls(hears, self._values[world], rng, self.chosen.ticks)
         fewest = [rounds_needed(h, int(v.argmax())) for h, v in zip(self._hears, self._values, strict=True)]
         return {self.measures[0].name: self._agreed, self.measures[1].name: self._agreed - np.array(fewest)}

@@ -37,7 +37,7 @@ class Crossing(Scene):
     def _with_errand(self, controller: Controller) -> Controller:
         return Together(controller, GoStraight(self.arena, self._directions))
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)  # in place of the mechanism: only the errand is left
 
     def _look(self) -> None:
@@ -64,21 +64,26 @@ class CrossingObstacles(Crossing):
     story = "5 robots cross a torus of 225 m2 with 12 obstacles for 120 s"
     measures = (
         Measure(
-            "collisions per robot and minute", "1/min", "lower", 0.7,
+            "collisions per robot and minute",
+            "1/min",
+            "lower",
+            0.7,
             "a tenth of what chance gives: 4.8 with obstacles, 1.5 with robots",
         ),
         PROGRESS,
-    )  # fmt: skip
+    )
     setting = Setting(robots=5, seconds=120.0, ground="torus")
     side = 15.0
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         super()._prepare(chances)
         starts = self.positions
-        self._obstacles = np.stack([
-            scattered(rng, OBSTACLES, self.ground, 2.0, free_of=Taken(starts[world], 1.6))
-            for world, rng in enumerate(chances)
-        ])  # fmt: skip
+        self._obstacles = np.stack(
+            [
+                scattered(rng, OBSTACLES, self.ground, 2.0, free_of=Taken(starts[world], 1.6))
+                for world, rng in enumerate(chances)
+            ]
+        )
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
 
     def _around(self) -> tuple[Gradients, ...]:
@@ -100,11 +105,9 @@ class CrossingRobots(Crossing):
     goal = "AgentCollisionAvoidance"
     story = "10 robots cross a torus of 121 m2 for 120 s"
     measures = (
-        Measure(
-            "collisions per robot and minute", "1/min", "lower", 0.6, "a tenth of the 6.2 that chance gives"
-        ),
+        Measure("collisions per robot and minute", "1/min", "lower", 0.6, "a tenth of the 6.2 that chance gives"),
         PROGRESS,
-    )  # fmt: skip
+    )
     setting = Setting(robots=10, seconds=120.0, ground="torus")
     fewest = 2
     side = 11.0

@@ -1,4 +1,4 @@
-"""CollectiveExploration and IndividualExploration: see as much of the ground as possible, together or each alone."""
+"""CollectiveExploration and IndividualExploration: see as much of the ground as possible, as a team or alone."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats, Ints
 
-SIGHT, PITCH = 0.5, 0.25  # [m]
+ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]
 
 
 class ExploringScene(Scene):
@@ -27,9 +27,9 @@ class ExploringScene(Scene):
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         closed = self.chosen.ground == "torus"
         side = self.ground.side - self.ground.side % PITCH
-        self.coverage = Coverage(self._map_of_rows(), side, 0.0, SIGHT, PITCH, closed)
+        self.coverage = Coverage(self._map_of_rows(), side, 0.0, ROBOT_SIGHT, PITCH, closed)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _look(self) -> None:
@@ -44,10 +44,13 @@ class CollectiveExploration(ExploringScene):
     story = "6 robots that see 0.5 m far look at a torus of 400 m2 for 60 s"
     measures = (
         Measure(
-            "area seen", "m2", "higher", 237.0,
+            "area seen",
+            "m2",
+            "higher",
+            237.0,
             "what as many straight independent paths see by chance, 400 (1 - exp(-360 / 400))",
         ),
-    )  # fmt: skip
+    )
     setting = Setting(robots=6, seconds=60.0, ground="torus")
     side = 20.0
 
@@ -57,16 +60,19 @@ class CollectiveExploration(ExploringScene):
 
 @SCENES.register
 class IndividualExploration(ExploringScene):
-    """Every robot has a map of its own, and nobody tells it what others have seen."""
+    """Every robot has a map of its own and does not learn what others have seen."""
 
     goal = "IndividualExploration"
     story = "4 robots that see 0.5 m far look at a torus of 256 m2 for 120 s, each for itself"
     measures = (
         Measure(
-            "area seen by each robot", "m2", "higher", 96.0,
+            "area seen by each robot",
+            "m2",
+            "higher",
+            96.0,
             "what a straight path sees by chance, 256 (1 - exp(-120 / 256))",
         ),
-    )  # fmt: skip
+    )
     setting = Setting(robots=4, seconds=120.0, ground="torus")
     side = 16.0
 

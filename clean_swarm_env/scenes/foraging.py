@@ -24,10 +24,13 @@ class Foraging(Scene):
     story = "12 robots bring food from 2 patches, 9 m and more away, to a nest on a torus of 900 m2 for 300 s"
     measures = (
         Measure(
-            "items brought per minute", "1/min", "higher", 10.0,
+            "items brought per minute",
+            "1/min",
+            "higher",
+            10.0,
             "more than a quarter of the 36 that 12 robots could bring that know a way of 10 m",
         ),
-    )  # fmt: skip
+    )
     baseline = "random search: the same robots, which never follow a trail"
     setting = Setting(robots=12, seconds=300.0, ground="torus")
     side = 30.0
@@ -51,7 +54,7 @@ class Foraging(Scene):
             Gradients("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
         )
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return ServedTeam(self, expertise(self.goal, RANDOM_SEARCH))
 
     def _look(self) -> None:

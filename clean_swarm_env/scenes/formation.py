@@ -49,7 +49,7 @@ class FormationControl(Scene):
         # Momentum is what a flock shares: robots that start at rest stay there.
         return Instead(controller, GoStraight(self.arena, self._directions, SET_OUT))
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)
 
     def _look(self) -> None:
@@ -88,7 +88,7 @@ class CircleFormation(Scene):
         beacons = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
         return (Gradients("centre", beacons, +1, diffusion=5.0, goal_radius=CIRCLE),)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)
 
     def _result(self) -> dict[str, Floats]:

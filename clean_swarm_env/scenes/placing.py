@@ -1,4 +1,4 @@
-"""Places to start from: drawn one after the other, never on top of each other."""
+"""Places to start from: drawn one after the other, with a least distance."""
 
 from typing import NamedTuple
 

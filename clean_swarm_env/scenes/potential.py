@@ -9,7 +9,7 @@ from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Sett
 from selforg.arrays import Floats
 
 HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
-HILLS, START_AWAY = 5, 5.0  # [-], [m]
+HILLS, START_FROM_TOP = 5, 5.0  # [-], [m]
 SOURCE_REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
 SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 
@@ -29,7 +29,7 @@ class FollowPotentialField(Scene):
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         top = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_AWAY))
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_FROM_TOP))
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
@@ -38,9 +38,11 @@ class FollowPotentialField(Scene):
         self._hills = np.stack(hills)
         tops = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
         self._field = Field(
-            np.concatenate([tops, self._hills], axis=1), np.array([1.0] + [-1.0] * HILLS),
-            np.array([HOLLOW] + [HILL] * HILLS), np.array([SOURCE_RADIUS] + [0.0] * HILLS),
-        )  # fmt: skip
+            np.concatenate([tops, self._hills], axis=1),
+            np.array([1.0] + [-1.0] * HILLS),
+            np.array([HOLLOW] + [HILL] * HILLS),
+            np.array([SOURCE_RADIUS] + [0.0] * HILLS),
+        )
         self._start = self._height()
 
     def _height(self) -> Floats:
@@ -55,7 +57,7 @@ class FollowPotentialField(Scene):
             Gradients("field", self._hills, -1, diffusion=HILL),
         )
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _result(self) -> dict[str, Floats]:
@@ -84,7 +86,7 @@ class FollowMaxPotential(Scene):
     def _around(self) -> tuple[Gradients, ...]:
         return (Gradients("field", self._sources, +1, diffusion=np.array(SOURCE_REACHES), goal_radius=SOURCE_RADIUS),)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         away = self.ground.distances(self.positions[:, :, None], self._sources[:, None])
         nearest = np.take_along_axis(self._sources, away.argmin(axis=2)[..., None], axis=1)
         return GoTo(self.arena, nearest.reshape(-1, 2), SOURCE_RADIUS + self.body.pose_goal_radius)

@@ -27,7 +27,7 @@ TRAIL_SETTINGS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min
 
 @dataclass(frozen=True)
 class Measure:
-    """What tells success.
+    """A figure that tells how well a goal is reached.
 
     Attributes:
         name: what is measured.
@@ -76,22 +76,26 @@ class Gradients:
     goal_radius: float | Floats = 0.0
 
     def store(self, buffer: SoBuffer) -> None:
-        """Put them into a buffer whose teams are the worlds."""
+        """Store the gradients in a buffer whose teams are the worlds."""
         worlds, count, _ = self.places.shape
         buffer.store_static(
-            np.repeat(np.arange(worlds), count), self.channel, self.places.reshape(-1, 2), 0.0,
-            attraction=self.attraction, diffusion=np.tile(np.broadcast_to(self.diffusion, count), worlds),
+            np.repeat(np.arange(worlds), count),
+            self.channel,
+            self.places.reshape(-1, 2),
+            0.0,
+            attraction=self.attraction,
+            diffusion=np.tile(np.broadcast_to(self.diffusion, count), worlds),
             goal_radius=np.tile(np.broadcast_to(self.goal_radius, count), worlds),
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of one run.
+    """The results of one run.
 
     Attributes:
         values: measure -> (W,).
-        tracks: (T + 1, R, 2) [m] where everybody was at the start and after each control period.
+        tracks: (T + 1, R, 2) [m] places of all robots at the start and after each control period.
 
     """
 
@@ -103,7 +107,7 @@ class Scene(ABC):
     """W worlds in which one goal is to be reached.
 
     The class says what the goal is, how success is measured and what the scene's own setting is. An object is good for
-    one `run`. Subclasses implement `_place`, `_rival` and `_result`, and of the other hooks those that they need.
+    one `run`. Subclasses implement `_place`, `_baseline` and `_result`, and of the other hooks those that they need.
 
     Attributes:
         chosen: the setting of this run.
@@ -147,7 +151,7 @@ class Scene(ABC):
         """Run to the end with the controller that `make` makes for this scene; without one, with the baseline."""
         arena = self.arena
         self.served = make is not None
-        self.controller = self._rival() if make is None else make(self)
+        self.controller = self._baseline() if make is None else make(self)
         controller = self._with_errand(self.controller)
         tracks = [arena.positions.copy()]
         for _ in range(self.chosen.ticks):
@@ -160,7 +164,7 @@ class Scene(ABC):
     def buffers(self) -> dict[str, SoBuffer]:
         """Return new buffers, by the names that configurations use, with what lies around.
 
-        What a robot puts into `own_pheromones` nobody else finds.
+        No other robot finds what a robot puts into `own_pheromones`.
         """
         space, poses = self.ground.space, self.arena.poses
         gradients = SoBuffer(AROUND_SETTINGS, space, poses)
@@ -171,12 +175,12 @@ class Scene(ABC):
 
     @property
     def positions(self) -> Floats:
-        """Where the robots are (W, N, 2) [m]."""
+        """Positions of the robots (W, N, 2) [m]."""
         return self.arena.by_world(self.arena.positions)
 
     @property
     def headings(self) -> Floats:
-        """Where the robots look (W, N) [rad]."""
+        """Headings of the robots (W, N) [rad]."""
         return self.arena.by_world(self.arena.headings)
 
     @abstractmethod
@@ -184,7 +188,7 @@ class Scene(ABC):
         """Return the start of the robots of one world: positions (N, 2) [m] and headings (N,) [rad]."""
 
     @abstractmethod
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         """Return the baseline."""
 
     @abstractmethod

@@ -34,7 +34,7 @@ class RunningConfiguration:
     Attributes:
         mechanisms: by name.
         robots: its own network with sensors and actions.
-        remembers: whether anything but its network is to begin anew when a row takes it up.
+        remembers: whether memory, decisions or kept movements have to be reset when a row takes it up.
 
     Raises:
         DocumentError: something that cannot be built; names the key.
@@ -59,10 +59,10 @@ class RunningConfiguration:
             for name, behaviour in spec.behaviours.items()
         }
         try:
-            model = spec.network_model()
+            network = BehaviourNetwork(spec.network_model(), host.rows, explained=explained)
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
-        self.robots = OrganisedRobots(model, host.rows, sensors, actions, dim=host.poses.space.dim, explained=explained)
+        self.robots = OrganisedRobots(network, sensors, actions, host.poses.space.dim)
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
         self.remembers = bool(spec.knowledge or self._decisions_made or self._kept)
         self.forget(np.arange(host.rows))

@@ -1,11 +1,13 @@
 """Always the same option: what learned strategies have to beat."""
 
+from typing import Any
+
 import numpy as np
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Ints
@@ -25,6 +27,11 @@ class Fixed(DecisionStrategy):
 
     Parameters = FixedParameters
     parameters: FixedParameters
+
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return one of the options."""
+        return {"option": problem.options[len(problem.options) // 2]}
 
     def _prepare(self) -> None:
         name, known = self.parameters.option, self.problem.options

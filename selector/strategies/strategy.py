@@ -90,6 +90,11 @@ class DecisionStrategy(ABC):
         for name, array in first.items():
             setattr(self, name, array)
 
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return the parameters with which the contract tests build the class for a problem."""
+        return {}
+
     @property
     def draws_per_decision(self) -> int:
         """Random numbers that one row takes for one decision."""

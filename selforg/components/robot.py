@@ -1,4 +1,4 @@
-"""Robots whose network senses and acts through components: one call a tick, or its three parts by themselves."""
+"""Robots whose network senses and acts through components: a whole tick in one call, or its parts one by one."""
 
 from __future__ import annotations
 
@@ -11,18 +11,21 @@ from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action, Commands
 from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
 from selforg.components.sources import Source
-from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import Planner
 
 Actions = Mapping[str, Action | Sequence[Action]]
 
 
 class OrganisedRobots:
-    """N robots with one model; each sensor reads through a component, each behaviour acts through some or none.
+    """N robots with one network; each sensor reads through a component, each behaviour acts through some or none.
 
-    Readings of sensors without a component are the host's: it writes them into `network.readings` before each tick.
     What only actions look at is asked of the rows that act, and of no others.
+
+    Args:
+        network: of the robots.
+        sensors: by name; readings of the others are the host's, which writes them into `network.readings`.
+        actions: one or several by behaviour.
+        dim: dimensions of the space, D.
 
     Raises:
         ValueError: a component for a sensor or behaviour that the model lacks, or of another kind than its sensor.
@@ -31,16 +34,12 @@ class OrganisedRobots:
 
     def __init__(
         self,
-        model: NetworkModel,
-        rows: int,
+        network: BehaviourNetwork,
         sensors: Mapping[str, SensorComponent],
         actions: Actions,
-        planner: Planner | None = None,
         dim: int = 2,
-        *,
-        explained: bool = False,
     ) -> None:
-        self.network = BehaviourNetwork(model, rows, planner, explained)
+        self.network, model = network, network.model
         self._sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]
         for column, component in self._sensors:
             sensor = model.sensors[column]
@@ -58,10 +57,10 @@ class OrganisedRobots:
         self._others = [(column, one) for column, one in self._sensors if not isinstance(one, VectorSensor)]
         self._shown: tuple[Floats, Ints, Ints] | None = None
         self._acted: list[tuple[Action, Ints]] = []
-        self._all, self._dim = np.arange(rows), dim
+        self._all, self._dim = np.arange(network.rows), dim
 
     def tick(self, now: float, rows: Ints | None = None) -> Commands:
-        """Let `rows` (K,) or all sense, decide and act at `now` [s]; returns what all N rows are told."""
+        """Sense, decide and act at `now` [s] in `rows` (K,) or in all rows; return the commands of all N rows."""
         chosen = self._all if rows is None else rows
         self.sense(now, chosen)
         self.network.step(chosen)
@@ -71,7 +70,7 @@ class OrganisedRobots:
         return commands
 
     def sense(self, now: float, rows: Ints) -> None:
-        """Renew the readings of `rows` (K,) at `now` [s]."""
+        """Write the readings of `rows` (K,) at `now` [s]."""
         for source in self._sensed:
             source.ask(now, rows)
         for vectors in self._vector_readings:
@@ -83,14 +82,14 @@ class OrganisedRobots:
             show(rows, readings, *self._shown)
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write what is sensed from now on also into `readings` (N, T): sensor k of the model into columns[k]."""
+        """Write all readings from now on also into `readings` (N, T): those of sensor k into column columns[k]."""
         for vectors in self._vector_readings:
             vectors.show_in(readings, columns[vectors.columns])
         others: Ints = np.array([column for column, _ in self._others], dtype=np.int64)
         self._shown = (readings, others, columns[others]) if len(others) else None
 
     def act(self, now: float, rows: Ints, commands: Commands) -> None:
-        """Let act in `rows` (K,) what runs after the network's step; movements go into `commands`."""
+        """Run the actions of the behaviours that run in `rows` (K,); movements go into `commands`."""
         self._acted = []
         for (b, action), sources in zip(self._actions, self._asked_late, strict=True):
             acting, started = self.network.running(b, rows)
@@ -102,7 +101,7 @@ class OrganisedRobots:
             self._acted.append((action, acting))
 
     def leave(self, now: float) -> None:
-        """Leave in the world, at `now` [s], what those who acted last leave; call it once all movements are known."""
+        """Spread and deposit, at `now` [s], in the rows that acted last; call it once all movements are known."""
         for action, acting in self._acted:
             action.leave(now, acting)
         self._acted = []

@@ -1,4 +1,4 @@
-"""Sources: a mechanism or a query asked once a tick, whatever number of sensors and behaviours look at its answer."""
+"""Sources: each asks one mechanism or query once a tick, for all sensors and actions that use the answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from selforg.arrays import Flags, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
-from selforg.gradients.store.columns import DISTANCE, DX, GOAL, PAIR_GOAL
+from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decision_base import DecisionMechanism
 
@@ -20,7 +20,7 @@ CLOCK_TOLERANCE = 1e-6
 
 
 class Source(ABC):
-    """Blueprint of what is asked once a tick, before anything is sensed; its answers hold until the next tick."""
+    """Blueprint of a source: it is asked once a tick, before sensors read; its answers hold until the next tick."""
 
     @final
     def ask(self, now: float, rows: Ints) -> None:
@@ -34,7 +34,7 @@ class Source(ABC):
 
 
 class MovementSource(Source):
-    """What a movement mechanism says.
+    """Answers of a movement mechanism.
 
     hold: time for which its answer is kept before it is asked again [s].
     vectors: (N, D) [m/s] movement, zero where there is none.
@@ -51,7 +51,7 @@ class MovementSource(Source):
         self._asked: Floats = np.full(rows, -np.inf)  # when [s]
 
     def forget(self, rows: Ints) -> None:
-        """Ask anew for `rows` (K,), however short ago they were asked for."""
+        """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
         self._asked[rows] = -np.inf
 
     def _ask(self, now: float, rows: Ints) -> None:
@@ -81,8 +81,8 @@ class GoalSource(Source):
 
     def _ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
-        clearance = pairs[:, DISTANCE] - pairs[:, PAIR_GOAL] - self._poses.own[rows, 0, GOAL]
-        self.offsets[rows] = pairs[:, DX : DX + self.offsets.shape[1]]
+        clearance = pairs[:, PAIR_DISTANCE] - pairs[:, PAIR_GOAL_RADIUS] - self._poses.own[rows, 0, GOAL_RADIUS]
+        self.offsets[rows] = pairs[:, PAIR_DX : PAIR_DX + self.offsets.shape[1]]
         self.clearance[rows] = np.where(found, clearance, 0.0)
         self.present[rows] = found
 

@@ -6,7 +6,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.columns import SKIP_OWN
 from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import FERNANDEZ, REPULSION
+from selforg.mechanisms.kernels.rules import fernandez, repulsion
 from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import MECHANISMS
 
@@ -32,11 +32,11 @@ class RepulsionFernandez(Repulsion):
     Beyond the own reach, but within the view distance, neighbours attract (Q5).
     """
 
-    rule = FERNANDEZ
+    rule = fernandez
 
 
 @MECHANISMS.register
 class RepulsionGradient(Repulsion):
     """Balch & Hybinette repulsion from the neighbours, doi:10.1109/ROBOT.2000.844042; contact counts the own reach."""
 
-    rule = REPULSION
+    rule = repulsion

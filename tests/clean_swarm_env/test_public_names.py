@@ -17,7 +17,7 @@ SOURCE = (ROOT / "clean_swarm_env" / "__init__.py").read_text(encoding="utf-8")
 
 
 def test_the_public_names_are_these():
-    assert set(clean_swarm_env.PLACES) == NAMES
+    assert set(clean_swarm_env.MODULE_OF) == NAMES
 
 
 @pytest.mark.parametrize("name", sorted(NAMES))
@@ -34,7 +34,7 @@ def test_type_checkers_see_the_same_names_at_the_same_places():
         if node.module.startswith("clean_swarm_env.")
         for alias in node.names
     }
-    assert seen == clean_swarm_env.PLACES
+    assert seen == clean_swarm_env.MODULE_OF
 
 
 def test_an_unknown_name_is_an_attribute_error():

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from selforg import mechanisms
+from selforg.gradients.gradient import Gradient
 from selforg.gradients.queries import Filter, Queries
 from selforg.mechanisms import Carried
 from tests.golden.case import Case, difference
@@ -49,8 +50,9 @@ def replay_rounds(case: Case) -> str | None:
     for agent in agents:
         scene = Scene({"id": agent["id"], "view_distance": inputs["view_distance"]})
         own = inputs["own_pose"]
-        scene.poses.set_pose(
-            0, agent["p"], (1.0, 0.0, 0.0), own["stamp"], diffusion=own["diffusion"], goal_radius=own["goal_radius"]
+        pose = {"diffusion": own["diffusion"], "goal_radius": own["goal_radius"], "stamp": own["stamp"]}
+        scene.poses.set_gradient(
+            0, Gradient("robot", tuple(agent["p"]), heading=(1.0, 0.0, 0.0), attraction=-1, **pose)
         )
         scenes.append(scene)
         deciders.append(create(scene, inputs["mechanism"], {**inputs["params"], **agent.get("params", {})}))

@@ -54,7 +54,7 @@ def record_command(
 
 @contextmanager
 def _repeating(run: Path) -> Iterator[None]:
-    """Say on the standard error what takes its time, and which versions have changed since."""
+    """Show on the standard error that a run is being repeated, and which versions have changed since."""
     from train.evaluation.repeat import changed_versions  # imports Numba
 
     errors = error_console()

@@ -27,7 +27,7 @@ from train.running.runs import FIRST_SECOND, RunKey, RunRecord
 from train.running.trials import TrialSettings, run_trials
 
 TASK_SCENARIOS = 25
-"""Scenarios of one task: they run side by side, and are kept together."""
+"""Scenarios of one task; they run side by side."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class FamilyEvaluation(Evaluation):
         }
 
     def tasks(self, done: Collection[RunKey]) -> list[TrialTask]:
-        """Return the tasks of which a run is missing, with the scenarios that are."""
+        """Return the tasks for all missing runs, some scenarios of one member each."""
         tasks = []
         for entrant in self.entrants:
             for condition, member in zip(entrant.conditions, entrant.members, strict=True):

@@ -1,6 +1,6 @@
-"""One way for every evaluation, of an experiment or of a family: check, tasks, runs, report.
+"""The pipeline of every evaluation, of an experiment or of a family: check, tasks, runs, report.
 
-`evaluate` is the whole way. `ExperimentEvaluation` and `FamilyEvaluation` say what is run and what is reported.
+`evaluate` is the whole pipeline. `ExperimentEvaluation` and `FamilyEvaluation` say what is run and what is reported.
 """
 
 import shlex
@@ -40,7 +40,7 @@ class Publication:
 
 
 class Evaluation(ABC):
-    """What is run, and what is reported of it.
+    """An evaluation: which runs it consists of, and what it reports of them.
 
     The constructor takes the user's request, and raises an error of one line for whatever does not exist or fit, before
     anything is written.
@@ -71,7 +71,7 @@ class Evaluation(ABC):
 
 @dataclass(frozen=True)
 class Execution:
-    """Where and how an evaluation is run; nothing of it changes a result."""
+    """How an evaluation is carried out. None of these settings changes a result."""
 
     workers: int
     """Number of processes."""

@@ -1,4 +1,4 @@
-"""The directory of a training: its last checkpoint, its history, and what came out.
+"""The directory of a training: its last checkpoint, its history, and the exported result.
 
 A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new one. Everything
 else in the directory is written from the checkpoint and can be written again.

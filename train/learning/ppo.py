@@ -64,7 +64,7 @@ class PpoTraining(Training):
         return int(self.model.num_timesteps)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
-        """Return what the network is now, as it is exported."""
+        """Return the network as it is now, as a policy for export."""
         return exported(self.model, self.normal, self.goal.problem, training)
 
     def export(self, command: str) -> Path:
@@ -92,7 +92,7 @@ class PpoTraining(Training):
         return {"training_cost_s": float(np.mean(self._costs)) if self._costs else None}
 
     def _note(self) -> bool:
-        """Take note of the missions that have ended; PPO calls this after each step and goes on if it is true."""
+        """Note the costs of missions that have ended; PPO calls this after each step and goes on if it is true."""
         self._costs += [end.result.cost_s for end in self._envs.finished]
         self.job.on_progress(self.model.num_timesteps)
         return True

@@ -1,4 +1,4 @@
-"""A training from the user's request to the exported result: directory, progress on the terminal, checkpoints, end."""
+"""Run a training from the user's request to the exported result, with its directory and the progress bar."""
 
 from __future__ import annotations
 
@@ -58,9 +58,13 @@ class TrainingRequest:
 
 
 def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Training], console: Console) -> int:
-    """Do a training, or go on with one, that `made` makes of its job; return the exit code.
+    """Do a training, or go on with one; return the exit code.
 
-    `console` shows what the checkpoints bring.
+    Args:
+        request: what the user asked for.
+        made: makes the training of its job.
+        console: shows the figures of each checkpoint.
+
     """
     config = load_training(request.config, request.learner, request.directories)
     identity = {
@@ -100,7 +104,7 @@ def check_installed(learner: str) -> dict[str, str]:
 
 @contextmanager
 def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
-    """Show a bar with the time left on the standard error; what it gives takes the number of decisions made."""
+    """Show a bar with the time left on the standard error; the function given takes the number of decisions made."""
     columns = (TextColumn("decisions"), BarColumn(), TextColumn("{task.completed:,.0f}"), TimeElapsedColumn())
     with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), console=Console(stderr=True)) as bar:
         task = bar.add_task("decisions", total=config.checkpoints * config.decisions)
@@ -108,6 +112,6 @@ def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
 
 
 def _print(console: Console, entry: dict[str, Any]) -> None:
-    """Print what a checkpoint brought."""
+    """Print the figures of a checkpoint."""
     shown = {name: round(value, 3) if isinstance(value, float) else value for name, value in entry.items()}
     console.print(json.dumps(shown), soft_wrap=True, highlight=False, markup=False)

@@ -27,7 +27,7 @@ SUMMARIES: dict[str, Callable[[Floats], float]] = {
 
 @dataclass(frozen=True)
 class _Column:
-    """Figures of one column: those of single scenarios, and all that its summary takes in."""
+    """Figures of one column: those of single scenarios, and those that the summary is made of."""
 
     by_scenario: Mapping[str, float]
     values: Floats
@@ -87,7 +87,7 @@ def ratios(report: Report) -> Grid:
 
 
 def measured_means(report: Report) -> Grid:
-    """Return our means beside the measured ones; no rows where nothing was measured."""
+    """Return our means beside the measured means; no rows without measured figures."""
     rows = [
         (
             m.metric,
@@ -105,7 +105,7 @@ def measured_means(report: Report) -> Grid:
 
 
 def measured_ratios(report: Report) -> Grid:
-    """Return our ratios between conditions beside the measured ones; no rows where nothing was measured."""
+    """Return our ratios between conditions beside the measured ratios; no rows without measured figures."""
     rows = [
         (
             r.metric,
@@ -125,7 +125,7 @@ def _ours(report: Report, condition: int, metric: str) -> _Column:
 
 
 def _beside(report: Report, condition: str) -> list[_Column]:
-    """Return the columns of what was measured under a condition, else of what was published; none without either."""
+    """Return the columns of measured figures under a condition, else of published figures; none without either."""
     if report.reference.means:
         return [_measured(report, condition, metric) for metric in SHOWN]
     published = report.experiment.reference

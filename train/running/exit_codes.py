@@ -4,4 +4,4 @@ FINISHED = 0
 FAILED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
-"""That of a program ended by Ctrl-C."""
+"""A program that Ctrl-C ended."""

@@ -35,7 +35,7 @@ class Results:
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
-        """Keep a finished run: it is on the disk when this returns."""
+        """Keep a finished run, on the disk when the call returns."""
         self.records.append(record)
         for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
             with (self.folder.path / name).open("a", encoding="utf-8", newline="") as file:

@@ -1,13 +1,13 @@
 """Exponential weights, for rewards of which nothing is assumed, not even that they follow a law."""
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from selector.documents.fields import Closed, NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import Arrays, DecisionStrategy
 from selforg.arrays import Floats, Ints
@@ -43,6 +43,11 @@ class EXP3(DecisionStrategy):
     Parameters = EXP3Parameters
     parameters: EXP3Parameters
     log_weights: Floats  # (G, O)
+
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return a range of rewards."""
+        return {"lowest": -1.0, "highest": 2.0}
 
     def _first_state(self) -> Arrays:
         # one draw at the even chance 1 / O moves the logarithm by gamma * (reward * O) / O

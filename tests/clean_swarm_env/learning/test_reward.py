@@ -12,7 +12,7 @@ from clean_swarm_env.learning.progress import (
     CONTACTS,
     DUMPINGS,
     EVENTS,
-    PERIOD,
+    PERIOD_RECORD,
     PICKINGS,
     RECYCLINGS,
     RUNNING,
@@ -29,7 +29,7 @@ def progress(**events):
     period = Period(
         counted, np.array([5, 2]), np.array([1, 0]), np.array([COMPLETED, RUNNING]), np.ones(4, dtype=np.bool_)
     )
-    return SimpleNamespace(period=PERIOD.pack(period), **period._asdict())
+    return SimpleNamespace(period=PERIOD_RECORD.pack(period), **period._asdict())
 
 
 def gained(config, counted):

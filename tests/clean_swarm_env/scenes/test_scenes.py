@@ -35,7 +35,7 @@ class Gathering(Scene):
     def _place(self, rng):
         return scattered(rng, self.chosen.robots, self.ground, 1.0), any_headings(rng, self.chosen.robots)
 
-    def _rival(self):
+    def _baseline(self):
         return StandStill(self.arena)
 
     def _result(self):

@@ -29,6 +29,7 @@ from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
+from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
 from selforg.space import Euclidean
 
@@ -72,8 +73,7 @@ def travellers(starts):
     memory = RobotMemory(rows, {"told": False})
     model = traveller_model()
     robots = OrganisedRobots(
-        model,
-        rows,
+        BehaviourNetwork(model, rows, BuiltInPlanner(model)),
         {
             "near": VectorPresent(push, longer_than=0.05),
             "pushed": VectorLength(push),
@@ -87,7 +87,6 @@ def travellers(starts):
             "Avoid": Move(push),
             "Tell": SetState(memory["told"], True),
         },
-        BuiltInPlanner(model),
     )
     return poses, robots, memory
 
@@ -148,7 +147,7 @@ def test_news_spread_until_nobody_would_decide_otherwise():
     )
     greeted = []
     robots = OrganisedRobots(
-        model, 6, {"news": Changed(DecisionSource(gossip)), "spoken": Known(first["spoken"])},
+        BehaviourNetwork(model, 6), {"news": Changed(DecisionSource(gossip)), "spoken": Known(first["spoken"])},
         {"Tell": Decide(gossip), "Greet": Greeting(gossip, first, greeted)},
     )  # fmt: skip
     for tick in range(1, 40):
@@ -174,7 +173,9 @@ def test_a_host_function_is_called_when_its_behaviour_starts():
     model = NetworkModel(
         facts("wanted"), [Behaviour("Do", (yes("wanted"),))], [], NetworkSettings(activation_threshold=0.5)
     )
-    robots = OrganisedRobots(model, 3, {}, {"Do": Act(lambda now, rows: called.append((now, rows.tolist())))})
+    robots = OrganisedRobots(
+        BehaviourNetwork(model, 3), {}, {"Do": Act(lambda now, rows: called.append((now, rows.tolist())))}
+    )
     robots.network.readings[1, 0] = 1.0
     robots.tick(0.2)
     robots.tick(0.4)
@@ -192,4 +193,4 @@ def test_a_host_function_is_called_when_its_behaviour_starts():
 def test_components_that_do_not_fit_are_refused(sensors, actions, message):
     known = Known(RobotMemory(1, {"told": False})["told"])
     with pytest.raises(ValueError, match=message):
-        OrganisedRobots(traveller_model(), 1, dict.fromkeys(sensors, known), actions)
+        OrganisedRobots(BehaviourNetwork(traveller_model(), 1), dict.fromkeys(sensors, known), actions)

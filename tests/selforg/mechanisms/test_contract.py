@@ -26,11 +26,6 @@ class Spring(FormulaMechanism):
 
 MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]
 DECISIONS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), DecisionMechanism)]
-REQUIRED = {
-    "Quorum": {"threshold": 2},
-    "ForagingDecision": {"probability": 1.0},
-    "SpreadGradient": {"carried": Carried("beacon")},
-}
 FIXED_ROWS = ("Exploration", "DepositPheromonesRandom")  # their answer is the luck of the row, not its place
 
 
@@ -51,7 +46,7 @@ def crowded(space="torus", rows=6, order=None, seed=1):
 
 
 def build(name, world, seed=3):
-    parameters = dict(REQUIRED.get(name, {}))
+    parameters = MECHANISMS.find(name).example()
     if name in MOVEMENTS:
         parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
     return MECHANISMS.create(name, world.buffer, **parameters)
@@ -99,10 +94,10 @@ def test_permuted_rows_give_permuted_movements(name):
 def test_the_same_seed_moves_the_same_and_moving_changes_nothing(name):
     first, second = crowded(), crowded()
     one, other = build(name, first), build(name, second)
-    before = first.buffer.table.near[: len(first.buffer)].copy()
+    before = first.buffer.table.record.near[: len(first.buffer)].copy()
     np.testing.assert_array_equal(one.move(1.0)[0], other.move(1.0)[0])
     np.testing.assert_array_equal(one.move(1.2)[0], other.move(1.2)[0])
-    np.testing.assert_array_equal(first.buffer.table.near[: len(first.buffer)], before)
+    np.testing.assert_array_equal(first.buffer.table.record.near[: len(first.buffer)], before)
 
 
 @pytest.mark.parametrize("name", MOVEMENTS)
@@ -148,7 +143,7 @@ def test_depositing_leaves_one_pheromone_per_row_with_a_pose(name):
 def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
     world = crowded()
     world.poses.forget([2])
-    mechanism = MECHANISMS.create(name, world.buffer, **REQUIRED.get(name, {}))
+    mechanism = MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example())
     before = mechanism.values.copy(), mechanism.state_codes.copy()
     decision = mechanism.decide(1.0)
     np.testing.assert_array_equal(mechanism.values, before[0])
@@ -167,10 +162,10 @@ def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
 def test_wrong_parameters_are_named(name):
     world = make_world()
     with pytest.raises(TypeError, match="maximal_speed"):
-        MECHANISMS.create(name, world.buffer, **REQUIRED.get(name, {}), maximal_speed=1.0)
+        MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example(), maximal_speed=1.0)
     if name != "SpreadGradient":
         with pytest.raises(ValueError, match="view_distance must be at least 0"):
-            MECHANISMS.create(name, world.buffer, **REQUIRED.get(name, {}), view_distance=float("nan"))
+            MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example(), view_distance=float("nan"))
 
 
 def test_unknown_names_list_the_known_ones_and_no_name_is_taken_twice():

@@ -1,9 +1,12 @@
 """Compiling before the runs: once, said on the standard error, and not again."""
 
+from dataclasses import replace
+
 import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from tests.train import fake_mission
 from train.evaluation import pipeline
@@ -81,3 +84,8 @@ def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch
     assert warm_up.compiled_before()
     monkeypatch.setattr(warm_up, "folder_for", lambda file: None)
     assert warm_up.compiled_before()  # nothing can be kept: each process compiles for itself
+
+
+def test_what_a_mission_compiled_is_found(task):
+    replace(task, run_mission=run_mission).beginning().run()
+    assert warm_up.compiled_before()
