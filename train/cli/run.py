@@ -24,6 +24,7 @@ def run_command(
     option: Annotated[
         str | None, typer.Option(help="Option that serves the goal; the one of the highest score unless given.")
     ] = None,
+    knowledge: Annotated[str, typer.Option(help="Expert knowledge in which the goal stands.")] = "library",
     arena: Annotated[str | None, typer.Option(help="torus or open; the scene's own unless given.")] = None,
     configs: Configs = None,
     output: Annotated[Path | None, typer.Option(help="Markdown file to write the table of all goals to.")] = None,
@@ -52,7 +53,7 @@ def run_command(
         for name in goals() if every else (str(goal),):
             status.update(f"running {name}")
             outcomes.append(
-                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ())))  # type: ignore[arg-type]
+                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ()), knowledge))  # type: ignore[arg-type]
             )
     if json:
         plain = [as_mapping(outcome) for outcome in outcomes]
