@@ -13,13 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from selforg import mechanisms
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import MovementMechanism
+from selforg.mechanisms import MECHANISMS, MovementMechanism
 from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
 
@@ -55,14 +54,14 @@ def field(name: str, gradients: tuple[Gradient, ...]) -> tuple[np.ndarray, np.nd
                                 g.goal_radius, stamp=stamp, moving=moving)  # fmt: skip
                 buffer.store(copy, stamp, team=team)
     generators = [np.random.default_rng((7, row)) for row in range(rows)]
-    mechanism = mechanisms.create(name, buffer, directions=DirectionStream(generators))
+    mechanism = MECHANISMS.create(name, buffer, directions=DirectionStream(generators))
     vectors, active = mechanism.move(1.0)
     return places, vectors, active
 
 
 def draw_fields(scene: str) -> Figure:
     """Return one panel per movement mechanism."""
-    names = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), MovementMechanism)]
+    names = [cls.__name__ for cls in MECHANISMS if issubclass(cls, MovementMechanism)]
     columns = 5
     lines = -(-len(names) // columns)
     figure, axes = plt.subplots(lines, columns, figsize=(2.9 * columns, 3.05 * lines), layout="constrained")

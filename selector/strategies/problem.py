@@ -1,4 +1,4 @@
-"""What a decision strategy is asked and told: the problem it serves, decisions to make, and what decisions brought."""
+"""What a decision strategy gets: its problem, the decisions to make, and the rewards of earlier decisions."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -75,7 +75,7 @@ class Decisions:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """K decisions of earlier and what they brought, in an order that does not depend on the order of rows.
+    """K earlier decisions and their rewards, in an order that does not depend on the order of rows.
 
     Attributes:
         groups: (K,) the set of estimates that each of them moves.

@@ -15,7 +15,7 @@ from selforg.compiler.records import Recording, Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
 from selforg.network.model.behaviours import SensorKind
-from selforg.parameters import NonNegative
+from selforg.parameters import AtLeastZero
 from selforg.registry import Registry
 
 
@@ -46,7 +46,7 @@ class SensorComponent(ABC):
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class; names among them are theirs to give."""
+        """Return the arguments with which the contract tests build the class; None stands for one that they supply."""
         return {}
 
     @final
@@ -85,7 +85,7 @@ class VectorPresent(VectorSensor):
 
     kind = "fact"
 
-    def __init__(self, mechanism: MovementSource, longer_than: NonNegative = 1e-9) -> None:
+    def __init__(self, mechanism: MovementSource, longer_than: AtLeastZero = 1e-9) -> None:
         super().__init__(mechanism)
         if not longer_than >= 0.0:
             raise ValueError(f"VectorPresent: longer_than must be at least 0, got {longer_than}")
@@ -129,7 +129,7 @@ class GoalReached(GoalSensor):
 class GoalDistance(GoalSensor):
     """Clearance to the goal [m], at least 0; `unseen` [m] where there is none in view."""
 
-    def __init__(self, target: GoalSource, unseen: NonNegative) -> None:
+    def __init__(self, target: GoalSource, unseen: AtLeastZero) -> None:
         if not (unseen >= 0.0 and np.isfinite(unseen)):
             raise ValueError(f"GoalDistance: unseen must be a distance, got {unseen}")
         super().__init__(target)
@@ -150,7 +150,7 @@ class FartherThan(GoalSensor):
 
     kind = "fact"
 
-    def __init__(self, target: GoalSource, distance: NonNegative) -> None:
+    def __init__(self, target: GoalSource, distance: AtLeastZero) -> None:
         super().__init__(target)
         self.distance = distance
 

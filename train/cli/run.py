@@ -42,7 +42,7 @@ def run_command(
     if arena is not None and arena not in GROUNDS:
         raise ConfigurationError(f"--arena: expected {' or '.join(GROUNDS)}, got {arena!r}")
     from clean_swarm_env.scenes import goals  # imports Numba
-    from train.goals import tables
+    from train.goals import goal_tables
     from train.goals.scene_runs import GoalRequest, as_mapping, run_goal
 
     if (goal is None) is not every:
@@ -59,11 +59,11 @@ def run_command(
         plain = [as_mapping(outcome) for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
     elif output is not None:
-        _write(output, tables.as_page(outcomes))
+        _write(output, goal_tables.as_page(outcomes))
         typer.echo(f"{len(outcomes)} goals in {output}")
     else:
         for outcome in outcomes:
-            wide_console().print(tables.goal_on_terminal(outcome))
+            wide_console().print(goal_tables.goal_on_terminal(outcome))
 
 
 def _write(output: Path, page: str) -> None:

@@ -12,8 +12,8 @@ from tests.paths import ROOT
 from train.analysis.statistics import summarise
 from train.cli import run as goal_cli
 from train.cli.app import app
+from train.goals.goal_tables import as_markdown, as_page
 from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, as_mapping, run_goal
-from train.goals.tables import as_markdown, as_page
 
 runner = CliRunner()
 
