@@ -11,7 +11,7 @@ from textwrap import fill
 from clean_swarm_env.scenes import goals
 from selector.knowledge import load_knowledge
 from train.analysis.statistics import Summary
-from train.goals.scene_runs import Comparison, GoalOutcome, GoalRequest, run_goal
+from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, run_goal
 
 FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20
@@ -57,7 +57,7 @@ def rows(goal: str, ours: GoalOutcome, theirs: GoalOutcome) -> list[str]:
     return lines
 
 
-def reached(comparison: Comparison) -> str:
+def reached(comparison: MeasureComparison) -> str:
     """Return the mean with its interval, and whether the target is met."""
     return f"{interval(comparison.mechanism)}, {'met' if comparison.met else 'not met'}"
 

@@ -3,6 +3,7 @@
 import pytest
 
 from clean_swarm_env.scenes import goals
+from docs.figures import write_original
 from selector.configurations.library import Library
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
@@ -20,6 +21,13 @@ def test_every_goal_is_known_or_said_not_to_be(goal):
     page = (ROOT / "docs" / "original.md").read_text(encoding="utf-8")
     assert (goal in KNOWN.goals) is not any(goal in line for line in text.splitlines() if line.startswith("#   "))
     assert goal in page
+
+
+def test_the_page_is_written_from_runs(monkeypatch):
+    monkeypatch.setattr(write_original, "goals", lambda: ("CircleFormation", "MaxValue"))
+    text = write_original.page(runs=1)
+    assert "| MaxValue | GossipMax | GossipMax | rounds to agreement | ≤ 6 |" in text
+    assert "For CircleFormation the original's choice is not known." in text
 
 
 def test_the_page_shows_the_option_that_is_taken():
