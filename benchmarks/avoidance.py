@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch, Finished
 from clean_swarm_env.learning.observation.term import TERMS
@@ -35,7 +35,7 @@ Choice = Callable[[NDArray[np.float32]], Options]
 def mission_of(robots: int) -> MissionConfig:
     """Return the default mission with the options for learners."""
     changes = {"robots": {"count": robots}, "knowledge": "avoidance", "time_limit": TIME_LIMIT}
-    return MissionConfig.model_validate(laid_over(load_mission("table1").model_dump(), changes))
+    return MissionConfig.model_validate(with_changes(load_mission("table1").model_dump(), changes))
 
 
 def ends_of(choose: Choice, robots: int, scenarios: int) -> list[Finished]:

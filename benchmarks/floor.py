@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.physics.chipmunk_calls import HANDLES
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import ContactSpace
-from clean_swarm_env.physics.motion import ALONE, MOTION, Motion, land, push
+from clean_swarm_env.physics.motion import MOTION, NOBODY_TOUCHES, Motion, land, push
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -81,7 +81,7 @@ class Floor:
                 handles=np.zeros((1, HANDLES), np.int64),
                 current=np.zeros(1, np.bool_),
                 left=np.zeros(1, np.int64),
-                search=ALONE,
+                search=NOBODY_TOUCHES,
                 width=settings.width,
                 height=settings.height,
                 reach=0.0,

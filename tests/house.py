@@ -1,4 +1,4 @@
-"""Measures the structure of the code: `python -m tests.house [CHECKOUT]` prints the figures.
+"""Measures the structure of the code: `python -m tests.house [CHECKOUT] [-v]` prints the figures, -v what they count.
 
 Circles count every import, inside functions and under TYPE_CHECKING too. A name counts as defined twice if two packages
 define it at the top of a module; which of those mean the same is for the reader to say (`SAME_MEANING`).
@@ -170,7 +170,8 @@ def skips(root: Path = ROOT) -> int:
 
 def main() -> None:
     """Print the figures of a checkout."""
-    root = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT
+    given = [word for word in sys.argv[1:] if word != "-v"]
+    root = Path(given[0]).resolve() if given else ROOT
     folders, signatures = modules_in_folders(root), long_signatures(root)
     twice = names_defined_twice(root)
     print(f"modules: {sum(folders.values())}; most in a folder: {folders.most_common(3)}")

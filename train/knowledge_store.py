@@ -1,4 +1,4 @@
-"""Which knowledge store a command uses, the one named or the user's own, and what a user names to import."""
+"""Open the knowledge store of a command, and read what a user names to import."""
 
 import os
 from collections.abc import Sequence
@@ -21,7 +21,10 @@ def default_path() -> Path:
 
 
 def opened(url: str | None, *, create: bool) -> KnowledgeStore:
-    """Return the store of a URL, else of the environment, else the user's own, whose directory is made if need be."""
+    """Return the store of a URL, else the one that the environment names, else the user's own.
+
+    With `create`, the directory of the user's own store is made if there is none.
+    """
     named = url or os.environ.get(VARIABLE)
     if named:
         return KnowledgeStore(named, create=create)
@@ -52,7 +55,7 @@ def contents_named(given: str, source: str, directories: Sequence[Path] = ()) ->
 
 
 def amount(contents: StoredKnowledge) -> str:
-    """Return in words how much there is."""
+    """Return the numbers of expert options and updates in words."""
     updates = sum(entry.moments.count for entry in contents.learned.values())
     return f"{counted(len(contents.expert), 'expert option')}, {counted(updates, 'update')}"
 

@@ -5,7 +5,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from clean_swarm_env.config.types import impossible
+from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Positive
 
 MAX_COVERED_SHARE = 0.45

@@ -31,7 +31,9 @@ class Counts(NamedTuple):
     entered_in_tick: Annotated[Ints, "R"]  # the same, summed over a tick
     squares: Annotated[Floats, "K"]  # of the distances [m^2]
     furthest: float  # square of the longest distance [m^2]
-    extent: Annotated[Floats, "2"]  # of the torus [m]
+    width: float  # of the torus [m]
+    height: float  # [m]
+    extent: Annotated[Floats, "2"]  # both, as `physics.cells` takes them
     before: Annotated[Floats, "R 2"]  # positions at the last count [m], of no meaning before the first
     counted: Annotated[Flags, "R"]  # the robot was there at the last count
     cells: Annotated[Ints, "lines columns"]  # scratch: see `cells`; of no size where all pairs are looked at
@@ -41,8 +43,8 @@ class Counts(NamedTuple):
     origins: Annotated[Floats, "R 2"]  # positions when the pairs were listed [m]
 
 
-COUNTS = Recording(Counts)
-open_counts = COUNTS.open
+COLLISION_COUNTS = Recording(Counts)
+open_counts = COLLISION_COUNTS.open
 
 
 class CollisionCounter:
@@ -90,7 +92,7 @@ class CollisionCounter:
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
         room = robots if shape[0] else 0
         squares = np.square(self.distances)
-        self.packed: Packed[Counts] = COUNTS.pack(
+        self.packed: Packed[Counts] = COLLISION_COUNTS.pack(
             Counts(
                 samples=self.samples,
                 events=self.events,
@@ -99,6 +101,8 @@ class CollisionCounter:
                 entered_in_tick=self.entered_in_tick,
                 squares=squares,
                 furthest=float(squares.max()),
+                width=float(width),
+                height=float(height),
                 extent=extent,
                 before=np.zeros((rows, 2)),
                 counted=np.zeros(rows, np.bool_),
@@ -126,23 +130,22 @@ class CollisionCounter:
 
 
 @inlined
-def square_distance(positions: Floats, first: int, second: int, extent: Floats) -> float:
+def square_distance(positions: Floats, first: int, second: int, width: float, height: float) -> float:
     """Return the square of the shortest way between two rows of positions (R, 2) on the torus [m^2]."""
-    dx = nearest_image(positions[first, 0] - positions[second, 0], extent[0])
-    dy = nearest_image(positions[first, 1] - positions[second, 1], extent[1])
+    dx = nearest_image(positions[first, 0] - positions[second, 0], width)
+    dy = nearest_image(positions[first, 1] - positions[second, 1], height)
     return dx * dx + dy * dy
 
 
 @inlined
-def list_holds(world: int, positions: Floats, present: Flags, counts: Words[Counts]) -> bool:
+def list_holds(world: int, positions: Floats, present: Flags, c: Counts) -> bool:
     """Tell whether every pair that can be close by now is in the list of a world, and nobody came or went."""
-    c = open_counts(counts)
     if c.listed[world] == UNLISTED:
         return False
     robots = positions.shape[0] // c.listed.shape[0]
     for row in range(world * robots, (world + 1) * robots):
-        dx = nearest_image(positions[row, 0] - c.origins[row, 0], c.extent[0])
-        dy = nearest_image(positions[row, 1] - c.origins[row, 1], c.extent[1])
+        dx = nearest_image(positions[row, 0] - c.origins[row, 0], c.width)
+        dy = nearest_image(positions[row, 1] - c.origins[row, 1], c.height)
         if present[row] != c.counted[row] or dx * dx + dy * dy > 0.2499 * c.furthest:
             return False
     return True
@@ -164,7 +167,7 @@ def list_pairs(world: int, positions: Floats, present: Flags, counts: Words[Coun
         for walk in range(9):
             point = cell_beside(line, column, walk, c.cells)
             while point != NOBODY and first + point < row:  # lists rise
-                if square_distance(positions, row, first + point, c.extent) < 4.0 * c.furthest:
+                if square_distance(positions, row, first + point, c.width, c.height) < 4.0 * c.furthest:
                     if count < c.pairs.shape[1]:
                         c.pairs[world, count, 0], c.pairs[world, count, 1] = row, first + point
                     count += 1
@@ -173,13 +176,12 @@ def list_pairs(world: int, positions: Floats, present: Flags, counts: Words[Coun
 
 
 @inlined
-def count_pair(world: int, row: int, other: int, positions: Floats, counts: Words[Counts]) -> None:
+def count_pair(world: int, row: int, other: int, positions: Floats, c: Counts) -> None:
     """Count one pair of robots that are present. The counts are sums: the order of pairs does not matter."""
-    c = open_counts(counts)
-    now = square_distance(positions, row, other, c.extent)
+    now = square_distance(positions, row, other, c.width, c.height)
     if now >= c.furthest:
         return
-    was = square_distance(c.before, row, other, c.extent) if c.counted[row] and c.counted[other] else np.inf
+    was = square_distance(c.before, row, other, c.width, c.height) if c.counted[row] and c.counted[other] else np.inf
     for k in range(c.squares.shape[0]):
         c.samples[world, k] += now < c.squares[k]
         c.events[world, k] += now < c.squares[k] <= was
@@ -190,9 +192,8 @@ def count_pair(world: int, row: int, other: int, positions: Floats, counts: Word
 
 
 @inlined
-def count_by_cells(world: int, positions: Floats, present: Flags, counts: Words[Counts]) -> None:
+def count_by_cells(world: int, positions: Floats, present: Flags, c: Counts) -> None:
     """Count the pairs of a world whose robots are in the cells."""
-    c = open_counts(counts)
     robots = positions.shape[0] // c.samples.shape[0]
     lines, columns = c.cells.shape
     first = world * robots
@@ -203,7 +204,7 @@ def count_by_cells(world: int, positions: Floats, present: Flags, counts: Words[
         for walk in range(9):
             point = cell_beside(line, column, walk, c.cells)
             while point != NOBODY and first + point < row:
-                count_pair(world, row, first + point, positions, counts)
+                count_pair(world, row, first + point, positions, c)
                 point = c.links[point]
 
 
@@ -214,20 +215,20 @@ def count_world(world: int, positions: Floats, present: Flags, counts: Words[Cou
     robots = positions.shape[0] // c.samples.shape[0]
     in_cells = c.cells.shape[0] > 0
     first, end = world * robots, (world + 1) * robots
-    if in_cells and not list_holds(world, positions, present, counts):
+    if in_cells and not list_holds(world, positions, present, c):
         list_pairs(world, positions, present, counts)
     for row in range(first, end):
         c.in_contact[row] = False
         c.entered[row] = 0
     for index in range(c.listed[world]):
-        count_pair(world, c.pairs[world, index, 0], c.pairs[world, index, 1], positions, counts)
+        count_pair(world, c.pairs[world, index, 0], c.pairs[world, index, 1], positions, c)
     if in_cells and c.listed[world] == UNLISTED:  # the attempt to list has just filled the cells
-        count_by_cells(world, positions, present, counts)
+        count_by_cells(world, positions, present, c)
     elif not in_cells:
         for row in range(first, end):
             for other in range(first, row):
                 if present[row] and present[other]:
-                    count_pair(world, row, other, positions, counts)
+                    count_pair(world, row, other, positions, c)
     # One by one: assigning whole slices costs more than the pairs of a small world.
     for row in range(first, end):
         c.before[row, 0] = positions[row, 0]

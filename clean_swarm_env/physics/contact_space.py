@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.physics import chipmunk_calls as calls
 from clean_swarm_env.physics.motion import COPY_ABOVE, COPY_RIGHT, COPY_RIGHT_ABOVE, COPY_RIGHT_BELOW
 from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.uncopied import Uncopied
 from selforg.arrays import Floats
 from selforg.compiler.switches import COMPILED, PLAIN
 
@@ -23,7 +24,7 @@ COLLISION_SLOP: Final = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25
 SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch, whatever the last bit says
 PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
 ORIGINALS: Final = pymunk.ShapeFilter(categories=0b01, mask=0b11)
-ABSENT: Final = pymunk.ShapeFilter(categories=0, mask=0)
+UNTOUCHED: Final = pymunk.ShapeFilter(categories=0, mask=0)
 COPY_OFFSETS: Final = {
     COPY_RIGHT: (1, 0),
     COPY_ABOVE: (0, 1),
@@ -32,7 +33,7 @@ COPY_OFFSETS: Final = {
 }  # copy bit -> offset in world sizes
 
 
-class ContactSpace:
+class ContactSpace(Uncopied):
     """One world in pymunk: N discs without rotation, and their seam copies.
 
     `bodies` (N, 4) float64 x, y, vx, vy [m, m/s] goes to pymunk by `load` and comes back by `step`, which drives with
@@ -55,7 +56,7 @@ class ContactSpace:
         self._space.collision_slop = COLLISION_SLOP
         self._space.collision_persistence = PERSISTENCE
         self._discs = [pymunk.Body(settings.mass, inf) for _ in range(settings.robots)]
-        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy; a body never forgets one
+        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy, kept once made
         self._circles = [pymunk.Circle(disc, self._radius) for disc in self._discs]
         for disc, circle in zip(self._discs, self._circles, strict=True):
             circle.filter = ORIGINALS
@@ -100,7 +101,7 @@ class ContactSpace:
 
     def let_touch(self, row: int, wanted: bool) -> None:
         """Let a disc touch others, or not; it stays in the space, so that what others do is computed as before."""
-        self._circles[row].filter = ORIGINALS if wanted else ABSENT
+        self._circles[row].filter = ORIGINALS if wanted else UNTOUCHED
 
     def set_copies(self, copies: NDArray[np.uint8]) -> None:
         """Add and remove seam copies until each body has those that `copies` (N,) names."""

@@ -11,7 +11,7 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
 
-CLOCK_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
+TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def steer_rows(
             else:
                 d.speed[row] = 0.0
                 d.turn_rate[row] = 0.0
-        elif now - d.commanded_at[row] > d.command_timeout - CLOCK_TOLERANCE:
+        elif now - d.commanded_at[row] > d.command_timeout - TIMEOUT_TOLERANCE:
             d.speed[row] = 0.0
             d.turn_rate[row] = 0.0
         if in_place[row]:

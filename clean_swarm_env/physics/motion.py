@@ -13,9 +13,9 @@ from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 from selforg.space import nearest_image, wrapped
 
-ALONE: Final = 0  # search for contacts: nobody ever touches
-PAIRS: Final = 1  # look at every pair of a world
-ALWAYS: Final = 2  # take every world to be in contact
+NOBODY_TOUCHES: Final = 0  # search for contacts: nobody ever touches
+SEARCH_PAIRS: Final = 1  # look at every pair of a world
+ALWAYS_TOUCHING: Final = 2  # take every world to be in contact
 
 COPY_RIGHT: Final = 1  # seam copies of a body, one bit each: at (+width, 0),
 COPY_ABOVE: Final = 2  # at (0, +height),
@@ -38,7 +38,7 @@ class Motion(NamedTuple):
     handles: Annotated[Ints, "W HANDLES"]  # see `chipmunk_calls`
     current: Annotated[Flags, "W"]  # pymunk holds `bodies` as they are
     left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
-    search: int  # ALONE, PAIRS or ALWAYS
+    search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
     height: float  # [m]
     reach: float  # distance of two centres below which robots touch [m]
@@ -62,9 +62,8 @@ def wrapped_angle(angle: float) -> float:
 
 
 @inlined
-def touching(first: int, end: int, motion: Words[Motion]) -> bool:
+def touching(first: int, end: int, m: Motion) -> bool:
     """Tell whether any pair of the rows first .. end - 1 that are present touches."""
-    m = open_motion(motion)
     for i in range(first, end):
         if not m.present[i]:
             continue
@@ -80,13 +79,12 @@ def touching(first: int, end: int, motion: Words[Motion]) -> bool:
 
 
 @inlined
-def move(row: int, motion: Words[Motion]) -> bool:
+def move(row: int, m: Motion) -> bool:
     """Move a body on for one timestep; return whether it crossed a seam.
 
     Where the place wraps, the start of the substep is shifted along, so that start + velocity * timestep is the new
     place without another wrap.
     """
-    m = open_motion(motion)
     x = m.bodies[row, 0] + m.bodies[row, 2] * m.timestep
     y = m.bodies[row, 1] + m.bodies[row, 3] * m.timestep
     m.positions[row, 0] = wrapped(x, m.width)
@@ -99,12 +97,11 @@ def move(row: int, motion: Words[Motion]) -> bool:
 
 
 @inlined
-def search_contacts(world: int, motion: Words[Motion]) -> bool:
+def search_contacts(world: int, m: Motion) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
-    m = open_motion(motion)
     robots = m.positions.shape[0] // m.patience.shape[0]
     first = world * robots
-    if m.search == ALWAYS or (m.search == PAIRS and touching(first, first + robots, motion)):
+    if m.search == ALWAYS_TOUCHING or (m.search == SEARCH_PAIRS and touching(first, first + robots, m)):
         m.patience[world] = m.settling
     elif m.patience[world] > 0:
         m.patience[world] -= 1
@@ -112,9 +109,8 @@ def search_contacts(world: int, motion: Words[Motion]) -> bool:
 
 
 @inlined
-def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, motion: Words[Motion]) -> None:
+def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Motion) -> None:
     """Set the velocity that each robot of a world wants in this substep, turn robots and, where `free`, move them."""
-    m = open_motion(motion)
     robots = m.positions.shape[0] // m.patience.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         if not m.present[row]:
@@ -125,7 +121,7 @@ def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, motion
         if free:
             m.bodies[row, 0], m.bodies[row, 1] = m.positions[row, 0], m.positions[row, 1]
             m.bodies[row, 2], m.bodies[row, 3] = m.wanted[row, 0], m.wanted[row, 1]
-            move(row, motion)
+            move(row, m)
 
 
 @lean_kernel
@@ -138,8 +134,8 @@ def fly(speed: Floats, turn_rate: Floats, motion: Words[Motion]) -> int:
     m = open_motion(motion)
     engaged = 0
     for world in range(m.patience.shape[0]):
-        contact = search_contacts(world, motion)
-        steer_world(world, not contact, speed, turn_rate, motion)
+        contact = search_contacts(world, m)
+        steer_world(world, not contact, speed, turn_rate, m)
         engaged += contact
     return engaged
 
@@ -177,6 +173,6 @@ def land(world: int, motion: Words[Motion]) -> bool:
     m = open_motion(motion)
     robots, crossed = m.positions.shape[0] // m.patience.shape[0], False
     for row in range(world * robots, (world + 1) * robots):
-        if move(row, motion):
+        if move(row, m):
             crossed = True
     return crossed

@@ -20,7 +20,16 @@ from clean_swarm_env.physics import tick as ticking
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import PERSISTENCE, SKIN, ContactSpace
 from clean_swarm_env.physics.drive import DifferentialDrive, Orders
-from clean_swarm_env.physics.motion import ALONE, ALWAYS, MOTION, PAIRS, Motion, fly, push, wrapped_angle
+from clean_swarm_env.physics.motion import (
+    ALWAYS_TOUCHING,
+    MOTION,
+    NOBODY_TOUCHES,
+    SEARCH_PAIRS,
+    Motion,
+    fly,
+    push,
+    wrapped_angle,
+)
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.physics.uncopied import Uncopied
 from selforg.arrays import Flags, Floats
@@ -62,9 +71,9 @@ class Physics(Uncopied):
         self.velocities = self._bodies[:, 2:]
         self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
         self._blocks = [slice(world * robots, (world + 1) * robots) for world in range(worlds)]
-        search = ALONE
+        search = NOBODY_TOUCHES
         if settings.contacts == "solid" and robots > 1:
-            search = PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS
+            search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
         self._motion: Packed[Motion] = MOTION.pack(
             Motion(
                 positions=self.positions,

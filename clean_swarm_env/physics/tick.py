@@ -27,9 +27,8 @@ def count(world: int, motion: Words[Motion], counts: Words[Counts]) -> None:
 
 
 @inlined
-def can_touch(world: int, motion: Words[Motion]) -> bool:
+def can_touch(world: int, m: Motion) -> bool:
     """Tell whether Chipmunk can be called for the next substep of a world: it has a space, with the right copies."""
-    m = open_motion(motion)
     robots = m.copies.shape[0] // m.handles.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         if m.copies[row] != m.copied[row]:
@@ -51,11 +50,11 @@ def go_on(world: int, left: int, drive: Words[DriveState], motion: Words[Motion]
     """Run a world through its `left` substeps; return the substeps left if the next one is for Python to do."""
     m, d = open_motion(motion), open_drive(drive)
     while left > 0:
-        contact = search_contacts(world, motion)
-        steer_world(world, not contact, d.speed, d.turn_rate, motion)
+        contact = search_contacts(world, m)
+        steer_world(world, not contact, d.speed, d.turn_rate, m)
         if contact:
             push(world, motion)
-            if not can_touch(world, motion):
+            if not can_touch(world, m):
                 return left
             touch(world, m.handles, bool(m.current[world]), m.timestep)
             settle(world, motion)

@@ -20,7 +20,7 @@ from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.team import Place, Team
 from selforg.arrays import Flags, Floats
 
-NEVER: Final = 1 << 62
+NO_TICK: Final = 1 << 62
 """Tick of what never happens."""
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; those of its robots have their numbers."""
@@ -86,13 +86,13 @@ class Agenda:
         return self._ends and self._landing == 0
 
     def _find_due(self, tick: int) -> None:
-        next_event = self._events[0][0] if self._events else NEVER
+        next_event = self._events[0][0] if self._events else NO_TICK
         self.due = tick + 1 if self._joining else min(next_event, self._next_item)
 
     def _set_rate(self, rate: float, since: float) -> None:
         """Let items come at `rate` [1/min] from the time `since` [ticks] on, from which the ticket counts."""
         self._rate, self._since = rate, since
-        self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NEVER)
+        self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
         self._next_item = ceil(self._next_time)
 
     def _let_join(self, world: int, team: Team) -> bool:
@@ -138,7 +138,7 @@ class Agendas:
     def __init__(self, affected: Affected) -> None:
         self._affected = affected
         self._agendas: list[Agenda | None] = [None] * affected.floor.worlds
-        self._due = NEVER  # tick of the batch at which something happens next in any world
+        self._due = NO_TICK  # tick of the batch at which something happens next in any world
         self.over: Flags = np.zeros(affected.floor.worlds, dtype=np.bool_)
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
@@ -152,7 +152,7 @@ class Agendas:
         clock = self._affected.clock
         if clock.tick < self._due:
             return
-        self._due = NEVER
+        self._due = NO_TICK
         for world, agenda in enumerate(self._agendas):
             if agenda is not None:
                 if agenda.due <= clock.ticks[world]:

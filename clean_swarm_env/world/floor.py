@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
 from clean_swarm_env.physics.physics import Physics
@@ -63,6 +64,8 @@ class Floor(Uncopied):
         self.collisions = CollisionCounter(worlds, mission.rows, world.width, world.height, mission.collision_distances)
         self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
         self.stations: Floats = np.tile([mission.stations.recycling, mission.stations.dump], (worlds, 1, 1))
+        sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
+        cells = cells_along(mission.item_rows, max(sight, garbage.at_distance, garbage.pick_distance), self.extent)
         self._substeps = mission.world.physics_steps_per_tick
         self.packed: Packed[FloorRecord] = FLOOR.pack(
             FloorRecord(
@@ -77,7 +80,10 @@ class Floor(Uncopied):
                 done=self.garbage.done,
                 nearest=np.full(worlds * mission.rows, NOTHING, dtype=np.int64),
                 picked=np.zeros((worlds * mission.rows, 2), dtype=np.int64),
-                sight=garbage.diffusion + garbage.goal_radius + garbage.view_distance,
+                lying=np.zeros(mission.item_rows, dtype=np.bool_),
+                cells=np.empty(cells, dtype=np.int64),
+                links=np.empty(mission.item_rows, dtype=np.int64),
+                sight=sight,
                 at_item=garbage.at_distance,
                 at_station=mission.stations.reach,
                 pick_distance=garbage.pick_distance,

@@ -28,7 +28,7 @@ from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import ChemotaxisBalch, Patrol, Pheromone
+from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.names import planner_named
 from selforg.randomness import DirectionStream
@@ -68,7 +68,8 @@ class Minds(Uncopied):
         network: the robots' behaviour networks.
         coordinators: (C,) of the goals that the robot's document coordinates, in its order.
         nested: the networks inside other behaviours of the robot's document.
-        to_garbage, patrol: the mechanisms that the robots follow by themselves.
+        to_garbage, patrol: the mechanisms that robots follow by themselves, unless a network inside the behaviour or
+            a coordinator moves them.
         commands: what the robots are told in this tick; `orders` is the record of the same arrays.
         packed: the record that compiled code takes.
 
@@ -91,24 +92,23 @@ class Minds(Uncopied):
             Orders(self.commands.vectors, self.commands.commanded, self.commands.in_place)
         )
         index = self.network.model.behaviour_index
-        patrols = ["Patrol"] if "Patrol" in index else []  # unless that is coordinated
-        movers = np.array([index[name] for name in ("MoveToGarbage", *patrols)], dtype=np.int64)
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
                 readings=self.network.readings,
                 marks=self.network.state.mark_table,
                 handling=np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")], dtype=np.int64),
                 transport=np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")], dtype=np.int64),
-                movers=movers,
+                movers=np.array([index[name] for name in self._movers], dtype=np.int64),
                 starting=np.zeros((self.rows, 3), dtype=np.bool_),
                 vectors=self.commands.vectors,
                 commanded=self.commands.commanded,
                 in_place=self.commands.in_place,
-                running=np.zeros((len(movers), self.rows), dtype=np.int64),
-                counts=np.zeros(len(movers), dtype=np.int64),
+                running=np.zeros((len(self._movers), self.rows), dtype=np.int64),
+                counts=np.zeros(len(self._movers), dtype=np.int64),
             )
         )
-        self._patrolling: Ints = np.zeros(0, dtype=np.int64)  # rows of this tick
+        self._running = tuple(zip(self._movers.values(), self.packed.record.running, strict=True))
+        self._moved: list[tuple[MovementMechanism, Ints]] = []  # mechanisms of this tick, and the rows that they moved
 
     def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
         space = Torus(mission.world.width, mission.world.height)
@@ -147,15 +147,19 @@ class Minds(Uncopied):
         self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path], explained: bool
     ) -> None:
         robot = robot_network(mission.network, models, directories)
-        model = robot.model
-        planner = planner_named(model, mission.network.planner)
-        self.network = BehaviourNetwork(model, self.rows, planner, explained)
+        planner = planner_named(robot.model, mission.network.planner)
+        self.network = BehaviourNetwork(robot.model, self.rows, planner, explained)
+        configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
-        configurations = (spec for m in models for spec in m.configurations)
-        self._memory = host_memory((*configurations, *robot.all_specs()), self.rows)
+        self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
         host = Host(self.poses, self._buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
         self.nested = inner_networks(robot, self.network, host, explained=explained)
+        self._movers = {
+            name: mechanism
+            for name, mechanism in (("MoveToGarbage", self.to_garbage), ("Patrol", self.patrol))
+            if name in robot.model.behaviour_index and name not in robot.inner
+        }
         self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
 
     def coordinator_of(self, goal: str) -> Coordinator:
@@ -222,20 +226,18 @@ class Minds(Uncopied):
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
         """Give every robot in which a behaviour runs that moves a vector."""
         begin_orders(floor.words, self.packed.words)
-        commands, record = self.commands, self.packed.record
-        to_garbage, *patrols = record.counts.tolist()
-        if to_garbage:
-            self.to_garbage.move_into(now, record.running[0, :to_garbage], commands.vectors, commands.commanded)
-        self._patrolling = record.running[-1, : sum(patrols)]
-        if len(self._patrolling):
-            self.patrol.move_into(now, self._patrolling, commands.vectors, commands.commanded)
+        commands, counts = self.commands, self.packed.record.counts.tolist()
+        self._moved = [(mechanism, rows[:k]) for (mechanism, rows), k in zip(self._running, counts, strict=True) if k]
+        for mechanism, rows in self._moved:
+            mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
             inner.act(now, commands)
 
     def leave(self, now: float) -> None:
         """Leave in the world what others shall find from the next tick on: traces of the patrol, and what is spread."""
-        if len(self._patrolling):
-            self.patrol.deposit(now, self._patrolling)
+        for mechanism, rows in self._moved:
+            if mechanism is self.patrol:
+                self.patrol.deposit(now, rows)
         for inner in self._inner:
             inner.leave(now)
 

@@ -94,7 +94,7 @@ class Course:
         models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
         self.worlds = Worlds(mission, models, directories=directories, explained=explained)
         self.worlds.reset(0, run.start, run.seed)
-        self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy)
+        self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy, directories=directories)
         self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
         self._limit = round(mission.time_limit / self.worlds.period)
         self.worlds.hold(self._selection.decide())

@@ -23,6 +23,9 @@ class FloorRecord(NamedTuple):
     done: Annotated[Ints, "W"]  # items dumped
     nearest: Annotated[Ints, "R"]  # the item that a robot would take, as it last sensed; NOTHING where none is near
     picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones
+    lying: Annotated[Flags, "M"]  # scratch: items of one world that lie
+    cells: Annotated[Ints, "lines columns"]  # scratch: see `physics.cells`
+    links: Annotated[Ints, "M"]  # scratch: see `physics.cells`
     sight: float  # distance up to which an item is seen [m]
     at_item: float  # distance up to which a robot is at an item [m]
     at_station: float  # distance up to which a robot is at a station [m]
@@ -36,7 +39,7 @@ class MindsRecord(NamedTuple):
     marks: Annotated[Ints, "R LAYERS B"]  # of the network
     handling: Annotated[Ints, "3"]  # behaviours that pick, recycle and dump
     transport: Annotated[Ints, "2"]  # behaviours that go to the stations
-    movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism of the robot's own
+    movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism by themselves
     starting: Annotated[Flags, "R 3"]  # robots that pick, recycle and dump in this tick
     vectors: Annotated[Floats, "R 2"]  # orders of the tick, see `Commands`
     commanded: Annotated[Flags, "R"]

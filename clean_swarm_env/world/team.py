@@ -20,7 +20,7 @@ from selforg.arrays import Flags, Floats, Ints
 from selforg.registry import unknown
 
 Place = tuple[float, float, float]
-MAX_TRIES: Final = 1_000
+MOST_DRAWS: Final = 1_000
 """Draws for a free place before a robot that wants to join has to wait."""
 
 
@@ -101,7 +101,7 @@ class Team:
     def free_place(self, world: int, rng: np.random.Generator) -> Place | None:
         """Return a random free place (x [m], y [m], heading [rad]), or None if none was found."""
         heading = float(rng.uniform(-np.pi, np.pi))
-        for _ in range(MAX_TRIES):
+        for _ in range(MOST_DRAWS):
             point = rng.uniform(size=2) * self._floor.extent
             if self.is_free(world, point):
                 return float(point[0]), float(point[1]), heading

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.physics.cells import cells_along, distance, fill_cells, nearest_point
+from clean_swarm_env.physics.cells import distance, fill_cells, nearest_point
 from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, nearest_lying
 from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
 from clean_swarm_env.world.robot import (
@@ -22,7 +22,7 @@ from clean_swarm_env.world.robot import (
     RECYCLED,
 )
 from selforg.arrays import Flags
-from selforg.compiler.decorators import inlined, kernel, lean_kernel
+from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 from selforg.network.state import state as st
 from selforg.space import nearest_image
@@ -30,24 +30,22 @@ from selforg.space import nearest_image
 PICK, RECYCLE, DUMP = range(3)  # columns of `MindsRecord.starting`
 
 
-@kernel
+@lean_kernel
 def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
     """Write the robots' own sensors into the readings, and note the nearest item that each could see or take."""
     f, readings = open_floor(floor), open_minds(minds).readings
     worlds, items = f.stage.shape
     per_world, sight = f.robots.shape[0] // worlds, max(f.sight, f.at_item, f.pick_distance)
-    lying = np.empty(items, np.bool_)
-    cells, links = np.empty(cells_along(items, sight, f.extent), np.int64), np.empty(items, np.int64)
     for world in range(worlds):
         recycling, dump = f.stations[world, 0], f.stations[world, 1]
         for item in range(items):
-            lying[item] = f.stage[world, item] == LYING
-        fill_cells(f.items[world], 0, lying, f.extent, cells, links)
+            f.lying[item] = f.stage[world, item] == LYING
+        fill_cells(f.items[world], 0, f.lying, f.extent, f.cells, f.links)
         for row in range(world * per_world, (world + 1) * per_world):
             x, y = f.robots[row, 0], f.robots[row, 1]
             f.nearest[row], near = NOTHING, np.inf
             if items > 0:
-                f.nearest[row], near = nearest_point(x, y, sight, f.items[world], lying, f.extent, cells, links)
+                f.nearest[row], near = nearest_point(x, y, sight, f.items[world], f.lying, f.extent, f.cells, f.links)
             carrying = f.cargo[row] != NOTHING
             to_recycling = distance(x, y, recycling[0], recycling[1], f.extent)
             to_dump = distance(x, y, dump[0], dump[1], f.extent)

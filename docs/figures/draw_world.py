@@ -8,7 +8,7 @@ import numpy as np
 from clean_swarm_env.config.files import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.picture import draw_world
-from clean_swarm_env.drawing.world_picture import scene_of
+from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -37,7 +37,7 @@ def main() -> None:
     worlds = world_after(seconds, SEED)
     done, items = worlds.garbage.done[0], worlds.mission.garbage.count
     title = f"{seconds:.0f} s into a mission: {done} of {items} items are dumped"
-    draw_world(scene_of(worlds, 0), title).savefig(file, dpi=110)
+    draw_world(canvas_of(worlds, 0), title).savefig(file, dpi=110)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from pydantic import model_validator
 from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec, must_know
 from selector.vocabulary.components import SensorSpec
 from selector.vocabulary.conditions import AnyCondition, GoalSpec, plain_conditions
-from selforg.network.model.activators import BOOLEAN
+from selforg.network.model.activators import BOOLEAN_RULE
 from selforg.network.model.behaviours import Interface
 
 
@@ -34,7 +34,7 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec, GoalS
         for spec in (plain for tree in trees for plain in plain_conditions(tree)):
             must_know("sensor", spec.sensor, self.sensors, where)
             kind = self.kind_of(self.sensors[spec.sensor])
-            if (kind == "fact") is not (spec.activator.component.kind == BOOLEAN):
+            if (kind == "fact") is not (spec.activator.component.kind == BOOLEAN_RULE):
                 expected = "a Boolean activator on a fact, any other on a number"
                 given = f"{spec.activator.type} on the {kind} {spec.sensor!r}"
                 raise ValueError(f"{where}: expected {expected}, got {given}")

@@ -1,4 +1,4 @@
-"""Networks inside networks: while a behaviour runs, the network that it holds decides what that means."""
+"""Networks inside networks: while a behaviour runs, the network that it holds decides what the robot does."""
 
 from __future__ import annotations
 
@@ -58,13 +58,13 @@ class NestedNetwork:
         self._columns = {name: shared_columns(nested.model, held) for name, held in nested.inner.items()}
 
     def reset(self, rows: Ints | None = None) -> None:
-        """Back to the first step, for all rows or `rows` (K,)."""
+        """Return to the first step in all rows or `rows` (K,)."""
         self.network.reset(rows)
         for inner in self.inner.values():
             inner.reset(rows)
 
     def step(self, rows: Ints | None = None, guarantee: bool = False) -> None:
-        """One decision of `rows` (K,) or all, from the outermost network inwards."""
+        """Decide once in all rows or `rows` (K,), from the outermost network inwards."""
         chosen = np.arange(self.network.rows) if rows is None else rows
         self.network.step(chosen, guarantee)
         for name, inner in self.inner.items():
@@ -76,7 +76,7 @@ class NestedNetwork:
                 inner.step(active, guarantee=True)
 
     def halt(self, rows: Ints) -> None:
-        """Stop whatever runs in `rows` (K,), inside too."""
+        """Stop all behaviours in `rows` (K,), inside too."""
         self.network.halt(rows)
         for inner in self.inner.values():
             inner.halt(rows)

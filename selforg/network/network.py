@@ -5,28 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from selforg.compiler.bundles import Bundle
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.network.model import packed as t
+from selforg.compiler.records import Words
 from selforg.network.model.model import NetworkModel
-from selforg.network.model.packed import Floats, Ints, ints_of
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
+from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-from selforg.network.state.state import NetworkState
-from selforg.network.step import plan_monitoring as pw
-from selforg.network.step.plan_monitoring import PlanState
+from selforg.network.state.plan_state import PlanState, RowPlans, open_plans
+from selforg.network.state.reset import reset_rows
+from selforg.network.state.state import NetworkState, RowStates, open_states
 from selforg.network.step.readings import reading_of, refuse
-from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, STEP_TABLES, scratch_of, step_rows
+from selforg.network.step.scratch import scratch_for
+from selforg.network.step.step import DECIDE, SENSE_AND_DECIDE, step_rows
 
 
 class BehaviourNetwork:
     """R rows (robots) that decide by one model.
 
-    Every decision period: fill `readings` (R, S), call `step()`, then act on what runs (`started`, `executing`).
-    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` or not at all. An
+    In every decision period: fill `readings` (R, S), call `step()`, then act on `started` and `executing`.
+    With a `planner` each row follows a plan of its own; without one, plans come from `set_plan` only. An
     `explained` network also notes why each behaviour runs or does not (`recording`, `explanation`).
     """
 
@@ -34,38 +34,36 @@ class BehaviourNetwork:
         self.model = model
         self.rows = rows
         self.planner = planner
-        sizes = ints_of(model.ints, t.SIZES)
-        self.state = NetworkState(rows, int(sizes[1]), int(sizes[2]), int(sizes[4]), explained)
-        self.readings: NDArray[np.float64] = np.zeros((rows, int(sizes[0])))
-        self.plans = PlanState(rows, int(sizes[0]))
+        arrays = model.packed.record
         self._memory = planner.memory if planner else PlanMemory([], [], [], 0)
-        self._keys: NDArray[np.int64] = np.zeros((rows, self._memory.key_words), dtype=np.int64)
-        self._priorities = np.array([b.priority for b in model.behaviours], dtype=np.int64)
-        self._scratch = scratch_of(model.ints)
-        self._bundled, self._tables = self._memory.entries, self._bundle()
+        self.state = NetworkState(rows, arrays, explained)
+        self.plans = PlanState(rows, len(model.sensors), planner is not None, self._memory.key_words)
+        self._scratch = scratch_for(arrays)
         self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
-        self._runs: NDArray[np.int64] = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
+        self._runs: Ints = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
 
     @property
-    def executing(self) -> NDArray[np.int64]:
+    def readings(self) -> Floats:
+        """(R, S) what the sensors read now; facts 0 or 1."""
+        return self.state.readings
+
+    @property
+    def executing(self) -> Ints:
         """(R, B) 1 where a behaviour runs after the last step."""
-        executing: NDArray[np.int64] = self.state.marks[st.EXECUTING]
-        return executing
+        return self.state.mark_table[:, st.EXECUTING]
 
     @property
-    def started(self) -> NDArray[np.int64]:
+    def started(self) -> Ints:
         """(R, B) 1 where a behaviour was started in the last step."""
-        started: NDArray[np.int64] = self.state.marks[st.STARTED]
-        return started
+        return self.state.mark_table[:, st.STARTED]
 
     @property
-    def stopped(self) -> NDArray[np.int64]:
+    def stopped(self) -> Ints:
         """(R, B) 1 where a behaviour that ran before was stopped in the last step."""
-        stopped: NDArray[np.int64] = self.state.marks[st.STOPPED]
-        return stopped
+        return self.state.mark_table[:, st.STOPPED]
 
-    def running(self, behaviour: int, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def running(self, behaviour: int, rows: Ints) -> tuple[Ints, Ints]:
         """Return those of `rows` (K,) in which a behaviour runs, and those of them in which the last step started it.
 
         Both hold until the next call for the same behaviour.
@@ -74,21 +72,17 @@ class BehaviourNetwork:
         running, started = list_running(rows, self.state.mark_table, behaviour, lists)
         return lists[0, :running], lists[1, :started]
 
-    def reset(self, rows: NDArray[np.int64] | None = None) -> None:
-        """Back to the first step, for all rows or `rows` (K,)."""
+    def reset(self, rows: Ints | None = None) -> None:
+        """Return to the first step in all rows or `rows` (K,), with all readings 0."""
         chosen = self._all if rows is None else rows
         self.begin(chosen)
         self.readings[chosen] = 0.0
 
-    def begin(self, rows: NDArray[np.int64]) -> None:
-        """Back to the first step for `rows` (K,), with the readings that they have."""
-        s, p = self.state, self.plans
-        st.reset_rows(
-            rows, self._priorities, self.model.settings.activation_threshold, s.value_table, s.mark_table, s.row_table,
-            s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.mark_table, p.readings,
-        )  # fmt: skip
+    def begin(self, rows: Ints) -> None:
+        """Return to the first step in `rows` (K,), with the readings that they have."""
+        reset_rows(rows, self.model.packed.words, self.state.packed.words, self.plans.packed.words)
 
-    def read(self, values: Mapping[str, object], rows: NDArray[np.int64] | None = None) -> None:
+    def read(self, values: Mapping[str, object], rows: Ints | None = None) -> None:
         """Set the readings of some sensors by name, for all rows or `rows` (K,).
 
         Raises:
@@ -103,67 +97,61 @@ class BehaviourNetwork:
 
     def hold(
         self,
-        rows: NDArray[np.int64],
+        rows: Ints,
         behaviour: int,
-        alternative: int | NDArray[np.int64],
-        forgotten: NDArray[np.int64] | None = None,
+        alternative: int | Ints,
+        forgotten: Ints | None = None,
     ) -> None:
-        """Let `behaviour` show another of its alternatives in `rows` (K,); what changes asks for a new plan.
+        """Let `behaviour` show another of its alternatives in `rows` (K,); a row that changes asks for a new plan.
 
-        `forgotten`: sensors whose readings, where it changes, are 0 until they are read anew.
+        `forgotten`: sensors whose readings become 0 in the rows that change, until they are read anew.
         """
         wanted = np.full(len(rows), alternative) if isinstance(alternative, int) else alternative
         forgotten = self._none if forgotten is None else forgotten
-        hold_rows(rows, behaviour, wanted, forgotten, self.state.mark_table, self.plans.mark_table, self.readings)
+        hold_rows(rows, behaviour, wanted, forgotten, self.state.packed.words, self.plans.packed.words)
 
     def set_plan(self, row: int, behaviours: Sequence[int] | None, index: int = 0) -> None:
         """Give `row` a plan (behaviour indices; None: there is none) of which step `index` is due."""
-        steps = behaviours or ()
-        if len(steps) > pw.MAX_PLAN:
-            raise ValueError(f"a plan holds at most {pw.MAX_PLAN} steps, got {len(steps)}")
-        self.plans.steps[row, : len(steps)] = steps
-        self.plans.marks[pw.INDEX, row] = index
-        self.plans.marks[pw.LENGTH, row] = len(steps)
-        self.plans.marks[pw.KNOWN, row] = int(behaviours is not None)
+        self.plans.set(row, behaviours, index)
 
-    def finish(self, rows: NDArray[np.int64], behaviour: int) -> None:
-        """Let a behaviour end itself in `rows` (K,) where it runs: it stops, and loses its activation next step."""
+    def finish(self, rows: Ints, behaviour: int) -> None:
+        """End a behaviour in `rows` (K,) where it runs, as if by itself: it loses its activation in the next step."""
         running = rows[self.state.marks[st.EXECUTING, rows, behaviour] == 1]
         self.state.marks[st.EXECUTING, running, behaviour] = 0
         self.state.marks[st.EXECUTION_TIME, running, behaviour] = -1
-        self.state.marks[st.FINISHED, running, behaviour] = 1
+        self.state.marks[st.ENDED, running, behaviour] = 1
 
-    def halt(self, rows: NDArray[np.int64]) -> None:
-        """Stop whatever runs in `rows` (K,); activations stay."""
+    def halt(self, rows: Ints) -> None:
+        """Stop all behaviours in `rows` (K,); activations stay."""
         halt_rows(rows, self.state.mark_table)
 
-    def enable(self, rows: NDArray[np.int64], behaviour: int, enabled: bool) -> None:
-        """Switch a behaviour on or off in `rows` (K,); what is switched off ends itself."""
+    def enable(self, rows: Ints, behaviour: int, enabled: bool) -> None:
+        """Switch a behaviour on or off in `rows` (K,); one that is switched off ends."""
         self.state.marks[st.ENABLED, rows, behaviour] = int(enabled)
-        self.plans.marks[pw.ALARM, rows] = 1
+        self.plans.marks[ps.ALARM, rows] = 1
         if not enabled:
             self.finish(rows, behaviour)
 
-    def remove(self, rows: NDArray[np.int64], behaviour: int) -> None:
+    def remove(self, rows: Ints, behaviour: int) -> None:
         """Take a behaviour out of the network of `rows` (K,)."""
         self.state.marks[st.PRESENT, rows, behaviour] = 0
         self.state.marks[st.EXECUTING, rows, behaviour] = 0
-        self.plans.marks[pw.ALARM, rows] = 1
+        self.plans.marks[ps.ALARM, rows] = 1
 
-    def enable_goal(self, rows: NDArray[np.int64], goal: int, enabled: bool) -> None:
+    def enable_goal(self, rows: Ints, goal: int, enabled: bool) -> None:
         """Switch a goal on or off in `rows` (K,)."""
         self.state.goal_enabled[rows, goal] = int(enabled)
 
-    def set_priority(self, rows: NDArray[np.int64], behaviour: int, priority: int) -> None:
+    def set_priority(self, rows: Ints, behaviour: int, priority: int) -> None:
         """Change the priority of a behaviour in `rows` (K,)."""
         self.state.marks[st.PRIORITY, rows, behaviour] = priority
 
-    def start_by_hand(self, rows: NDArray[np.int64], behaviour: int, wanted: bool) -> None:
-        """While `wanted`, run a behaviour in `rows` (K,) whatever it needs and whatever else runs."""
+    def start_by_hand(self, rows: Ints, behaviour: int, wanted: bool) -> None:
+        """Run a behaviour in `rows` (K,) while `wanted`, whatever it needs and whatever else runs."""
         self.state.marks[st.MANUAL, rows, behaviour] = int(wanted)
 
-    def step(self, rows: NDArray[np.int64] | None = None, guarantee: bool = False) -> None:
-        """One decision of `rows` (K,) or all, from the present `readings`.
+    def step(self, rows: Ints | None = None, guarantee: bool = False) -> None:
+        """Decide once in all rows or `rows` (K,), from the present `readings`.
 
         With `guarantee`, selection is repeated until something runs or nothing could.
 
@@ -176,39 +164,38 @@ class BehaviourNetwork:
         if missing < 0:
             refuse(-1 - missing, self.model.sensors, self.readings)
         if missing and self.planner is not None:
-            waiting = chosen[self.plans.marks[pw.NEEDED, chosen] == 1]
+            waiting = chosen[self.plans.marks[ps.NEEDED, chosen] == 1]
             self._plan(self.planner, waiting)
             self._run(waiting, DECIDE, guarantee)
 
-    def _plan(self, planner: Planner, rows: NDArray[np.int64]) -> None:
-        """Plan for `rows` (K,), once for each key; keys that the memory has come to tell apart finer are let be."""
-        s, reach = self.state, self._memory.reach
+    def _plan(self, planner: Planner, rows: Ints) -> None:
+        """Plan for `rows` (K,), once for each key."""
+        reach = self._memory.reach
         found: dict[bytes, list[int] | None] = {}
         for row in rows.tolist():
-            key = self._keys[row].tobytes()
+            key = self.plans.keys[row].tobytes()
             if key not in found:
-                steps = planner.plan(self.readings[row], s.marks[st.ALTERNATIVE, row], s.goal_enabled[row])
-                if self._memory.reach == reach:
-                    self._memory.insert(self._keys[row], steps)
+                alternatives = self.state.mark_table[row, st.ALTERNATIVE]
+                steps = planner.plan(self.readings[row], alternatives, self.state.goal_enabled[row])
+                if self._memory.reach == reach:  # else the keys of this step tell too few readings apart
+                    self._memory.insert(self.plans.keys[row], steps)
                     found[key] = steps
             else:
                 steps = found[key]
             self.set_plan(row, steps)
-            self.plans.marks[pw.NEEDED, row] = 0
+            self.plans.mark_table[row, ps.NEEDED] = 0
 
-    def _run(self, rows: NDArray[np.int64], phase: int, guarantee: bool) -> int:
-        if self._bundled is not self._memory.entries:  # another table whenever it grows
-            self._bundled = self._memory.entries
-            self._tables = self._bundle()
-        return step_rows(rows, self._tables, phase, self.planner is not None, guarantee)
-
-    def _bundle(self) -> Bundle:
-        s, p, memory = self.state, self.plans, self._memory
-        return STEP_TABLES.bundle(
-            self.model.ints, self.model.floats, self.readings, s.value_table, s.mark_table, s.row_table,
-            s.goal_satisfaction, s.goal_enabled, s.wishes, s.wish_kept, p.steps, p.mark_table, p.readings,
-            memory.layout, memory.entries, self._keys, *self._scratch,
-        )  # fmt: skip
+    def _run(self, rows: Ints, phase: int, guarantee: bool) -> int:
+        return step_rows(
+            rows,
+            self.model.packed.words,
+            self.state.packed.words,
+            self.plans.packed.words,
+            self._memory.packed.words,
+            self._scratch.words,
+            phase,
+            guarantee,
+        )
 
 
 @lean_kernel
@@ -227,7 +214,7 @@ def list_running(rows: Ints, marks: Ints, behaviour: int, lists: Ints) -> tuple[
 
 @lean_kernel
 def halt_rows(rows: Ints, marks: Ints) -> None:
-    """Stop whatever runs in `rows` (K,); see `BehaviourNetwork.halt`."""
+    """Stop all behaviours in `rows` (K,); see `BehaviourNetwork.halt`."""
     for row in rows:
         for b in range(marks.shape[2]):
             marks[row, st.EXECUTING, b] = 0
@@ -236,13 +223,15 @@ def halt_rows(rows: Ints, marks: Ints) -> None:
 
 @lean_kernel
 def hold_rows(
-    rows: Ints, behaviour: int, alternatives: Ints, forgotten: Ints, marks: Ints, plan_marks: Ints, readings: Floats
+    rows: Ints, behaviour: int, alternatives: Ints, forgotten: Ints, states: Words[RowStates], plans: Words[RowPlans]
 ) -> None:
     """Let `behaviour` show `alternatives` (K,) in `rows` (K,); see `BehaviourNetwork.hold`."""
+    s, plan_marks = open_states(states), open_plans(plans).marks
+    marks, readings = s.marks, s.readings
     for k in range(rows.shape[0]):
         row = rows[k]
         if marks[row, st.ALTERNATIVE, behaviour] != alternatives[k]:
             marks[row, st.ALTERNATIVE, behaviour] = alternatives[k]
-            plan_marks[row, pw.ALARM] = 1
+            plan_marks[row, ps.ALARM] = 1
             for sensor in forgotten:
                 readings[row, sensor] = 0.0

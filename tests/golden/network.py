@@ -14,8 +14,8 @@ from selforg.network.explain.inspection import behaviour_wishes, goal_wishes
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
+from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-from selforg.network.step import plan_monitoring as pw
 from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
 
@@ -120,10 +120,10 @@ def whole_step(network: BehaviourNetwork, expected: dict[str, Any], calls: int |
         "goals": {name: goal(network, name) for name in expected["goals"]},
     }
     if calls is not None:
-        known, length = network.plans.marks[pw.KNOWN, 0], network.plans.marks[pw.LENGTH, 0]
+        known, length = network.plans.marks[ps.KNOWN, 0], network.plans.marks[ps.LENGTH, 0]
         steps = [model.behaviours[b].name for b in network.plans.steps[0, :length]]
         got["plan"] = steps if known else None
-        got["plan_index"] = int(network.plans.marks[pw.INDEX, 0])
+        got["plan_index"] = int(network.plans.marks[ps.INDEX, 0])
         # without an answer the original asks again for every smaller set of goals
         got["planner_calls"] = calls if known else max(calls, expected["planner_calls"] if calls else 0)
     return got

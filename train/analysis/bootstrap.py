@@ -1,4 +1,4 @@
-"""The bootstrap: how figures of randomly drawn scenarios spread (`scipy.stats.bootstrap`, by percentiles).
+"""The bootstrap: resample figures and take percentile intervals (`scipy.stats.bootstrap`).
 
 Equal data have equal intervals, because the generator of each call begins with the same seed.
 """

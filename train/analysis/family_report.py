@@ -1,4 +1,4 @@
-"""What an evaluation on a family found, computed once: the content of `summary.json` and the source of the tables.
+"""The results on a family, computed once: the content of `summary.json` and the source of the tables.
 
 Shapes: S members of a strategy (one for each seed of its training), K scenarios.
 """
@@ -32,9 +32,9 @@ class FamilyRuns:
     conditions: Mapping[str, tuple[str, ...]]
     """Label of a strategy -> (S,) names under which the runs of its members are kept."""
     fixed: tuple[str, ...]
-    """Labels of those that are one option each."""
+    """Labels of the strategies that are one option each."""
     records: Sequence[RunRecord]
-    """All runs that are kept; others may be among them."""
+    """All runs in the directory; runs of strategies that are not compared may be among them."""
 
 
 @dataclass(frozen=True)

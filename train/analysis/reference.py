@@ -1,4 +1,4 @@
-"""Ours beside figures measured on the same start configurations by another implementation.
+"""Compare our figures with figures that another implementation measured on the same start configurations.
 
 Only the scenarios that have the figure on both sides count. Means agree when 1 lies in the interval of their ratio
 (scenarios drawn in pairs); ratios between two conditions agree when their two intervals meet.
@@ -32,7 +32,7 @@ class MeanBesideMeasured:
     """Ours / measured."""
     ci95: Interval | None
     agrees: bool | None
-    """None where there is no interval to tell by."""
+    """Whether 1 lies in the interval; None without an interval."""
 
 
 @dataclass(frozen=True)

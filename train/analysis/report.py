@@ -1,4 +1,4 @@
-"""What an evaluation found, computed once: the content of `summary.json` and the source of table and figure."""
+"""The results of an experiment, computed once: the content of `summary.json` and the source of tables and figure."""
 
 import itertools
 import json

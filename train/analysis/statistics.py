@@ -22,7 +22,7 @@ RESAMPLES = 10_000
 
 @dataclass(frozen=True)
 class Summary:
-    """Location and spread of one figure over the scenarios; no interval for a single one."""
+    """Location and spread of one figure over the scenarios; no interval for a single scenario."""
 
     mean: float
     median: float
@@ -32,7 +32,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class Ratio:
-    """Ratio of two means; None where the denominator is zero, or the interval is not finite."""
+    """Ratio of two means, None if the denominator is zero; its interval, None if it is not finite."""
 
     ratio: float | None
     ci95: Interval | None

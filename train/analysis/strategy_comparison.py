@@ -1,4 +1,4 @@
-"""How strategies compare on one family: costs over scenarios and training seeds, and what lies between two yardsticks.
+"""Compare strategies on one family: costs over scenarios and training seeds, and how they lie between two yardsticks.
 
 The yardsticks are the single best fixed option (that of the lowest mean cost on these very scenarios) and the oracle:
 the best fixed option of each scenario. The share of the gap between them that a strategy closes is
@@ -19,8 +19,8 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from train.analysis.bootstrap import Interval, interval, resampled
 
-RESAMPLES = 5_000
-"""Bootstrap resamples."""
+COMPARISON_RESAMPLES = 5_000
+"""Bootstrap resamples of a comparison."""
 LEAST_GAP = 1e-6
 """Share of the best fixed option's cost below which a gap is none."""
 MOSTLY = 0.975
@@ -44,9 +44,9 @@ class StrategyStanding:
     cost: Estimate
     """Mean mission cost [s]."""
     ratio: Estimate
-    """Its ratio to the best fixed option's."""
+    """Ratio of the mean cost to that of the best fixed option."""
     share: Estimate | None
-    """Share of the gap that it closes; None where there is no gap."""
+    """Share of the gap that the strategy closes; None without a gap."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class _Costs:
     """(K,) of the best fixed option of each scenario."""
 
     def means(self, scenarios: Ints, seeds: Ints | None = None, axis: int = -1) -> Floats:
-        """Return the means (3, ...) of the three over what was drawn.
+        """Return the means (3, ...) of own, fixed and oracle costs over the scenarios and seeds drawn.
 
         Args:
             scenarios: (..., K) numbers of the scenarios that count.
@@ -99,7 +99,7 @@ def _standing(label: str, costs: _Costs) -> StrategyStanding:
     seeds, scenarios = costs.own.shape
     means = costs.means(np.arange(scenarios), np.arange(seeds))
     samples = [np.arange(count) for count in (scenarios, seeds) if count > 1]  # one seed is no sample to draw from
-    drawn = resampled(samples, costs.means, RESAMPLES, paired=False) if scenarios > 1 else np.zeros((3, 0))
+    drawn = resampled(samples, costs.means, COMPARISON_RESAMPLES, paired=False) if scenarios > 1 else np.zeros((3, 0))
     share, shares = _shares(means[:, None]), _shares(drawn)
     certain = len(shares) > MOSTLY * drawn.shape[1]
     return StrategyStanding(
@@ -111,7 +111,7 @@ def _standing(label: str, costs: _Costs) -> StrategyStanding:
 
 
 def _shares(means: Floats) -> Floats:
-    """Return the share of the gap that a strategy closes, wherever there is a gap, from the `means` (3, B)."""
+    """Return the shares of the gap that a strategy closes, for those of the B `means` (3, B) that have a gap."""
     own, fixed, oracle = means
     gaps = fixed - oracle
     wide = gaps > LEAST_GAP * fixed

@@ -10,7 +10,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import Configs, check_least, wide_console
 
 
-def evaluate(
+def evaluate_command(
     experiment: Annotated[str, typer.Argument(help="Name of an experiment, or path to its YAML file.")] = "table1",
     scenarios: Annotated[
         int | None, typer.Option(help="Run on this number of random start configurations drawn from the seed.")
@@ -59,8 +59,8 @@ def evaluate(
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
         evaluation = FamilyEvaluation(FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories))
-    setting = pipeline.Setting(workers or usable_cpus(), output, resume, wide_console())
-    raise typer.Exit(pipeline.evaluate(evaluation, setting))
+    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console())
+    raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 
 def _check_absent(where: str, given: Mapping[str, object]) -> None:

@@ -15,7 +15,7 @@ from train.cli.options import Configs, wide_console
 
 app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and what was learned in a database.")
 
-Store = Annotated[
+StoreOption = Annotated[
     str | None,
     typer.Option(
         help="URL of the store, sqlite:///PATH or postgresql://USER@HOST/DATABASE, or the path of a file; the "
@@ -23,11 +23,11 @@ Store = Annotated[
         metavar="URL",
     ),
 ]
-Goal = Annotated[str | None, typer.Option(help="Only this goal.")]
+GoalOption = Annotated[str | None, typer.Option(help="Only this goal.")]
 
 
 @app.command("list")
-def list_goals(store: Store = None) -> None:
+def list_goals(store: StoreOption = None) -> None:
     """List the goals of a store: options, contexts, updates, sources."""
     from train.knowledge_store import opened
     from train.reports import knowledge_tables
@@ -36,8 +36,8 @@ def list_goals(store: Store = None) -> None:
         _print(knowledge_tables.all_goals(kept.contents()), f"{kept.name}:")
 
 
-@app.command()
-def show(goal: Annotated[str, typer.Argument(help="A goal of the store.")], store: Store = None) -> None:
+@app.command("show")
+def show_goal(goal: Annotated[str, typer.Argument(help="A goal of the store.")], store: StoreOption = None) -> None:
     """Show what is known of a goal: per option, context and source its count, mean and standard deviation."""
     from train.knowledge_store import opened
     from train.reports import knowledge_tables
@@ -51,7 +51,7 @@ def import_file(
     given: Annotated[
         str, typer.Argument(help="YAML or JSON file: expert knowledge or an exported store.", metavar="FILE|NAME")
     ],
-    store: Store = None,
+    store: StoreOption = None,
     source: Annotated[str, typer.Option(help="Whom expert knowledge comes from.")] = "expert",
     configs: Configs = None,
 ) -> None:
@@ -67,7 +67,7 @@ def import_file(
 @app.command("export")
 def export_file(
     output: Annotated[Path, typer.Argument(help="File to write, YAML or JSON by its ending; - prints YAML.")],
-    store: Store = None,
+    store: StoreOption = None,
 ) -> None:
     """Write all that a store holds to a file; one that exists is refused."""
     from selector.store import document
@@ -77,7 +77,7 @@ def export_file(
         raise ConfigurationError(f"{output}: expected a name that ends in .yaml or .json")
     with closing(opened(store, create=False)) as kept:
         contents = kept.contents()
-    text = document.as_text(contents, as_json=output.suffix == ".json")
+    text = document.text_of(contents, as_json=output.suffix == ".json")
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
@@ -89,10 +89,10 @@ def export_file(
     typer.echo(f"{amount(contents)} in {output}")
 
 
-@app.command()
-def merge(
+@app.command("merge")
+def merge_stores(
     others: Annotated[list[str], typer.Argument(help="URLs or paths of the stores to add.", metavar="OTHER...")],
-    store: Store = None,
+    store: StoreOption = None,
 ) -> None:
     """Add all that other stores hold to a store, exactly; updates that it holds already are refused."""
     from train.knowledge_store import amount, opened
@@ -104,10 +104,10 @@ def merge(
             source.close()
 
 
-@app.command()
-def reset(
-    store: Store = None,
-    goal: Goal = None,
+@app.command("reset")
+def reset_store(
+    store: StoreOption = None,
+    goal: GoalOption = None,
     option: Annotated[str | None, typer.Option(help="Only this option.")] = None,
     context: Annotated[str | None, typer.Option(help="Only this context; '' is the one without a key.")] = None,
     source: Annotated[str | None, typer.Option(help="Only what comes from this source.")] = None,

@@ -10,7 +10,7 @@ from rich.console import Console
 from clean_swarm_env.config.errors import ConfigurationError
 
 TABLE_WIDTH = 140
-"""Least width of the printed tables [characters]: a folded table says less than one cut by a narrow terminal."""
+"""Least width of the printed tables [characters]: folded cells are hard to read."""
 
 Configs = Annotated[
     list[Path] | None,

@@ -64,7 +64,7 @@ def bandit(
 
 @contextmanager
 def _one_line() -> Iterator[None]:
-    """Turn what a training cannot be done with into an error of one line."""
+    """Turn a ValueError of a training into an error of one line for the user."""
     try:
         yield
     except ValueError as error:

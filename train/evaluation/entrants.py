@@ -1,4 +1,4 @@
-"""What can be compared on a family: fixed options, a rule by hand, learned strategies and trained policies, by name."""
+"""Entrants of a comparison on a family: fixed options, a rule by hand, learned strategies and trained policies."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ SITUATIONS = {
 
 @dataclass(frozen=True)
 class Entrant:
-    """One strategy; the members are what it became by training with different seeds, or itself alone."""
+    """One strategy with its members: one for each seed that it was trained with, or the strategy alone."""
 
     label: str
     members: tuple[str, ...]
-    """What each of them is, in words of `member_pilot`."""
+    """Each member in the words that `member_pilot` takes."""
 
     @property
     def fixed(self) -> bool:
-        """Whether it is one option, whatever happens."""
+        """Whether the strategy always takes the same option."""
         return self.label.startswith(f"{FIXED}:")
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """Names under which the runs of its members are kept."""
+        """Names of the conditions under which the runs of the members are kept."""
         several = len(self.members) > 1
         return tuple(f"{self.label}#{k + 1}" if several else self.label for k in range(len(self.members)))
 
 
 def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
-    """Return what the words of the command line name; `fixed` is every option.
+    """Return the entrants that the words of the command line name; `fixed` is one entrant for each option.
 
     `learned:NAME` (a strategy's file) and `policy:NAME` take what ships by its name, else a path, and several of one
     training with + between them; `LABEL=...` gives it a name of its own.
@@ -77,7 +77,7 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
 
 
 def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[Path] = ()) -> Pilot:
-    """Return what decides as `member` says, for rows of `teams` (R,); `problem` has all components of the observation.
+    """Return the pilot of a member for rows of `teams` (R,); `problem` has all components of the observation.
 
     Policies and strategies are looked for in `directories`, then among those that ship.
 

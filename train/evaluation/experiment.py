@@ -13,7 +13,7 @@ from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-from selforg.network.planning.names import check_planner as check_planner_name
+from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
 from train.analysis.reference import Measured
 from train.analysis.report import report_of, summary_json
@@ -74,8 +74,7 @@ class ExperimentEvaluation(Evaluation):
             self.stem += f"-{count}-scenarios"
             changes = {"starts": tuple(random_start(chosen.mission, request.seed, index) for index in range(count))}
         self.experiment = chosen.model_copy(update=changes)
-        check_coordination(self.experiment, directories, request.experiment)
-        check_planner(self.experiment, request.experiment)
+        check_mission(self.experiment, directories, request.experiment)
         self._tasks = tasks_of(self.experiment, self.seed, directories)
         self.total = len(self._tasks)
         self.manifest = {
@@ -113,24 +112,20 @@ def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> Expe
     return experiment.model_copy(update={"conditions": conditions})
 
 
-def check_planner(experiment: ExperimentConfig, where: str) -> None:
-    """Raise an error of one line if the mission names a planner that there is not."""
+def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
+    """Raise an error of one line if what the experiment's mission names does not exist or cannot be built.
+
+    These are the planner, the robot's document, the expert knowledge, its configurations and the scores. Strategies are
+    checked when they are read.
+    """
+    network = experiment.mission.network
     try:
-        check_planner_name(experiment.mission.network.planner)
+        check_planner(network.planner)
     except (ValueError, ModuleNotFoundError) as error:
         raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
-
-
-def check_coordination(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
-    """Raise an error of one line if what the experiment names to serve goals cannot be built or does not exist.
-
-    These are the robot's document, the expert knowledge, its configurations and the scores. Strategies are checked when
-    they are read.
-    """
     library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
     library.check(knowledge)
-    models = coordinators_of(experiment.mission.network, knowledge, library, directories)
-    robot_network(experiment.mission.network, models, directories)
+    robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

@@ -1,4 +1,4 @@
-"""One step of one robot as a reader sees it: what it weighed, what it planned, what runs and why.
+"""Explain one step of one robot: what the robot weighed, what it planned, what runs and why.
 
 The text is meant for 80 columns: a table of what adds up to each behaviour's activation, a tree of reasons, conditions
 and goals.
@@ -21,7 +21,7 @@ from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount, explain
 from selforg.network.explain.recording import Recorder
-from selforg.network.explain.text import COLUMNS, header
+from selforg.network.explain.text import TERM_TITLES, header
 from selforg.network.network import BehaviourNetwork
 from train.evaluation.repeat import world_at
 from train.running.runs import RunTask
@@ -32,7 +32,7 @@ HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "su
 
 @dataclass(frozen=True)
 class Coordinated:
-    """One coordinator of a robot in one step: the option it held, and the network inside if that decided."""
+    """One coordinator of a robot in one step: its option, and what the network inside decided if it ran."""
 
     goal: str
     option: str
@@ -104,7 +104,7 @@ def as_json(situation: dict[str, Any], explanation: Explanation, inside: Sequenc
     return json.dumps(situation | asdict(explanation) | held, indent=2, allow_nan=False)
 
 
-def on_terminal(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> RenderableType:
+def step_on_terminal(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
@@ -126,10 +126,10 @@ def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
     table = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("", no_wrap=True)
     table.add_column("behaviour", overflow="fold")
-    for head in ("active", *(HEADS.get(name, head) for name, head in COLUMNS.items())):
+    for head in ("active", *(HEADS.get(name, head) for name, head in TERM_TITLES.items())):
         table.add_column(head, justify="right", no_wrap=True)
     for account in behaviours:
-        terms = [f"{account.components[name]:.2f}" for name in COLUMNS]
+        terms = [f"{account.components[name]:.2f}" for name in TERM_TITLES]
         table.add_row("*" if account.running else "", Text(account.name), f"{account.activation:.2f}", *terms)
     return table
 

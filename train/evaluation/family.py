@@ -26,8 +26,8 @@ from train.running.provenance import fingerprints, versions
 from train.running.runs import FIRST_SECOND, RunKey, RunRecord
 from train.running.trials import TrialSettings, run_trials
 
-CHUNK = 25
-"""Scenarios of one task: they run side by side, and are kept together."""
+TASK_SCENARIOS = 25
+"""Scenarios of one task; they run side by side."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,9 @@ class TrialTask:
         """Run the scenarios side by side."""
         began = time.perf_counter()
         scenarios = [self._scenario(number) for number in self.numbers]
-        results = run_trials(scenarios, self._pilot, TrialSettings(self.goal, CHUNK, directories=self.directories))
+        results = run_trials(
+            scenarios, self._pilot, TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories)
+        )
         wall = round((time.perf_counter() - began) / len(scenarios), 3)
         return [
             RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall)
@@ -133,13 +135,13 @@ class FamilyEvaluation(Evaluation):
         }
 
     def tasks(self, done: Collection[RunKey]) -> list[TrialTask]:
-        """Return the tasks of which a run is missing, with the scenarios that are."""
+        """Return the tasks for all missing runs, some scenarios of one member each."""
         tasks = []
         for entrant in self.entrants:
             for condition, member in zip(entrant.conditions, entrant.members, strict=True):
                 missing = [n for n in range(self.scenarios) if (f"test-{n + 1}", condition) not in done]
-                for first in range(0, len(missing), CHUNK):
-                    numbers = tuple(missing[first : first + CHUNK])
+                for first in range(0, len(missing), TASK_SCENARIOS):
+                    numbers = tuple(missing[first : first + TASK_SCENARIOS])
                     tasks.append(self._task(numbers, condition, member))
         return tasks
 

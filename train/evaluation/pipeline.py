@@ -1,6 +1,6 @@
-"""One way for every evaluation, of an experiment or of a family: check, tasks, runs, report.
+"""The pipeline of every evaluation, of an experiment or of a family: check, tasks, runs, report.
 
-`evaluate` is the whole way. `ExperimentEvaluation` and `FamilyEvaluation` say what is run and what is reported.
+`evaluate` is the whole pipeline. `ExperimentEvaluation` and `FamilyEvaluation` say what is run and what is reported.
 """
 
 import shlex
@@ -10,7 +10,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +17,12 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from train.reports.text_table import Grid, markdown, on_terminal
+from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.processes import each_done
 from train.running.results import Results
 from train.running.run_folder import RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord, Task
 from train.running.warm_up import compile_first, compiled_before
-
-FINISHED, FAILED, INTERRUPTED = 0, 1, 130
-"""Exit codes; 130 is that of a program ended by Ctrl-C."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class Publication:
 
 
 class Evaluation(ABC):
-    """What is run, and what is reported of it.
+    """An evaluation: which runs it consists of, and what it reports of them.
 
     The constructor takes the user's request, and raises an error of one line for whatever does not exist or fit, before
     anything is written.
@@ -73,8 +70,8 @@ class Evaluation(ABC):
 
 
 @dataclass(frozen=True)
-class Setting:
-    """Where and how an evaluation is run; nothing of it changes a result."""
+class Execution:
+    """How an evaluation is carried out. None of these settings changes a result."""
 
     workers: int
     """Number of processes."""
@@ -86,20 +83,20 @@ class Setting:
     """Shows the tables; the standard error shows the progress."""
 
 
-def evaluate(evaluation: Evaluation, setting: Setting) -> int:
+def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     """Do the runs that are missing, write the results and print the tables; return the exit code."""
-    directory = setting.output or default_directory(evaluation.stem, resume=setting.resume)
-    folder = RunFolder(directory, evaluation.manifest, resume=setting.resume, growing=evaluation.growing)
+    directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
+    folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
     results = Results(folder)
     try:
-        _run_missing(evaluation, results, setting.workers)
+        _run_missing(evaluation, results, execution.workers)
     except (KeyboardInterrupt, BrokenProcessPool) as end:
         results.close()
         broken = isinstance(end, BrokenProcessPool)
         _say_how_to_resume(evaluation, results, "a worker process was killed" if broken else "interrupted")
         return FAILED if broken else INTERRUPTED
     results.close()
-    _publish(evaluation.publication(results.records), folder, setting.console)
+    _publish(evaluation.publication(results.records), folder, execution.console)
     return FINISHED
 
 
@@ -108,7 +105,7 @@ def _run_missing(evaluation: Evaluation, results: Results, workers: int) -> None
     if tasks and not compiled_before():
         compile_first(tasks[0])
     done = evaluation.total - sum(task.runs for task in tasks)
-    with _progress(evaluation.total, done) as advance, closing(each_done(methodcaller("run"), tasks, workers)) as each:
+    with _progress(evaluation.total, done) as advance, closing(each_done(tasks, workers)) as each:
         for records in each:
             for record in records:
                 results.add(record)

@@ -1,4 +1,4 @@
-"""A whole run kept: every step of every robot's behaviour network and of the networks inside its coordinators.
+"""Record a whole run: every step of every robot's behaviour network and of the networks inside its coordinators.
 
 The file holds what `recording.stacked` makes of the robots' network; `held` (T, R, C), the option of
 each coordinator; and, for every option that was ever held, the same arrays of the network inside, their names beginning
@@ -25,7 +25,7 @@ from train.running.runs import RunTask
 
 
 class Tape:
-    """What is kept of a run, from its first step on."""
+    """All steps of a run, from the first step on."""
 
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
@@ -35,7 +35,7 @@ class Tape:
         self._held: list[Ints] = []
 
     def take(self) -> None:
-        """Keep the last step."""
+        """Add the step that the worlds have just done."""
         self._outer.take()
         for recorders in (*self._inner, self._nested.values()):
             for recorder in recorders:
@@ -43,7 +43,7 @@ class Tape:
         self._held.append(np.stack([coordinator.held for coordinator in self._worlds.coordinators], axis=1))
 
     def arrays(self) -> Arrays:
-        """Return all steps."""
+        """Return all steps as arrays by name."""
         held = np.stack(self._held)
         found: Arrays = stacked(self._outer.steps) | _names(self._worlds.network.model) | {"held": held}
         found["coordinator_names"] = np.array([c.model.goal for c in self._worlds.coordinators])
@@ -64,7 +64,7 @@ class Tape:
         return len(self._held)
 
 
-def record(task: RunTask, output: Path) -> int:
+def record_run(task: RunTask, output: Path) -> int:
     """Repeat a whole run and keep every step of every robot in an NPZ file; return the number of steps (T)."""
     if output.exists():
         raise ConfigurationError(f"{output}: exists already; expected a new file")
@@ -85,7 +85,7 @@ def record(task: RunTask, output: Path) -> int:
 
 
 def _names(model: NetworkModel) -> Arrays:
-    """Return what the axes of a network's arrays mean."""
+    """Return the names along the axes of a network's arrays."""
     return {
         "behaviour_names": np.array([behaviour.name for behaviour in model.behaviours]),
         "sensor_names": np.array([sensor.name for sensor in model.sensors]),

@@ -1,4 +1,4 @@
-"""Runs of an evaluation done again: they depend on the manifest only, so what was not recorded can be seen anew."""
+"""Repeat runs of an evaluation. A run depends on the manifest only, so a repeated run shows what was not recorded."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -6,19 +6,20 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from clean_swarm_env.config.errors import ConfigurationError, one_line
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import one_line
 from selforg.registry import unknown
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
 
 LISTED = 8
-"""Scenarios that an error lists."""
+"""Most scenarios that an error lists."""
 ROUNDING = 1e-9
-"""A time this little below the beginning of a control period belongs to it [periods]."""
+"""A time this little before the beginning of a control period belongs to that period [periods]."""
 
 
 def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> RunTask:
@@ -48,13 +49,13 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
 
 
 def changed_versions(directory: Path) -> list[str]:
-    """Return where the versions that an evaluation ran with are not those of today, such as `numba 0.61, now 0.62`."""
+    """Return the packages whose version has changed since an evaluation, such as `numba 0.61, now 0.62`."""
     held = read_manifest(directory).get("versions", {})
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
 def steps_of(task: RunTask) -> Iterator[Worlds]:
-    """Repeat a run with explained robots; yield its world after each control period, until the mission is over."""
+    """Repeat a run whose networks note their reasons; yield the world after each control period of the mission."""
     run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
     course = Course(run, explained=True)
     while course.in_progress:

@@ -12,14 +12,14 @@ import numpy as np
 
 from clean_swarm_env.scenes import Measure, Scene, Setting, find
 from clean_swarm_env.scenes.ground import GroundKind
-from clean_swarm_env.scenes.served import ServedTeam, expertise
+from clean_swarm_env.scenes.served import KNOWLEDGE, ServedTeam, expertise
 from selforg.arrays import Floats
 from train.analysis.statistics import Summary, summarise
 
 
 @dataclass(frozen=True)
 class GoalRequest:
-    """What the user asked for; None: as the scene says."""
+    """What the user asked for. The scene decides wherever a field is None."""
 
     goal: str
     """Name of the goal."""
@@ -37,6 +37,8 @@ class GoalRequest:
     """Number of runs, each with a seed of its own."""
     directories: tuple[Path, ...] = ()
     """Directories with configurations and knowledge that go before the shipped ones."""
+    knowledge: str = KNOWLEDGE
+    """Name of the expert knowledge in which the goal and the option stand."""
 
     @property
     def seeds(self) -> range:
@@ -69,7 +71,7 @@ class MeasureComparison:
 
 @dataclass(frozen=True)
 class GoalOutcome:
-    """What came out for a goal."""
+    """The result of running a goal."""
 
     scene: type[Scene]
     option: str
@@ -89,9 +91,14 @@ class GoalOutcome:
 
 
 def run_goal(request: GoalRequest) -> GoalOutcome:
-    """Run a goal; whatever does not exist or fit raises an error of one line."""
+    """Run a goal in its scene.
+
+    Raises:
+        ConfigurationError: something that does not exist or fit.
+
+    """
     scene = find(request.goal)
-    expert = expertise(request.goal, request.option, request.directories)
+    expert = expertise(request.goal, request.option, request.directories, request.knowledge)
     setting = setting_of(scene, request)
     served = scene(setting, request.seeds).run(lambda made: ServedTeam(made, expert)).values
     rival = scene(setting, request.seeds).run().values

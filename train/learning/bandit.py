@@ -62,7 +62,7 @@ class BanditTraining(Training):
         return self._decisions
 
     def export(self, command: str) -> Path:
-        """Write what the strategy had learned when it was best and return the file; `command` is in the manifest."""
+        """Write what the strategy had learned when it was best and return the file."""
         last, path = self.strategy.learned(), self.job.folder.path / STRATEGY
         self.strategy.load_learned(self._best)
         one = self._built(self.settings.learned, self.problem, np.zeros(1, dtype=np.int64))

@@ -1,4 +1,4 @@
-"""Learning by what whole missions cost: each team decides once a mission what to do in every situation.
+"""Learn from the costs of whole missions: each team decides once a mission what to do in every situation.
 
 What an option brings often shows only if the whole team keeps to it for long: robots that leave each other room meet
 less often minutes later. Missions differ far more by their scenarios than by what was decided; so several teams
@@ -30,7 +30,7 @@ from train.running.trials import TrialSettings, run_trials
 
 
 class MissionLearning:
-    """Teams decide and are rewarded mission by mission; see `ComparisonConfig`.
+    """Learning in which teams decide and are rewarded mission by mission; see `ComparisonConfig`.
 
     Attributes:
         teams: (R,) mission of each row; rows are the situations of all missions of a round, R = M * S.
@@ -66,7 +66,7 @@ class MissionLearning:
         return costs
 
     def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
-        """Return what the missions cost (M,) [s] in which teams keep to `rules` (M, S), G for each scenario."""
+        """Return the costs (M,) [s] of missions in which teams keep to `rules` (M, S), G missions for each scenario."""
         missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
         seeds = [scenario.seed for scenario in missions]
 
@@ -77,7 +77,7 @@ class MissionLearning:
 
 
 class TeamsPilot(RulePilot):
-    """Each team keeps to a rule for its mission.
+    """A pilot by which each team keeps to a rule for its mission.
 
     Args:
         problem: goal and options; its features are all components of the observation.
@@ -97,7 +97,7 @@ class TeamsPilot(RulePilot):
             self._waiting[seed].append(rule)
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Let `rows` (N,) do the next mission of a seed."""
+        """Give `rows` (N,) the rule of the next mission of a seed."""
         self.rules[rows] = self._waiting[seed].popleft()
 
 

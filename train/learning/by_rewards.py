@@ -1,4 +1,4 @@
-"""Learning by the rewards that follow each decision: rows decide when their situation changes, or after some time."""
+"""Learn from the rewards that follow each decision: rows decide when their situation changes, or after some time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from train.running.pilots import columns_of
 
 
 class RewardLearning:
-    """All robots of all worlds decide; see `CreditConfig` for when, and for what each decision is rewarded.
+    """Learning in which all robots of all worlds decide; `CreditConfig` says when, and which rewards count.
 
     Attributes:
         teams: (R,) world of each row; rows are robots.

@@ -1,4 +1,4 @@
-"""The directory of a training: its last checkpoint, its history, and what came out.
+"""The directory of a training: its last checkpoint, its history, and the exported result.
 
 A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new one. Everything
 else in the directory is written from the checkpoint and can be written again.
@@ -13,7 +13,7 @@ from typing import Any
 
 from train.running.run_folder import RunFolder
 
-HISTORY = "history.jsonl"
+HISTORY_FILE = "history.jsonl"
 
 
 class TrainingFolder(RunFolder):
@@ -31,4 +31,4 @@ class TrainingFolder(RunFolder):
 
     def write_history(self, entries: Sequence[Mapping[str, Any]]) -> None:
         """Write one line for each checkpoint."""
-        self.write(HISTORY, "".join(json.dumps(entry) + "\n" for entry in entries))
+        self.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in entries))

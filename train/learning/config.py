@@ -103,7 +103,7 @@ class BanditConfig(Closed):
 
     @model_validator(mode="after")
     def _exists(self) -> Self:
-        self.learned  # noqa: B018  (a mistake in the parameters is told when the file is read)
+        self.learned  # noqa: B018  (a mistake in the parameters is an error when the file is read)
         return self
 
     @property

@@ -1,4 +1,4 @@
-"""From a network of Stable-Baselines3 to an exported policy, statistics of normalisation folded in."""
+"""Export a network of Stable-Baselines3 as a policy, with the statistics of normalisation."""
 
 from __future__ import annotations
 

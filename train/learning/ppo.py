@@ -29,7 +29,7 @@ from train.learning.validation import CheckpointHistory
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker, PolicyPilot
 
-POLICY, TENSORBOARD = "policy", "tensorboard"
+POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 LAST_RATE = 0.1
 """Share of the learning rate that is left at the end."""
 
@@ -53,7 +53,7 @@ class PpoTraining(Training):
         self._envs = RobotVecEnv(batches=self.curriculum.batches)
         self.normal = VecNormalize(OneGoalEnv(self._envs, self.goal), gamma=self.settings.discount)
         self.model = _model(self.settings, self.normal, job.seed)
-        self.model.set_logger(configure(str(job.folder.path / TENSORBOARD), ["tensorboard"]))
+        self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
             self._load(torch.load(self.checkpoint_file, weights_only=True))
@@ -64,7 +64,7 @@ class PpoTraining(Training):
         return int(self.model.num_timesteps)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
-        """Return what the network is now, as it is exported."""
+        """Return the network as it is now, as a policy for export."""
         return exported(self.model, self.normal, self.goal.problem, training)
 
     def export(self, command: str) -> Path:
@@ -75,7 +75,7 @@ class PpoTraining(Training):
         training = {"command": command, "seed": self.job.seed, "configuration": self.config.model_dump(mode="json")}
         policy = self.policy(**training, figures=entry)
         self._take(last)
-        path = self.job.folder.path / POLICY
+        path = self.job.folder.path / POLICY_FOLDER
         save_policy(path, policy)
         return path
 
@@ -92,7 +92,7 @@ class PpoTraining(Training):
         return {"training_cost_s": float(np.mean(self._costs)) if self._costs else None}
 
     def _note(self) -> bool:
-        """Take note of the missions that have ended; PPO calls this after each step and goes on if it is true."""
+        """Note the costs of missions that have ended; PPO calls this after each step and goes on if it is true."""
         self._costs += [end.result.cost_s for end in self._envs.finished]
         self.job.on_progress(self.model.num_timesteps)
         return True

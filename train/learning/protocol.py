@@ -1,4 +1,4 @@
-"""What the two ways have in common in which a strategy can learn from its decisions."""
+"""The interface of the two ways in which a strategy can learn from its decisions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from selforg.arrays import Ints
 from train.learning.credit import Paid
 
 Taker = Callable[[Paid, int], None]
-"""Takes decisions whose rewards are complete, and how many more decisions have been made."""
+"""Called with decisions whose rewards are complete, and the number of decisions made since the last call."""
 
 
 class Learning(Protocol):

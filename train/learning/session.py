@@ -1,4 +1,4 @@
-"""A training from the user's request to the exported result: directory, progress on the terminal, checkpoints, end."""
+"""Run a training from the user's request to the exported result, with its directory and the progress bar."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ from selector.documents.errors import DocumentError
 from train.learning.checkpoints import TrainingFolder
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob
+from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
 from train.running.warm_up import announce, compiled_before
 
-FINISHED, INTERRUPTED = 0, 130
-"""Exit codes; 130 is that of a program ended by Ctrl-C."""
-PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
+LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
 """Packages that a learner needs besides those of all runs."""
 
 
@@ -59,9 +58,13 @@ class TrainingRequest:
 
 
 def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Training], console: Console) -> int:
-    """Do a training, or go on with one, that `made` makes of its job; return the exit code.
+    """Do a training, or go on with one; return the exit code.
 
-    `console` shows what the checkpoints bring.
+    Args:
+        request: what the user asked for.
+        made: makes the training of its job.
+        console: shows the figures of each checkpoint.
+
     """
     config = load_training(request.config, request.learner, request.directories)
     identity = {
@@ -93,7 +96,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
 def check_installed(learner: str) -> dict[str, str]:
     """Return the versions of all packages that a learner needs; one that is missing raises DocumentError."""
     try:
-        return versions(PACKAGES[learner])
+        return versions(LEARNER_PACKAGES[learner])
     except PackageNotFoundError as error:
         install = "pip install -c constraints.txt '.[train]'"
         raise DocumentError(f"training by {learner} needs {error.name}, which is not installed: {install}") from error
@@ -101,7 +104,7 @@ def check_installed(learner: str) -> dict[str, str]:
 
 @contextmanager
 def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
-    """Show a bar with the time left on the standard error; what it gives takes the number of decisions made."""
+    """Show a bar with the time left on the standard error; the function given takes the number of decisions made."""
     columns = (TextColumn("decisions"), BarColumn(), TextColumn("{task.completed:,.0f}"), TimeElapsedColumn())
     with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), console=Console(stderr=True)) as bar:
         task = bar.add_task("decisions", total=config.checkpoints * config.decisions)
@@ -109,6 +112,6 @@ def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
 
 
 def _print(console: Console, entry: dict[str, Any]) -> None:
-    """Print what a checkpoint brought."""
+    """Print the figures of a checkpoint."""
     shown = {name: round(value, 3) if isinstance(value, float) else value for name, value in entry.items()}
     console.print(json.dumps(shown), soft_wrap=True, highlight=False, markup=False)

@@ -1,4 +1,4 @@
-"""What all trainings have in common: checkpoints, validation, and when a training is over.
+"""The blueprint of all trainings: checkpoints, validation, and when a training is over.
 
 Between two checkpoints everything follows from the number of the checkpoint, the seed and the state saved there. So a
 training that was killed and resumed comes to the same bits.
@@ -61,7 +61,7 @@ class Training(ABC):
 
     @property
     def finished(self) -> bool:
-        """Whether all checkpoints are done, or nothing has become better for long."""
+        """Whether all checkpoints are done, or the best score is older than the patience allows."""
         patient = self.history.since < self.config.validation.patience
         return self.checkpoint >= self.config.checkpoints or not patient
 
@@ -88,23 +88,23 @@ class Training(ABC):
 
     @abstractmethod
     def export(self, command: str) -> Path:
-        """Write what came out when it was best and return where; `command` is the one that did the training."""
+        """Write the best result so far and return its path; `command` is the one that did the training."""
 
     @abstractmethod
     def _learn(self) -> dict[str, Any]:
-        """Learn up to the next checkpoint and return what the history is to say of it."""
+        """Learn up to the next checkpoint and return figures for the history."""
 
     @abstractmethod
     def _pilot_maker(self) -> PilotMaker:
-        """Return what chooses as it was learned so far, and learns no more."""
+        """Return a maker of pilots that choose by what was learned so far."""
 
     @abstractmethod
     def _keep_best(self) -> None:
-        """Keep what was learned so far: it is the best yet."""
+        """Keep what was learned so far, which is the best yet, for the export."""
 
     @abstractmethod
     def _save(self, figures: dict[str, Any]) -> None:
-        """Write the checkpoint, of which the history says `figures`."""
+        """Write the checkpoint; `figures` are its entry in the history."""
 
     def _measured(self) -> dict[str, float]:
         if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:

@@ -1,4 +1,4 @@
-"""How good is what was learned so far: mission costs on scenarios from which nothing is learned, and when to stop."""
+"""Measure what was learned so far: mission costs on scenarios that no training uses, and the best checkpoint."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def measured(
 
 @dataclass
 class CheckpointHistory:
-    """What the checkpoints so far have shown."""
+    """Figures of all checkpoints so far, and the best score."""
 
     entries: list[dict[str, Any]] = field(default_factory=list)
     """One entry for each checkpoint."""
     best: float = float("inf")
     """Lowest score so far."""
     since: int = 0
-    """Measurements since then."""
+    """Number of measurements since the best one."""
 
     def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
         """Add a checkpoint's entry and its figures; return whether it is the best so far.

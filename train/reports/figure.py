@@ -13,7 +13,7 @@ from train.analysis.report import Report
 from train.analysis.statistics import Summary
 
 COLOURS = ("#c44e52", "#4c72b0", "#55a868", "#dd8452", "#8172b3", "#937860")
-"""One for each condition, in order."""
+"""Colours of the conditions, in order."""
 LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
 SPREAD = 0.06
 """Half the width over which the points of a condition are spread, in units of the distance between conditions."""
@@ -84,7 +84,7 @@ def _folded(name: str) -> str:
 
 
 def _ratio_line(report: Report, metric: str) -> str:
-    """Return the ratios to the last condition, which the others are compared with."""
+    """Return the ratios to the last condition, with which all others are compared."""
     last = report.figures.conditions[-1]
     found = [c for c in report.comparisons if c.metric == metric and c.b == last and c.ratio.ratio is not None]
     texts = [

@@ -5,6 +5,7 @@ Shapes: R rows, F components of an observation, K components that a strategy see
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -24,21 +25,18 @@ class Pilot(Protocol):
     """What chooses an option for each row."""
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Take note that a mission of a `seed` begins in `rows` (N,)."""
+        """Prepare `rows` (N,) for a mission that begins, whose seed is `seed`."""
 
     def choose(self, observations: Observations) -> Ints:
-        """Return the option (R,) that each row holds in the coming decision period, from what it sees (R, F)."""
+        """Return the option (R,) that each row holds in the coming decision period, from its observations (R, F)."""
 
 
-class PilotMaker(Protocol):
-    """What makes a pilot for a batch of worlds."""
-
-    def __call__(self, problem: Problem, teams: Ints) -> Pilot:
-        """Return a pilot for rows of `teams` (R,), whose features are all components of the observation."""
+PilotMaker = Callable[[Problem, Ints], Pilot]
+"""Makes a pilot for rows of teams (R,), for a problem whose features are all components of the observation."""
 
 
 class StrategyPilot:
-    """A strategy that decides anew in every decision period, and learns no more."""
+    """A strategy that decides in every decision period, and does not learn."""
 
     def __init__(self, strategy: DecisionStrategy, columns: Ints) -> None:
         """`columns` (K,) of an observation are the context of the strategy."""
@@ -54,7 +52,7 @@ class StrategyPilot:
 
 
 class PolicyPilot:
-    """A trained network: the likeliest option."""
+    """A trained network that always takes the likeliest option."""
 
     def __init__(self, policy: TrainedPolicy, problem: Problem) -> None:
         names = policy.spec.observations
@@ -63,7 +61,7 @@ class PolicyPilot:
         self._network = Network(policy.ordered_for(known, "policy"))
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Nothing changes with a mission."""
+        """Do nothing: the decisions do not depend on the mission."""
 
     def choose(self, observations: Observations) -> Ints:
         """Return the likeliest option."""
@@ -87,7 +85,7 @@ class RulePilot:
         self.rules = rules
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Nothing changes with a mission."""
+        """Do nothing: the decisions do not depend on the mission."""
 
     def choose(self, observations: Observations) -> Ints:
         """Return the option (R,) of the situation that each row is in."""

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.running.run_folder import RunFolder
-from train.running.runs import COLUMNS, RunRecord
+from train.running.runs import RUN_COLUMNS, RunRecord
 
 JOURNAL, RUNS = "runs.jsonl", "runs.csv"
 
@@ -35,7 +35,7 @@ class Results:
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
-        """Keep a finished run: it is on the disk when this returns."""
+        """Keep a finished run, on the disk when the call returns."""
         self.records.append(record)
         for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
             with (self.folder.path / name).open("a", encoding="utf-8", newline="") as file:
@@ -66,7 +66,7 @@ class Results:
 
     def _rewrite(self) -> None:
         self.folder.write(JOURNAL, "".join(map(_line, self.records)))
-        self.folder.write(RUNS, ",".join(COLUMNS) + "\n" + "".join(map(_row, self.records)))
+        self.folder.write(RUNS, ",".join(RUN_COLUMNS) + "\n" + "".join(map(_row, self.records)))
 
 
 def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:

@@ -1,4 +1,4 @@
-"""The directory of one evaluation or one training: made, claimed by a manifest, and recognised when it goes on.
+"""Run folders: directories that evaluations and trainings claim, write to, and recognise when they go on.
 
 `manifest.json` states under `identity` what the directory is for. A directory is used again only for the same identity
 and only to resume. A directory that holds anything else is refused, and nothing in it is touched.
@@ -49,7 +49,7 @@ class RunFolder:
         write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())
 
     def _claimed(self, identity: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
-        """Return the identity that the directory holds, which has to be `identity`."""
+        """Return the identity in the manifest; ConfigurationError unless it fits `identity` and may be resumed."""
         held = _identity(self.path)
         if held is None:
             raise ConfigurationError(f"{self.path}: holds other files; expected an empty or a new directory")
@@ -95,7 +95,7 @@ def read_manifest(directory: Path) -> Json:
 
 
 def _identity(directory: Path) -> Json | None:
-    """Return what the manifest of a directory is for; None without a manifest."""
+    """Return the identity in the manifest of a directory; None without a manifest."""
     try:
         identity: Json = read_manifest(directory)["identity"]
     except ConfigurationError:

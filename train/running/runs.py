@@ -47,7 +47,7 @@ class RunRecord:
         return self.scenario, self.condition
 
     def as_mapping(self) -> dict[str, Any]:
-        """Return the record as `COLUMNS` name it, the mission's figures beside what names the run."""
+        """Return the record as `RUN_COLUMNS` name it, the mission's figures beside what names the run."""
         own = {name: getattr(self, name) for name in NAMING}
         return {**own, **asdict(self.result), "wall_s": self.wall_s}
 
@@ -63,7 +63,7 @@ NAMING = ("experiment", "scenario", "seed", "condition")
 """What names a run."""
 _RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult))
 _RECORD = TypeAdapter(RunRecord)
-COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
+RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
 """What is kept of a run, in the order of `runs.csv`."""
 
 

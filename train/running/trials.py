@@ -1,6 +1,6 @@
-"""Trials: missions of given scenarios under one way of choosing options, many worlds at once.
+"""Trials: missions of given scenarios in which a pilot chooses the options, many worlds at once.
 
-What a mission comes to does not depend on the worlds beside it nor on their number.
+The result of a mission depends neither on the worlds beside it nor on their number.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class TrialSettings:
 def run_trials(
     scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings | None = None
 ) -> list[MissionResult]:
-    """Return what each scenario came to, in their order."""
+    """Return the result of each scenario, in the order of the scenarios."""
     results: dict[int, MissionResult] = {}
     for numbers in grouped([scenario.mission for scenario in scenarios]):
         trials = _trials([scenarios[number] for number in numbers], maker, settings or TrialSettings())
@@ -52,7 +52,7 @@ def run_trials(
 def _trials(
     scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings
 ) -> Iterator[tuple[int, MissionResult]]:
-    """Yield the place of each scenario, of one frame, and what it came to, as they finish."""
+    """Yield the place in `scenarios`, all of one frame, and the result of each mission as it finishes."""
     worlds = min(settings.worlds, len(scenarios))
     waiting = iter(enumerate(scenarios))
     doing, did = [-1] * worlds, [-1] * worlds

@@ -1,26 +1,26 @@
-"""Compile before the runs: once and in one process, instead of in every worker at the same time."""
+"""Compile before the runs, once and in one process, instead of in every worker at the same time."""
 
 from pathlib import Path
 
 from rich.console import Console
 
-from clean_swarm_env.world import robot
+from clean_swarm_env.world import tick_kernels
 from selforg.compiler.cache import folder_for
 from selforg.compiler.switches import COMPILED
 from train.running.runs import Task
 
-EVERY_MISSION = Path(robot.__file__)
-"""A file whose kernels every mission calls, and only a running one."""
+EVERY_MISSION = Path(tick_kernels.__file__)
+"""The file of kernels that every mission calls, and that only a running mission calls."""
 
 
 def compile_first(task: Task) -> None:
-    """Do the first second of a run, which compiles what all runs need."""
+    """Run the first second of one run, which compiles the kernels that all runs call."""
     announce()
     task.beginning().run()
 
 
 def announce() -> None:
-    """Say on the standard error why nothing else happens for a while."""
+    """Print on the standard error that the kernels are being compiled."""
     Console(stderr=True, highlight=False, soft_wrap=True).print("compiling for this machine, once: about a minute")
 
 

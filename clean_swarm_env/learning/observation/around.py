@@ -16,7 +16,7 @@ from selforg.space import nearest_image
 
 
 class Around(NamedTuple):
-    """Arrays of the worlds, and what `searches` fills in. Terms only read them."""
+    """Arrays of the worlds, and arrays that `searches` fills. Terms only read them."""
 
     extent: Annotated[Floats, "2"]  # of the torus [m]
     positions: Annotated[Floats, "R 2"]  # of the robots [m]
@@ -43,8 +43,8 @@ class Around(NamedTuple):
     carriers: Annotated[Ints, "1 R"]  # number of other robots with cargo within the largest range
 
 
-AROUND = Recording(Around)
-open_around = AROUND.open
+AROUND_RECORD = Recording(Around)
+open_around = AROUND_RECORD.open
 
 
 @inlined

@@ -7,11 +7,11 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.learning.observation.around import AROUND, Around, open_around
+from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
 from clean_swarm_env.learning.observation.searches import find_items, find_neighbours, find_stations, list_present
 from clean_swarm_env.learning.observation.term import Observed
 from clean_swarm_env.learning.observation.terms import ObservationConfig
-from clean_swarm_env.learning.progress import Progress
+from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
@@ -33,9 +33,9 @@ class Observer:
 
     """
 
-    def __init__(self, worlds: Worlds, progress: Progress, config: ObservationConfig | None = None) -> None:
+    def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = config or ObservationConfig()
-        self._around = AROUND.pack(around_robots(worlds, self.config.neighbour_ranges))
+        self._around = AROUND_RECORD.pack(around_robots(worlds, self.config.neighbour_ranges))
         self._terms = self.config.build(Observed(worlds, progress, self._around))
         needed = {need for term in self._terms for need in term.needs}
         self._searches = [search for name, search in SEARCHES.items() if name in needed]
@@ -65,7 +65,7 @@ class Observer:
 
 def around_robots(worlds: Worlds, neighbour_ranges: tuple[float, ...]) -> Around:
     """Return what is around the robots of `worlds`, with nothing found yet."""
-    garbage, physics, items = worlds.garbage, worlds.physics, worlds.mission.garbage
+    garbage, physics = worlds.garbage, worlds.physics
 
     def numbers(*shape: int) -> Ints:
         return np.zeros(shape, dtype=np.int64)
@@ -80,7 +80,7 @@ def around_robots(worlds: Worlds, neighbour_ranges: tuple[float, ...]) -> Around
         items=garbage.positions,
         stage=garbage.stage,
         stations=worlds.stations,
-        sight=items.diffusion + items.goal_radius + items.view_distance,
+        sight=worlds.floor.packed.record.sight,
         longest=0.5 * float(np.hypot(*worlds.extent)),
         ranges=np.array(neighbour_ranges),
         team=numbers(worlds.worlds),

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from clean_swarm_env.learning.observation.around import Around
-from clean_swarm_env.learning.progress import Progress
+from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.records import Packed
 from selforg.registry import Registry
 
-Search = Literal["stations", "neighbours"]
+Need = Literal["stations", "neighbours"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Observed:
     """
 
     worlds: Worlds
-    progress: Progress
+    progress: MissionProgress
     around: Packed[Around]
 
 
@@ -70,7 +70,7 @@ class Term(ABC):
     """
 
     name: ClassVar[str]
-    needs: ClassVar[tuple[Search, ...]] = ()
+    needs: ClassVar[tuple[Need, ...]] = ()
     components: tuple[str, ...] = ()
 
     def __init__(self, observed: Observed) -> None:

@@ -1,4 +1,4 @@
-"""The choice of terms that an observation is made of. Importing this module registers the shipped terms.
+"""The choice of terms that an observation is made of.
 
 Every component lies within [-1, 1] and is multiplied by the weight of its term. Directions are unit vectors in the
 robot's own frame (`_ahead`, `_left`); distances are divided by the longest way on the torus, or by the range within
@@ -24,7 +24,7 @@ DEFAULT_TERMS = (
     "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
     "crowd", "carriers", "avoidance", "movement", "mission", "idle", "density", "holds",
 )  # fmt: skip
-"""What an observation is made of unless something else is chosen; a new term changes no observation by itself."""
+"""What an observation is made of unless other terms are chosen; the modules of these terms are imported above."""
 
 
 class TermConfig(Closed):

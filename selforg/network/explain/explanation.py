@@ -1,4 +1,4 @@
-"""One recorded step of one robot, by name: what every behaviour got from whom, and why it runs or does not."""
+"""Explanation: a recorded step of one robot by name, what every behaviour got and why it runs or does not."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from selforg.arrays import Floats, Ints
 from selforg.network.explain.recording import StepRecord
-from selforg.network.model import packed as t
 from selforg.network.model.activators import Activator
 from selforg.network.model.behaviours import Behaviour
 from selforg.network.model.conditions import Condition, Optional, Tree
 from selforg.network.model.model import NetworkModel
-from selforg.network.model.packed import Floats, ints_of
+from selforg.network.state import plan_state as ps
 from selforg.network.state import reasons as why
 from selforg.network.state import state as st
-from selforg.network.step import plan_monitoring as pw
-from selforg.network.step.satisfaction import evaluate_leaves, evaluate_nodes
+from selforg.network.step.satisfaction import evaluate_conditions
+from selforg.network.step.scratch import scratch_for
 
 
 @dataclass(frozen=True)
@@ -90,10 +90,10 @@ def explain(model: NetworkModel, record: StepRecord, row: int) -> Explanation:
     found = np.flatnonzero(record.rows == row)
     if not len(found):
         raise ValueError(f"row {row} was not recorded (recorded: {', '.join(map(str, record.rows.tolist()))})")
-    return _Witness(model, record, int(found[0])).explanation()
+    return _RecordReader(model, record, int(found[0])).explanation()
 
 
-class _Witness:
+class _RecordReader:
     """Reads one row of a record with the model's names."""
 
     def __init__(self, model: NetworkModel, record: StepRecord, k: int) -> None:
@@ -103,61 +103,62 @@ class _Witness:
 
     def explanation(self) -> Explanation:
         record, k, model = self.record, self.k, self.model
-        length, known = record.plan_marks[pw.LENGTH, k], record.plan_marks[pw.KNOWN, k]
+        length, known = record.plan_marks[ps.LENGTH, k], record.plan_marks[ps.KNOWN, k]
         activation = record.values[st.ACTIVATION, k]
         order = [b for b in np.argsort(-activation, kind="stable") if record.marks[st.PRESENT, k, b]]
         return Explanation(
-            float(record.row_values[st.THRESHOLD, k]),
-            float(record.row_values[st.DECIDING, k]),
-            float(record.row_values[st.TOTAL, k]),
-            tuple(self.names[b] for b in record.plan[k, :length]) if known else None,
-            int(record.plan_marks[pw.INDEX, k]),
-            {sensor.name: float(value) for sensor, value in zip(model.sensors, record.readings[k], strict=True)},
-            tuple(self._behaviour(int(b)) for b in order),
-            tuple(self._goal(g) for g in range(len(model.goals))),
+            threshold=float(record.row_values[st.THRESHOLD, k]),
+            deciding=float(record.row_values[st.DECIDING, k]),
+            total=float(record.row_values[st.TOTAL, k]),
+            plan=tuple(self.names[b] for b in record.plan[k, :length]) if known else None,
+            plan_index=int(record.plan_marks[ps.INDEX, k]),
+            readings={
+                sensor.name: float(value) for sensor, value in zip(model.sensors, record.readings[k], strict=True)
+            },
+            behaviours=tuple(self._behaviour(int(b)) for b in order),
+            goals=tuple(self._goal(g) for g in range(len(model.goals))),
         )
 
     def _behaviour(self, b: int) -> BehaviourAccount:
         values, marks = self.record.values[:, self.k, b], self.record.marks[:, self.k, b]
         return BehaviourAccount(
-            self.names[b],
-            bool(marks[st.EXECUTING]),
-            self._why(marks),
-            float(values[st.ACTIVATION]),
-            float(values[st.SATISFACTION]),
-            bool(marks[st.READY]),
-            {name: float(values[layer]) for name, layer in st.COMPONENTS.items()},
-            self._wishes(b),
-            tuple(self._conditions_of(b, self.model.behaviours[b], int(marks[st.ALTERNATIVE]))),
+            name=self.names[b],
+            running=bool(marks[st.EXECUTING]),
+            why=self._why(marks),
+            activation=float(values[st.ACTIVATION]),
+            satisfaction=float(values[st.SATISFACTION]),
+            ready=bool(marks[st.READY]),
+            components={name: float(values[layer]) for name, layer in st.COMPONENTS.items()},
+            wishes=self._wishes(b),
+            conditions=tuple(self._conditions_of(b, self.model.behaviours[b], int(marks[st.ALTERNATIVE]))),
         )
 
-    def _why(self, marks: t.Ints) -> str:
+    def _why(self, marks: Ints) -> str:
         if len(marks) < st.EXPLAINED_LAYERS:
             return ""
         by = int(marks[st.BY])
         return why.in_words(int(marks[st.REASON]), self.names[by] if by >= 0 else None)
 
     def _goal(self, g: int) -> GoalAccount:
-        ints, goal = self.model.ints, self.model.goals[g]
-        first, node = ints_of(ints, t.GOAL_FIRST), ints_of(ints, t.GOAL_NODE)
-        roots = node[first[g] : first[g + 1]]
+        packed, goal = self.model.packed.record, self.model.goals[g]
+        roots = packed.goal_node[packed.goal_first[g] : packed.goal_first[g + 1]]
         return GoalAccount(
-            goal.name,
-            bool(self.record.goal_enabled[self.k, g]),
-            float(self.record.goal_satisfaction[self.k, g]),
-            self._wishes(len(self.names) + g),
-            tuple(self._tree(tree, int(root)) for tree, root in zip(goal.conditions, roots, strict=True)),
+            name=goal.name,
+            enabled=bool(self.record.goal_enabled[self.k, g]),
+            satisfaction=float(self.record.goal_satisfaction[self.k, g]),
+            wishes=self._wishes(len(self.names) + g),
+            conditions=tuple(self._tree(tree, int(root)) for tree, root in zip(goal.conditions, roots, strict=True)),
         )
 
     def _wishes(self, owner: int) -> tuple[tuple[str, float], ...]:
-        first, sensor = ints_of(self.model.ints, t.WISH_FIRST), ints_of(self.model.ints, t.WISH_SENSOR)
+        packed = self.model.packed.record
         kept, wishes = self.record.wish_kept[self.k], self.record.wishes[self.k]
-        mine = range(first[owner], first[owner + 1])
-        return tuple((self.model.sensors[sensor[u]].name, float(wishes[u])) for u in mine if kept[u])
+        mine = range(packed.wish_first[owner], packed.wish_first[owner + 1])
+        return tuple((self.model.sensors[packed.wish_sensor[u]].name, float(wishes[u])) for u in mine if kept[u])
 
     def _conditions_of(self, b: int, behaviour: Behaviour, alternative: int) -> list[ConditionAccount]:
         roots = iter(self.model.precondition_roots[b])
-        told = []
+        accounts = []
         for tag, interface in behaviour.interfaces:
             for precondition in interface.preconditions:
                 tree = precondition.of if isinstance(precondition, Optional) else precondition
@@ -165,8 +166,8 @@ class _Witness:
                 if isinstance(precondition, Optional):
                     account = ConditionAccount(f"optional: {account.label}", account.satisfaction, account.parts)
                 if tag in (-1, alternative):
-                    told.append(account)
-        return told
+                    accounts.append(account)
+        return accounts
 
     def _tree(self, tree: Tree, node: int) -> ConditionAccount:
         value = float(self.nodes[node])
@@ -174,8 +175,9 @@ class _Witness:
             reading = self.record.readings[self.k, self.model.sensor_index[tree.sensor]]
             return ConditionAccount(f"{tree.sensor} = {reading:.4g}, {in_short(tree.activator)}", value)
         below = tree.of if isinstance(tree.of, tuple) else (tree.of,)
-        first, child = ints_of(self.model.ints, t.NODE_FIRST), ints_of(self.model.ints, t.NODE_CHILD)
-        parts = zip(below, child[first[node] : first[node + 1]], strict=True)
+        packed = self.model.packed.record
+        children = packed.node_child[packed.node_first[node] : packed.node_first[node + 1]]
+        parts = zip(below, children, strict=True)
         return ConditionAccount(type(tree).__name__, value, tuple(self._tree(part, int(at)) for part, at in parts))
 
 
@@ -186,9 +188,7 @@ def in_short(activator: Activator) -> str:
 
 
 def _node_values(model: NetworkModel, readings: Floats) -> Floats:
-    """Satisfaction of every node (C,) at `readings` (S,)."""
-    leaves = np.empty((2, len(ints_of(model.ints, t.LEAF_SENSOR))))
-    values = np.empty(len(ints_of(model.ints, t.NODE_KIND)))
-    evaluate_leaves(0, model.ints, model.floats, readings[None], leaves)
-    evaluate_nodes(model.ints, leaves, values)
-    return values
+    """Return the satisfaction of every node (C,) at `readings` (S,)."""
+    scratch = scratch_for(model.packed.record)
+    evaluate_conditions(np.ascontiguousarray(readings[None]), model.packed.words, scratch.words)
+    return scratch.record.node_satisfaction

@@ -1,4 +1,4 @@
-"""What a network decided, step by step, kept for later: everything that an explanation needs.
+"""Recording: what a network decided, step by step, with everything that an explanation needs.
 
     network = BehaviourNetwork(model, rows, explained=True)
     recorder = Recorder(network)
@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from selforg.network.model.packed import Floats, Ints
+from selforg.arrays import Floats, Ints
 from selforg.network.network import BehaviourNetwork
-from selforg.network.step import plan_monitoring as pw
+from selforg.network.state import plan_state as ps
 
 
 @dataclass(frozen=True)
 class StepRecord:
-    """One step of R rows; the layers are those of `state` and `plan_watch`.
+    """One step of R rows; the layers are those of `state` and `plan_state`.
 
     Attributes:
         rows: (R,) rows of the network that these are.
@@ -56,32 +56,40 @@ class StepRecord:
 
 
 class Recorder:
-    """Copies what a network knows after a step, for all rows or `rows` (K,)."""
+    """Copies what a network knows after a step, of all rows or `rows` (K,)."""
 
-    def __init__(self, network: BehaviourNetwork, rows: NDArray[np.int64] | None = None) -> None:
+    def __init__(self, network: BehaviourNetwork, rows: Ints | None = None) -> None:
         self.network = network
         self.rows = np.arange(network.rows) if rows is None else rows
         self.steps: list[StepRecord] = []
 
     def take(self) -> StepRecord:
         """Record the last step."""
-        s, p, rows = self.network.state, self.network.plans, self.rows
+        state, plans, rows = self.network.state, self.network.plans, self.rows
         record = StepRecord(
-            rows, s.values[:, rows], s.marks[:, rows], s.row_values[:, rows], s.goal_satisfaction[rows],
-            s.goal_enabled[rows], s.wishes[rows], s.wish_kept[rows], self.network.readings[rows], p.steps[rows],
-            p.marks[:, rows],
-        )  # fmt: skip
+            rows=rows,
+            values=state.values[:, rows],
+            marks=state.marks[:, rows],
+            row_values=state.row_values[:, rows],
+            goal_satisfaction=state.goal_satisfaction[rows],
+            goal_enabled=state.goal_enabled[rows],
+            wishes=state.wishes[rows],
+            wish_kept=state.wish_kept[rows],
+            readings=state.readings[rows],
+            plan=plans.steps[rows],
+            plan_marks=plans.marks[:, rows],
+        )
         self.steps.append(record)
         return record
 
 
 def stacked(steps: Sequence[StepRecord]) -> dict[str, NDArray[Any]]:
     """Return the steps as arrays (T, ...) by name; plans are cut to the longest one."""
-    longest = max((int(step.plan_marks[pw.LENGTH].max(initial=0)) for step in steps), default=0)
+    longest = max((int(step.plan_marks[ps.LENGTH].max(initial=0)) for step in steps), default=0)
     arrays = {field.name: np.stack([getattr(step, field.name) for step in steps]) for field in fields(StepRecord)}
     return arrays | {"plan": arrays["plan"][:, :, :longest]}
 
 
 def record_at(arrays: Mapping[str, NDArray[Any]], step: int) -> StepRecord:
     """Return step `step` of what `stacked` has made."""
-    return StepRecord(*(arrays[field.name][step] for field in fields(StepRecord)))
+    return StepRecord(**{field.name: arrays[field.name][step] for field in fields(StepRecord)})

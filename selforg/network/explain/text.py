@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount
 
-COLUMNS = {
+TERM_TITLES = {
     "preconditions": "situation",
     "goals": "goals",
     "goal_inhibition": "inhibition",
@@ -17,9 +17,9 @@ COLUMNS = {
 }
 
 
-def as_text(explanation: Explanation) -> str:
+def text_of(explanation: Explanation) -> str:
     """Return the whole explanation."""
-    return "\n".join([*header(explanation), "", *table(explanation.behaviours), "", *tree(explanation)])
+    return "\n".join([*header(explanation), "", *table(explanation.behaviours), "", *condition_tree(explanation)])
 
 
 def header(explanation: Explanation) -> Iterator[str]:
@@ -37,13 +37,13 @@ def header(explanation: Explanation) -> Iterator[str]:
 
 def table(behaviours: Sequence[BehaviourAccount]) -> list[str]:
     """Return a line for each behaviour in falling activation; * marks what runs."""
-    head = ["", "behaviour", "activation", *COLUMNS.values(), "satisfied", "why"]
+    head = ["", "behaviour", "activation", *TERM_TITLES.values(), "satisfied", "why"]
     rows = [head, *(_cells(account) for account in behaviours)]
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
     return ["  ".join(_aligned(row, widths)).rstrip() for row in rows]
 
 
-def tree(explanation: Explanation) -> Iterator[str]:
+def condition_tree(explanation: Explanation) -> Iterator[str]:
     """Yield behaviours and goals with their wishes and conditions."""
     for account in explanation.behaviours:
         ready = "ready" if account.ready else "not ready"
@@ -56,13 +56,13 @@ def tree(explanation: Explanation) -> Iterator[str]:
 
 
 def _cells(account: BehaviourAccount) -> list[str]:
-    terms = [f"{account.components[name]:.3f}" for name in COLUMNS]
+    terms = [f"{account.components[name]:.3f}" for name in TERM_TITLES]
     mark = "*" if account.running else ""
     return [mark, account.name, f"{account.activation:.3f}", *terms, f"{account.satisfaction:.2f}", account.why]
 
 
 def _aligned(row: list[str], widths: list[int]) -> list[str]:
-    """Names and reasons to the left, numbers to the right."""
+    """Pad cells to a width: names and reasons to the left, numbers to the right."""
     left = (0, 1, len(row) - 1)
     return [text.ljust(w) if k in left else text.rjust(w) for k, (text, w) in enumerate(zip(row, widths, strict=True))]
 

@@ -12,22 +12,23 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from selforg.compiler.decorators import inlined
-from selforg.parameters import Finite, NonNegative, Share
+from selforg.parameters import AtLeastZero, Finite, UpToOne
 from selforg.registry import Registry
 
-BOOLEAN, THRESHOLD, LINEAR, GREEDY, EQUAL = range(5)
+BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
+"""Kinds of activators."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Activator(ABC):
-    """What every activator has: the satisfaction when it is not fulfilled and when it is.
+    """The base of all activators: the satisfaction when it is not fulfilled and when it is.
 
     A registered activator can be declared in documents: its keys are its fields. One of a new class shares the rule of
     another, by its `kind`; the planner knows the rules of the classes below, and those of their subclasses.
     """
 
-    low: Share = 0.0
-    high: Share = 1.0
+    low: UpToOne = 0.0
+    high: UpToOne = 1.0
     kind: ClassVar[int]
 
     def __post_init__(self) -> None:
@@ -42,7 +43,7 @@ class Activator(ABC):
     @property
     @abstractmethod
     def parameters(self) -> tuple[float, float]:
-        """The two numbers that the rule needs."""
+        """The two numbers that `activate` needs."""
 
     @property
     @abstractmethod
@@ -59,7 +60,7 @@ class Boolean(Activator):
     """Fulfilled while a fact is `desired`."""
 
     desired: bool = True
-    kind: ClassVar[int] = BOOLEAN
+    kind: ClassVar[int] = BOOLEAN_RULE
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -82,8 +83,8 @@ class Threshold(Activator):
 
     threshold: Finite
     minimum: bool = True
-    value_range: NonNegative = 0.0
-    kind: ClassVar[int] = THRESHOLD
+    value_range: AtLeastZero = 0.0
+    kind: ClassVar[int] = THRESHOLD_RULE
 
     @classmethod
     def example(cls) -> dict[str, Any]:
@@ -108,7 +109,7 @@ class Linear(Activator):
 
     zero: Finite
     full: Finite
-    kind: ClassVar[int] = LINEAR
+    kind: ClassVar[int] = LINEAR_RULE
 
     @classmethod
     def example(cls) -> dict[str, Any]:
@@ -138,7 +139,7 @@ class Greedy(Activator):
 
     maximise: bool = True
     step_size: Finite = 1.0
-    kind: ClassVar[int] = GREEDY
+    kind: ClassVar[int] = GREEDY_RULE
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -157,7 +158,7 @@ class Equal(Activator):
     """Fulfilled while a reading is exactly `value`."""
 
     value: Finite
-    kind: ClassVar[int] = EQUAL
+    kind: ClassVar[int] = EQUAL_RULE
 
     @classmethod
     def example(cls) -> dict[str, Any]:
@@ -179,18 +180,18 @@ class Equal(Activator):
 def activate(
     kind: int, reading: float, a: float, b: float, low: float, high: float, direction: float
 ) -> tuple[float, float]:
-    """Satisfaction and wish of one reading; `a`, `b` are the activator's `parameters`."""
-    if kind == LINEAR:
+    """Return satisfaction and wish at one reading; `a` and `b` are the activator's `parameters`."""
+    if kind == LINEAR_RULE:
         slope = (reading - a) / (b - a)
         satisfaction = min(max(low + slope * (high - low), low), high)
         missing = (b - reading) / abs(b - a)
         wish = min(max(missing, 0.0), 1.0) if direction > 0.0 else min(max(missing, -1.0), 0.0)
         return satisfaction, wish
-    if kind == GREEDY:
+    if kind == GREEDY_RULE:
         return (1.0 if a == 0.0 else 0.0), direction
     fulfilled = reading == a
     wish = direction
-    if kind == THRESHOLD:
+    if kind == THRESHOLD_RULE:
         fulfilled = reading >= a if direction > 0.0 else reading <= a
         if b != 0.0:
             wish = min(max((a - reading) / b, -1.0), 1.0)

@@ -1,9 +1,9 @@
-"""What a network is made of: sensors, behaviours with effects, goals, sub-networks."""
+"""The parts of a network: sensors, behaviours with effects, goals, and the settings by which it decides."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -151,6 +151,13 @@ class NetworkSettings:
             raise ValueError(f"activation_decay must lie in [0, 1], got {self.activation_decay}")
         if self.max_parallel is not None and self.max_parallel < 1:
             raise ValueError(f"max_parallel must be at least 1 or None, got {self.max_parallel}")
+
+
+def column_of(columns: Mapping[str, int], name: str, where: str) -> int:
+    """Return the column of the sensor `name`, to which `where` refers; ValueError for an unknown one."""
+    if name not in columns:
+        raise ValueError(f"{where}: unknown sensor {name!r} (known: {', '.join(columns)})")
+    return columns[name]
 
 
 def _check_choice(what: str, given: str, known: tuple[str, ...]) -> None:

@@ -1,4 +1,4 @@
-"""Conditions: a sensor with an activator, and what can be composed of conditions."""
+"""Conditions: a sensor with an activator, and compositions of conditions."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class Condition:
 
 @dataclass(frozen=True)
 class Negation:
-    """1 - satisfaction, with the wishes turned round."""
+    """Satisfaction 1 - s of a condition with satisfaction s, and its wishes reversed."""
 
     of: Tree
 
 
 @dataclass(frozen=True, init=False)
 class Conjunction:
-    """The product of the satisfactions; all wishes."""
+    """The product of the satisfactions, and all wishes."""
 
     of: tuple[Tree, ...]
 
@@ -36,7 +36,7 @@ class Conjunction:
 
 @dataclass(frozen=True, init=False)
 class Disjunction:
-    """The largest of the satisfactions; all wishes."""
+    """The largest of the satisfactions, and all wishes."""
 
     of: tuple[Tree, ...]
 

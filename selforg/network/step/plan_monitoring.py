@@ -1,4 +1,4 @@
-"""How a plan is followed: when its next step is due and when a new plan is needed (compiled).
+"""Plan monitoring: when the next step of a plan is due and when a new plan is needed (compiled).
 
 A new plan is needed when there is none, when the world changed in a way that nothing running was expected to bring
 about, when a behaviour timed out or one that the plan did not ask for ended itself, and when the network itself
@@ -12,133 +12,113 @@ half its size instead.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
-from selforg.network.model import packed as t
-from selforg.network.model.packed import Floats, Ints, begin_of, float_begin_of
+from selforg.compiler.records import Words
+from selforg.network.model.packed import PackedModel, open_model
+from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-
-# marks (PLAN_LAYERS, R), mark_table (R, PLAN_LAYERS)
-(
-    INDEX,  # of the step that is due
-    LENGTH,
-    KNOWN,  # the last attempt found a plan
-    ALARM,  # something happened that asks for a new plan
-    NEEDED,  # this step needs a new plan
-    PLAN_LAYERS,
-) = range(6)
-
-MAX_PLAN = 64
-
-
-class PlanState:
-    """What a network remembers about the plans of its R rows; S sensors."""
-
-    def __init__(self, rows: int, sensors: int) -> None:
-        self.steps: NDArray[np.int64] = np.zeros((rows, MAX_PLAN), dtype=np.int64)
-        self.mark_table: NDArray[np.int64] = np.zeros((rows, PLAN_LAYERS), dtype=np.int64)
-        self.marks: NDArray[np.int64] = self.mark_table.T
-        self.readings: NDArray[np.float64] = np.zeros((rows, 2, sensors))  # of the last step; change since last idle
+from selforg.network.state.plan_state import RowPlans, open_plans
+from selforg.network.state.state import RowStates, open_states
 
 
 @inlined
-def is_relevant(row: int, sensor: int, ints: Ints, marks: Ints, goal_enabled: Ints) -> bool:
-    """Whether a condition of a behaviour or of a goal that is on looks at `sensor`."""
-    owner, tag = begin_of(ints, t.WISH_OWNER), begin_of(ints, t.WISH_TAG)
-    first, entry = begin_of(ints, t.SENSOR_WISH_FIRST) + sensor, begin_of(ints, t.SENSOR_WISH)
-    for k in range(ints[first], ints[first + 1]):
-        wish = ints[entry + k]
-        b, held = ints[owner + wish], ints[tag + wish]
-        if marks[row, st.PRESENT, b] and (held < 0 or held == marks[row, st.ALTERNATIVE, b]):
-            return True
-    first, entry = begin_of(ints, t.SENSOR_GOAL_WISH_FIRST) + sensor, begin_of(ints, t.SENSOR_GOAL_WISH)
-    behaviours = marks.shape[2]
-    for k in range(ints[first], ints[first + 1]):
-        if goal_enabled[row, ints[owner + ints[entry + k]] - behaviours]:
-            return True
-    return False
+def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> None:
+    """Pass the due step of the plan of `row` if it is done, and note whether a new plan is needed.
+
+    Call it before the marks of what ended itself are cleared.
+    """
+    expected = see_changes(row, model, states, plans)
+    p, marks = open_plans(plans), open_states(states).marks
+    steps, plan_marks, seen = p.steps, p.marks, p.readings
+    index = plan_marks[row, ps.INDEX]
+    due = steps[row, index] if index < plan_marks[row, ps.LENGTH] else -1
+    alarm = plan_marks[row, ps.ALARM] == 1
+    for b in range(marks.shape[2]):
+        alarm = alarm or (marks[row, st.ENDED, b] == 1 and b != due)
+    plan_marks[row, ps.ALARM] = 0
+    if alarm or not expected or not plan_marks[row, ps.KNOWN]:
+        plan_marks[row, ps.NEEDED] = 1
+        for sensor in range(seen.shape[2]):
+            seen[row, ps.SINCE_IDLE, sensor] = 0.0
+    elif due >= 0 and ran(row, due, marks):
+        done = marks[row, st.ENDED, due] == 1
+        if done or is_realised(row, due, model, states, plans):
+            plan_marks[row, ps.INDEX] = index + 1
 
 
 @inlined
-def ran(row: int, b: int, marks: Ints) -> bool:
-    """Whether behaviour `b` was running until now."""
-    return bool(marks[row, st.EXECUTING, b] == 1 or marks[row, st.FINISHED, b] == 1)
-
-
-@inlined
-def was_expected(row: int, sensor: int, change: float, ints: Ints, floats: Floats, marks: Ints) -> bool:
-    """Whether something that ran has an effect on `sensor` in the direction of `change`."""
-    first, entry = begin_of(ints, t.SENSOR_EFFECT_FIRST) + sensor, begin_of(ints, t.SENSOR_EFFECT)
-    owner, tag = begin_of(ints, t.EFFECT_OWNER), begin_of(ints, t.EFFECT_TAG)
-    effect = float_begin_of(floats, t.EFFECT_CHANGE)
-    for k in range(ints[first], ints[first + 1]):
-        e = ints[entry + k]
-        b, held = ints[owner + e], ints[tag + e]
-        shown = held < 0 or held == marks[row, st.ALTERNATIVE, b]
-        if shown and floats[effect + e] * change > 0.0 and ran(row, b, marks):
-            return True
-    return False
-
-
-@inlined
-def is_realised(row: int, b: int, ints: Ints, floats: Floats, marks: Ints, plan_readings: Floats) -> bool:
-    """Whether all effects of behaviour `b` count as realised by the change since the row last stood idle."""
-    first, sensor, tag = begin_of(ints, t.EFFECT_FIRST), begin_of(ints, t.EFFECT_SENSOR), begin_of(ints, t.EFFECT_TAG)
-    effect, strict = float_begin_of(floats, t.EFFECT_CHANGE), ints[begin_of(ints, t.OPTIONS) + 3]
-    for e in range(ints[first + b], ints[first + b + 1]):
-        if ints[tag + e] >= 0 and ints[tag + e] != marks[row, st.ALTERNATIVE, b]:
-            continue
-        seen, wanted = plan_readings[row, 1, ints[sensor + e]], floats[effect + e]
-        realised = wanted * seen > 0.0 and abs(seen) >= 0.5 * abs(wanted) if strict else wanted >= seen
-        if not realised:
-            return False
-    return True
-
-
-@inlined
-def see_changes(
-    row: int, ints: Ints, floats: Floats, readings: Floats, marks: Ints, goal_enabled: Ints, plan_readings: Floats
-) -> bool:
-    """Note what changed since the last step; returns whether all of it was expected."""
+def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
+    """Note what changed since the last step; return whether all of it was expected."""
+    s, seen = open_states(states), open_plans(plans).readings
+    readings, marks = s.readings, s.marks
     idle = True
     for b in range(marks.shape[2]):
         idle = idle and not ran(row, b, marks)
     expected = True
     for sensor in range(readings.shape[1]):
-        change = readings[row, sensor] - plan_readings[row, 0, sensor]
-        plan_readings[row, 0, sensor] = readings[row, sensor]
+        change = readings[row, sensor] - seen[row, ps.LAST_STEP, sensor]
+        seen[row, ps.LAST_STEP, sensor] = readings[row, sensor]
         if idle:
-            plan_readings[row, 1, sensor] = 0.0
-        if change == 0.0 or not is_relevant(row, sensor, ints, marks, goal_enabled):
+            seen[row, ps.SINCE_IDLE, sensor] = 0.0
+        if change == 0.0 or not is_relevant(row, sensor, model, states):
             continue
-        plan_readings[row, 1, sensor] += change
-        expected = expected and was_expected(row, sensor, change, ints, floats, marks)
+        seen[row, ps.SINCE_IDLE, sensor] += change
+        expected = expected and was_expected(row, sensor, change, model, states)
     return expected
 
 
 @inlined
-def watch_plan(
-    row: int, ints: Ints, floats: Floats, readings: Floats, marks: Ints, goal_enabled: Ints, plan: Ints,
-    plan_marks: Ints, plan_readings: Floats,
-) -> None:  # fmt: skip
-    """Pass the due step of the plan of `row` if it is done, and note whether a new plan is needed.
+def ran(row: int, b: int, marks: Ints) -> bool:
+    """Whether behaviour `b` was running until now."""
+    return bool(marks[row, st.EXECUTING, b] == 1 or marks[row, st.ENDED, b] == 1)
 
-    Call it before what ended itself is forgotten.
-    """
-    expected = see_changes(row, ints, floats, readings, marks, goal_enabled, plan_readings)
-    index = plan_marks[row, INDEX]
-    due = plan[row, index] if index < plan_marks[row, LENGTH] else -1
-    alarm = plan_marks[row, ALARM] == 1
-    for b in range(marks.shape[2]):
-        alarm = alarm or (marks[row, st.FINISHED, b] == 1 and b != due)
-    plan_marks[row, ALARM] = 0
-    if alarm or not expected or not plan_marks[row, KNOWN]:
-        plan_marks[row, NEEDED] = 1
-        for sensor in range(readings.shape[1]):
-            plan_readings[row, 1, sensor] = 0.0
-    elif due >= 0 and ran(row, due, marks):
-        done = marks[row, st.FINISHED, due] == 1
-        if done or is_realised(row, due, ints, floats, marks, plan_readings):
-            plan_marks[row, INDEX] = index + 1
+
+@inlined
+def is_relevant(row: int, sensor: int, model: Words[PackedModel], states: Words[RowStates]) -> bool:
+    """Whether a condition of a behaviour, or of a goal that is on, looks at `sensor`."""
+    m, s = open_model(model), open_states(states)
+    owner, tag, marks = m.wish_owner, m.wish_tag, s.marks
+    first, about = m.sensor_wish_first, m.sensor_wish
+    goal_first, about_goals, enabled = m.sensor_goal_wish_first, m.sensor_goal_wish, s.goal_enabled
+    for k in range(first[sensor], first[sensor + 1]):
+        wish = about[k]
+        b = owner[wish]
+        if marks[row, st.PRESENT, b] and (tag[wish] < 0 or tag[wish] == marks[row, st.ALTERNATIVE, b]):
+            return True
+    behaviours = marks.shape[2]
+    for k in range(goal_first[sensor], goal_first[sensor + 1]):
+        if enabled[row, owner[about_goals[k]] - behaviours]:
+            return True
+    return False
+
+
+@inlined
+def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel], states: Words[RowStates]) -> bool:
+    """Whether something that ran has an effect on `sensor` in the direction of `change`."""
+    m, marks = open_model(model), open_states(states).marks
+    first, effects = m.sensor_effect_first, m.sensor_effect
+    owner, tag, effect = m.effect_owner, m.effect_tag, m.effect_change
+    for k in range(first[sensor], first[sensor + 1]):
+        e = effects[k]
+        b = owner[e]
+        shown = tag[e] < 0 or tag[e] == marks[row, st.ALTERNATIVE, b]
+        if shown and effect[e] * change > 0.0 and ran(row, b, marks):
+            return True
+    return False
+
+
+@inlined
+def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
+    """Whether all effects of behaviour `b` count as realised by the change since the row last stood idle."""
+    m, marks, readings = open_model(model), open_states(states).marks, open_plans(plans).readings
+    first, sensor, tag = m.effect_first, m.effect_sensor, m.effect_tag
+    effect, strict = m.effect_change, m.strict_progress
+    for e in range(first[b], first[b + 1]):
+        if tag[e] >= 0 and tag[e] != marks[row, st.ALTERNATIVE, b]:
+            continue
+        seen, wanted = readings[row, ps.SINCE_IDLE, sensor[e]], effect[e]
+        realised = wanted * seen > 0.0 and abs(seen) >= 0.5 * abs(wanted) if strict else wanted >= seen
+        if not realised:
+            return False
+    return True

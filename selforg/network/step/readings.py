@@ -1,7 +1,6 @@
-"""The border at which readings enter a network by name: a fact is a truth value, a number a number.
+"""Readings: the first stage of a step refuses wrong ones; `reading_of` converts a value that a host gives by name.
 
-Whoever fills the readings of all rows at once writes the array itself (1.0 and 0.0 for facts); a step refuses what is
-neither.
+Whoever fills the readings of all rows at once writes the array itself, 1.0 and 0.0 for facts.
 """
 
 from __future__ import annotations
@@ -11,12 +10,14 @@ from typing import NoReturn
 
 import numpy as np
 
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
-from selforg.network.model import packed as t
+from selforg.compiler.records import Words
 from selforg.network.model.behaviours import Sensor
-from selforg.network.model.packed import Floats, Ints, begin_of
+from selforg.network.model.packed import PackedModel, open_model
+from selforg.network.state.state import RowStates, open_states
 
-FINE = -1  # no wrong reading
+NONE_WRONG = -1
 
 
 class ReadingError(ValueError):
@@ -42,17 +43,18 @@ def reading_of(sensor: Sensor, value: object) -> float:
 
 
 @inlined
-def find_wrong(rows: Ints, ints: Ints, readings: Floats) -> int:
-    """Return row * S + sensor of the first wrong reading in `rows` (K,) of `readings` (R, S), FINE if all are right."""
-    is_fact, sensors = begin_of(ints, t.SENSOR_IS_FACT), readings.shape[1]
+def find_wrong(rows: Ints, model: Words[PackedModel], states: Words[RowStates]) -> int:
+    """Return row * S + sensor of the first wrong reading of `rows` (K,), NONE_WRONG if all are right."""
+    is_fact, readings = open_model(model).is_fact, open_states(states).readings
+    sensors = readings.shape[1]
     for row in rows:
         for sensor in range(sensors):
             value = readings[row, sensor]
             if value == 0.0 or value == 1.0:
                 continue
-            if ints[is_fact + sensor] or value != value:
+            if is_fact[sensor] or value != value:
                 return int(row * sensors + sensor)
-    return FINE
+    return NONE_WRONG
 
 
 def refuse(found: int, sensors: tuple[Sensor, ...], readings: Floats) -> NoReturn:

@@ -1,55 +1,75 @@
-"""Conditions evaluated for one row: satisfactions, readiness and wishes (compiled)."""
+"""Satisfaction, the second stage of a step: conditions become satisfactions, readiness and wishes (compiled)."""
 
 from __future__ import annotations
 
-from selforg.compiler.decorators import inlined
-from selforg.network.model import packed as t
+from selforg.arrays import Floats
+from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.records import Words
+from selforg.network.model import packed
 from selforg.network.model.activators import activate
-from selforg.network.model.packed import Floats, Ints, begin_of, float_begin_of, size_of
+from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import state as st
-
-SATISFACTION, WISH = range(2)  # of a leaf
-
-
-@inlined
-def evaluate_leaves(row: int, ints: Ints, floats: Floats, readings: Floats, leaves: Floats) -> None:
-    """Activate every condition on the `readings` (R, S) of `row`; fills satisfaction and wish in `leaves` (2, L)."""
-    sensor, kind = begin_of(ints, t.LEAF_SENSOR), begin_of(ints, t.LEAF_KIND)
-    a, b = float_begin_of(floats, t.LEAF_A), float_begin_of(floats, t.LEAF_B)
-    low, high = float_begin_of(floats, t.LEAF_LOW), float_begin_of(floats, t.LEAF_HIGH)
-    direction = float_begin_of(floats, t.LEAF_DIRECTION)
-    for k in range(size_of(ints, t.LEAF_SENSOR)):
-        leaves[SATISFACTION, k], leaves[WISH, k] = activate(
-            ints[kind + k], readings[row, ints[sensor + k]], floats[a + k], floats[b + k], floats[low + k],
-            floats[high + k], floats[direction + k],
-        )  # fmt: skip
+from selforg.network.state.state import RowStates, open_states
+from selforg.network.step.scratch import Scratch, open_scratch
 
 
 @inlined
-def evaluate_nodes(ints: Ints, leaves: Floats, value: Floats) -> None:
-    """Satisfaction of every node (C,): product, maximum or 1 - s of its children; `leaves` (2, L)."""
-    kinds, first, child = begin_of(ints, t.NODE_KIND), begin_of(ints, t.NODE_FIRST), begin_of(ints, t.NODE_CHILD)
-    for node in range(size_of(ints, t.NODE_KIND)):
-        kind, begin, end = ints[kinds + node], child + ints[first + node], child + ints[first + node + 1]
-        if kind == t.LEAF:
-            value[node] = leaves[SATISFACTION, ints[begin]]
-        elif kind == t.NEGATION:
-            value[node] = 1.0 - value[ints[begin]]
-        elif kind == t.CONJUNCTION:
+def satisfy_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+    """Compute satisfactions, readiness and wishes of `row`; satisfied goals that are not permanent switch off."""
+    evaluate_leaves(row, model, open_states(states).readings, scratch)
+    evaluate_nodes(model, scratch)
+    evaluate_wishes(row, model, states, scratch)
+    judge_behaviours(row, model, states, scratch)
+    judge_goals(row, model, states, scratch)
+
+
+@lean_kernel
+def evaluate_conditions(readings: Floats, model: Words[PackedModel], scratch: Words[Scratch]) -> None:
+    """Fill leaves and nodes of `scratch` from `readings` (1, S), for an explanation."""
+    evaluate_leaves(0, model, readings, scratch)
+    evaluate_nodes(model, scratch)
+
+
+@inlined
+def evaluate_leaves(row: int, model: Words[PackedModel], readings: Floats, scratch: Words[Scratch]) -> None:
+    """Fill satisfaction and wish of every leaf from the `readings` (R, S) of `row`."""
+    m, own = open_model(model), open_scratch(scratch)
+    sensor, kind, direction = m.leaf_sensor, m.leaf_kind, m.leaf_direction
+    a, b = m.leaf_a, m.leaf_b
+    low, high = m.leaf_low, m.leaf_high
+    satisfaction, wish = own.leaf_satisfaction, own.leaf_wish
+    for k in range(sensor.shape[0]):
+        reading = readings[row, sensor[k]]
+        satisfaction[k], wish[k] = activate(kind[k], reading, a[k], b[k], low[k], high[k], direction[k])
+
+
+@inlined
+def evaluate_nodes(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
+    """Fill the satisfaction of every node: product, maximum or 1 - s of its children."""
+    m, own = open_model(model), open_scratch(scratch)
+    kinds, first, child = m.node_kind, m.node_first, m.node_child
+    leaf, value = own.leaf_satisfaction, own.node_satisfaction
+    for node in range(kinds.shape[0]):
+        kind, begin, end = kinds[node], first[node], first[node + 1]
+        if kind == packed.LEAF:
+            value[node] = leaf[child[begin]]
+        elif kind == packed.NEGATION:
+            value[node] = 1.0 - value[child[begin]]
+        elif kind == packed.CONJUNCTION:
             product = 1.0
             for k in range(begin, end):
-                product *= value[ints[k]]
+                product *= value[child[k]]
             value[node] = product
         else:
-            largest = value[ints[begin]]
+            largest = value[child[begin]]
             for k in range(begin + 1, end):
-                largest = max(largest, value[ints[k]])
+                largest = max(largest, value[child[k]])
             value[node] = largest
 
 
 @inlined
 def turned(wish: float, direction: float) -> float:
-    """Turn a wish round, as a negation does: what would have to be undone, or `direction` if nothing is wished."""
+    """Return a wish as a negation turns it: what would have to be undone, `direction` if nothing is wished."""
     if wish > 0.0:
         return wish - 1.0
     if wish < 0.0:
@@ -58,31 +78,32 @@ def turned(wish: float, direction: float) -> float:
 
 
 @inlined
-def evaluate_wishes(
-    row: int, ints: Ints, floats: Floats, leaves: Floats, marks: Ints, wishes: Floats, kept: Ints
-) -> None:
-    """All wishes (R, U) of `row`; those of alternatives that are not held are not `kept` (R, U)."""
-    leaf, owner, tag = begin_of(ints, t.WISH_LEAF), begin_of(ints, t.WISH_OWNER), begin_of(ints, t.WISH_TAG)
-    first, direction = begin_of(ints, t.TURN_FIRST), float_begin_of(floats, t.TURN_DIRECTION)
-    for u in range(size_of(ints, t.WISH_LEAF)):
-        wish = leaves[WISH, ints[leaf + u]]
-        for k in range(ints[first + u], ints[first + u + 1]):
-            wish = turned(wish, floats[direction + k])
+def evaluate_wishes(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+    """Fill the wishes of `row`; a wish of an alternative that is not held is not kept."""
+    m, s = open_model(model), open_states(states)
+    leaf, owner, tag = m.wish_leaf, m.wish_owner, m.wish_tag
+    first, direction, leaf_wish = m.turn_first, m.turn_direction, open_scratch(scratch).leaf_wish
+    marks, wishes, kept = s.marks, s.wishes, s.wish_kept
+    for u in range(leaf.shape[0]):
+        wish = leaf_wish[leaf[u]]
+        for k in range(first[u], first[u + 1]):
+            wish = turned(wish, direction[k])
         wishes[row, u] = wish
-        held = ints[tag + u]
-        kept[row, u] = 1 if held < 0 or marks[row, st.ALTERNATIVE, ints[owner + u]] == held else 0
+        kept[row, u] = 1 if tag[u] < 0 or marks[row, st.ALTERNATIVE, owner[u]] == tag[u] else 0
 
 
 @inlined
-def keep_smallest(row: int, ints: Ints, behaviour: int, wishes: Floats, kept: Ints) -> None:
-    """Of several wishes of one behaviour about one sensor keep the smallest one only."""
-    first, sensor = begin_of(ints, t.WISH_FIRST), begin_of(ints, t.WISH_SENSOR)
-    begin, end = ints[first + behaviour], ints[first + behaviour + 1]
+def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: Words[RowStates]) -> None:
+    """Keep only the smallest one of several wishes of one behaviour about one sensor."""
+    m, s = open_model(model), open_states(states)
+    first, sensor = m.wish_first, m.wish_sensor
+    wishes, kept = s.wishes, s.wish_kept
+    begin, end = first[behaviour], first[behaviour + 1]
     for u in range(begin, end):
         if not kept[row, u]:
             continue
         for other in range(begin, u):
-            if kept[row, other] and ints[sensor + other] == ints[sensor + u]:
+            if kept[row, other] and sensor[other] == sensor[u]:
                 weaker = u if abs(wishes[row, u]) >= abs(wishes[row, other]) else other
                 kept[row, weaker] = 0
                 if weaker == u:
@@ -90,45 +111,34 @@ def keep_smallest(row: int, ints: Ints, behaviour: int, wishes: Floats, kept: In
 
 
 @inlined
-def judge_behaviours(
-    row: int, ints: Ints, floats: Floats, node_value: Floats, values: Floats, marks: Ints, wishes: Floats, kept: Ints
-) -> None:
-    """Satisfaction and readiness of the behaviours of `row` from their nodes' values (C,)."""
-    first, node = begin_of(ints, t.PRECONDITION_FIRST), begin_of(ints, t.PRECONDITION_NODE)
-    tag, threshold = begin_of(ints, t.PRECONDITION_TAG), float_begin_of(floats, t.READY_THRESHOLD)
+def judge_behaviours(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+    """Fill satisfaction and readiness of the behaviours of `row` from their nodes."""
+    m, s = open_model(model), open_states(states)
+    first, node, tag = m.precondition_first, m.precondition_node, m.precondition_tag
+    threshold, satisfaction = m.ready_threshold, open_scratch(scratch).node_satisfaction
+    values, marks = s.values, s.marks
     for b in range(values.shape[2]):
         product = 1.0
-        for k in range(ints[first + b], ints[first + b + 1]):
-            if ints[tag + k] < 0 or ints[tag + k] == marks[row, st.ALTERNATIVE, b]:
-                product *= node_value[ints[node + k]]
+        for k in range(first[b], first[b + 1]):
+            if tag[k] < 0 or tag[k] == marks[row, st.ALTERNATIVE, b]:
+                product *= satisfaction[node[k]]
         values[row, st.SATISFACTION, b] = product
-        marks[row, st.READY, b] = 1 if product >= floats[threshold + b] else 0
-        if product > floats[threshold + b]:
-            keep_smallest(row, ints, b, wishes, kept)
+        marks[row, st.READY, b] = 1 if product >= threshold[b] else 0
+        if product > threshold[b]:
+            keep_smallest(row, b, model, states)
 
 
 @inlined
-def judge_goals(row: int, ints: Ints, floats: Floats, node_value: Floats, satisfaction: Floats, enabled: Ints) -> None:
-    """Satisfaction (R, G) of the goals of `row`; those that are satisfied and not permanent switch off."""
-    first, node = begin_of(ints, t.GOAL_FIRST), begin_of(ints, t.GOAL_NODE)
-    permanent, threshold = begin_of(ints, t.PERMANENT), float_begin_of(floats, t.GOAL_THRESHOLD)
-    for g in range(satisfaction.shape[1]):
+def judge_goals(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
+    """Fill the satisfaction of the goals of `row`; those that are satisfied and not permanent switch off."""
+    m, s = open_model(model), open_states(states)
+    first, node, node_satisfaction = m.goal_first, m.goal_node, open_scratch(scratch).node_satisfaction
+    permanent, threshold = m.goal_permanent, m.goal_threshold
+    satisfaction, enabled = s.goal_satisfaction, s.goal_enabled
+    for g in range(permanent.shape[0]):
         product = 1.0
-        for k in range(ints[first + g], ints[first + g + 1]):
-            product *= node_value[ints[node + k]]
+        for k in range(first[g], first[g + 1]):
+            product *= node_satisfaction[node[k]]
         satisfaction[row, g] = product
-        if product >= floats[threshold + g] and not ints[permanent + g]:
+        if product >= threshold[g] and not permanent[g]:
             enabled[row, g] = 0
-
-
-@inlined
-def evaluate_row(
-    row: int, ints: Ints, floats: Floats, readings: Floats, values: Floats, marks: Ints,
-    goal_satisfaction: Floats, goal_enabled: Ints, wishes: Floats, kept: Ints, leaves: Floats, nodes: Floats,
-) -> None:  # fmt: skip
-    """Satisfactions, readiness and wishes of `row`; satisfied goals that are not permanent switch off."""
-    evaluate_leaves(row, ints, floats, readings, leaves)
-    evaluate_nodes(ints, leaves, nodes)
-    evaluate_wishes(row, ints, floats, leaves, marks, wishes, kept)
-    judge_behaviours(row, ints, floats, nodes, values, marks, wishes, kept)
-    judge_goals(row, ints, floats, nodes, goal_satisfaction, goal_enabled)

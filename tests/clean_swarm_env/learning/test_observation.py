@@ -5,7 +5,7 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.term import TERMS
@@ -191,7 +191,7 @@ def test_looking_changes_nothing():
 
 
 def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
-    mission = laid_over(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
+    mission = with_changes(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
     batch = Batch(MissionConfig.model_validate(mission))
     names, seen = batch.observer.names, batch.reset([4])
     places, extent = batch.worlds.physics.positions, batch.worlds.extent

@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.progress import AVOIDING
+from clean_swarm_env.learning.progress import AVOIDINGS
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.world.robot import GOAL
 from tests.clean_swarm_env.courses import mission
@@ -31,7 +31,7 @@ def counted(batch, monkeypatch):
         ran[:] = 0
         step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
         expected.append(ran.copy())
-        given.append(batch.progress.events[AVOIDING].copy())
+        given.append(batch.progress.events[AVOIDINGS].copy())
         rewards.append(step.rewards.copy())
     return np.array(expected), np.array(given), np.array(rewards)
 
@@ -63,5 +63,5 @@ def test_without_a_coordinator_of_avoidance_nobody_avoids(tmp_path):
     seen = batch.reset([1, 2])
     for _ in range(PERIODS):
         seen = batch.step(np.zeros(batch.rows, dtype=np.int64)).observations
-        assert not batch.progress.events[AVOIDING].any()
+        assert not batch.progress.events[AVOIDINGS].any()
         assert not seen[:, batch.observer.names.index("avoiding")].any()

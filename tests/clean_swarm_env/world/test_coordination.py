@@ -12,7 +12,7 @@ from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec
-from tests.clean_swarm_env.courses import snapshot
+from tests.clean_swarm_env.courses import avoidance, snapshot
 
 
 def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
@@ -61,5 +61,13 @@ def test_each_coordinator_wants_an_option():
     assert [coordinator.held.tolist() for coordinator in worlds.coordinators] == [[2] * 5, [1] * 5]
     with pytest.raises(ValueError, match=r"one option for each of ExplorationPatrol, AvoidCollision, got shape \(5,\)"):
         worlds.hold(np.zeros(5, np.int64))
+    assert worlds.minds.coordinator_of("AvoidCollision") is worlds.coordinators[1]
+    assert worlds.minds.coordinator_of("ExplorationPatrol") is worlds.coordinators[0]
     with pytest.raises(DocumentError, match="unknown coordinated goal 'ExplorationPatrol'"):
         Worlds(mission, models[1:])
+
+
+def test_a_goal_that_the_mission_does_not_coordinate_has_no_coordinator():
+    worlds = Worlds(load_mission("table1"), avoidance())
+    with pytest.raises(KeyError, match=r"unknown coordinated goal 'ExplorationPatrol' \(known: AvoidCollision\)"):
+        worlds.minds.coordinator_of("ExplorationPatrol")

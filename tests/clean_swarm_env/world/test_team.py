@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import laid_over
+from clean_swarm_env.config.files import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
@@ -269,4 +269,4 @@ def test_snapshots_of_changing_worlds_stay_finite():
         worlds.tick()
     assert all(np.isfinite(part).all() for part in snapshot(worlds, 0).values())
     assert worlds.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0]]
-    assert laid_over({}, CHANGING)["events"][0]["do"] == "fail"
+    assert with_changes({}, CHANGING)["events"][0]["do"] == "fail"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.robot import coordinators_of
@@ -30,7 +30,7 @@ PARTS = ("positions", "headings")
 def mission_of() -> MissionConfig:
     """Return the mission with two coordinators, without garbage: it has no end."""
     return MissionConfig.model_validate(
-        laid_over(load_mission("cleaning-patrol").model_dump(), {"garbage": {"count": 0}})
+        with_changes(load_mission("cleaning-patrol").model_dump(), {"garbage": {"count": 0}})
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from selforg.network.explain.explanation import explain, in_short
 from selforg.network.explain.recording import Recorder, record_at, stacked
-from selforg.network.explain.text import as_text
+from selforg.network.explain.text import text_of
 from selforg.network.model.activators import Boolean, Greedy, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
@@ -54,9 +54,8 @@ def test_the_threshold_as_a_reason():
     high = NetworkSettings(activation_threshold=5.0, threshold_decay=0.9)
     network = explained(Behaviour("go"), settings=high)
     assert told(network) == {"go": "does not start: activation below the threshold"}
-    network = explained(Behaviour("go", timeout=None), Behaviour("other", (IS,)), settings=NetworkSettings(
-        activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1,
-    ))  # fmt: skip
+    settings = NetworkSettings(activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1)
+    network = explained(Behaviour("go", timeout=None), Behaviour("other", (IS,)), settings=settings)
     told(network)
     assert told(network)["go"] == "stopped: activation fell below the threshold"  # starting has raised the threshold
 
@@ -97,9 +96,9 @@ def test_reasons_agree_with_what_happened(seed):
         np.testing.assert_array_equal(network.state.values, silent.state.values)
         reason, by = marks[st.REASON], marks[st.BY]
         runs, started, stopped = marks[st.EXECUTING] == 1, marks[st.STARTED] == 1, marks[st.STOPPED] == 1
-        np.testing.assert_array_equal(started, reason == why.STARTED)
+        np.testing.assert_array_equal(started, reason == why.STARTED_READY)
         np.testing.assert_array_equal(runs & ~started, (reason >= why.KEPT) & (reason <= why.KEPT_STUBBORN))
-        had_to_stop = (reason >= why.TIMED_OUT) & (reason <= why.DISPLACED)
+        had_to_stop = (reason >= why.OUT_OF_TIME) & (reason <= why.DISPLACED)
         assert (had_to_stop == (stopped & ~started))[reason != why.DISPLACED].all()
         assert not runs[had_to_stop].any()  # the displaced ones may have been started in this very step
         np.testing.assert_array_equal(by >= 0, (reason == why.DISPLACED) | (reason == why.BLOCKED))
@@ -181,7 +180,7 @@ def test_conditions_show_what_is_held_and_what_is_optional():
 
 def test_the_text_holds_table_and_tree():
     network, recorder = robot_records()
-    text = as_text(explain(network.model, recorder.steps[-1], 0)).splitlines()
+    text = text_of(explain(network.model, recorder.steps[-1], 0)).splitlines()
     assert text[0].startswith("threshold ")
     assert text[1].startswith("plan: [")
     assert text[3].split()[:2] == ["behaviour", "activation"]

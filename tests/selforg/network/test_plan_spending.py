@@ -8,7 +8,7 @@ from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.guards import make_guard, make_step
+from selforg.network.planning.guards import guarded_action, make_guard
 from selforg.network.planning.planner import BuiltInPlanner
 from selforg.network.planning.priorities import plan_by_priority
 from selforg.network.planning.problem import (
@@ -24,7 +24,7 @@ from selforg.network.planning.problem import (
 from selforg.network.planning.search import ForwardSearch, Plan
 from selforg.network.planning.spending import SpendingSearch, spent_numbers
 from selforg.network.planning.task import PlanTask
-from selforg.network.step import plan_monitoring as pw
+from selforg.network.state import plan_state as ps
 
 FACTS = 4
 
@@ -49,7 +49,7 @@ def drawn_problem(chance, above=True):
 
 
 def spent_of(problem):
-    steps = [make_step(k, action) for k, action in enumerate(problem.actions)]
+    steps = [guarded_action(k, action) for k, action in enumerate(problem.actions)]
     return spent_numbers(PlanTask(steps, make_guard(AllOf(tuple(g.condition for g in problem.goals))), 1))
 
 
@@ -107,7 +107,7 @@ def test_a_network_remembers_no_further_than_the_fuel_lasts(readings):
     network = BehaviourNetwork(chain_model(3), len(readings), BuiltInPlanner(chain_model(3)))
     network.readings[:, -1] = readings
     for _ in range(4):  # the memory is widened, and what it then holds is asked
-        network.plans.marks[pw.ALARM] = 1
+        network.plans.marks[ps.ALARM] = 1
         network.step()
-        np.testing.assert_array_equal(network.plans.marks[pw.KNOWN], np.array(readings) >= 3.0)
+        np.testing.assert_array_equal(network.plans.marks[ps.KNOWN], np.array(readings) >= 3.0)
     assert network.planner.memory.reach > 0

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from selforg.network.planning.guards import make_guard, make_step
+from selforg.network.planning.guards import guarded_action, make_guard
 from selforg.network.planning.priorities import goal_sets, plan_by_priority
 from selforg.network.planning.problem import (
     AllOf,
@@ -338,7 +338,7 @@ def test_the_estimate_never_exceeds_what_is_left_and_never_jumps(seed):
     if not isinstance(answer, Plan):
         return
     task = PlanTask(
-        [make_step(*item) for item in enumerate(problem.actions)], make_guard(problem.goals[0].condition), 1
+        [guarded_action(*item) for item in enumerate(problem.actions)], make_guard(problem.goals[0].condition), 1
     )
     states = [task.start(*search.read_state(facts, numbers))]
     steps = {step.action: step for step in task.steps}

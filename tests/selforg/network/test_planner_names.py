@@ -11,7 +11,7 @@ from selforg.network.planning.engines.unified import environment
 from selforg.network.planning.names import check_planner, planner_named
 from selforg.network.planning.planner import BuiltInPlanner
 from selforg.network.planning.search import ForwardSearch
-from selforg.network.step import plan_monitoring as pw
+from selforg.network.state import plan_state as ps
 from tests.selforg.network.cleaning import cleaning_model, wandering
 
 
@@ -65,5 +65,5 @@ def test_an_engine_gives_the_network_plans_that_reach_what_the_built_in_ones_rea
             network.readings[:] = readings
             network.step()
         ours, theirs = (network.plans.marks for network in networks)
-        np.testing.assert_array_equal(ours[pw.KNOWN], theirs[pw.KNOWN], err_msg=f"step {step}: a plan is known")
+        np.testing.assert_array_equal(ours[ps.KNOWN], theirs[ps.KNOWN], err_msg=f"step {step}: a plan is known")
     assert any(isinstance(held.search, EngineSearch) for held in networks[1].planner._searches.values())

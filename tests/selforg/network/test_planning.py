@@ -9,8 +9,8 @@ from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
+from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-from selforg.network.step import plan_monitoring as pw
 from tests.golden.network import Forgetful
 from tests.selforg.network.cleaning import FACTS, SENSORS, cleaning_model, wandering
 
@@ -42,7 +42,7 @@ def decisions(planner, readings):
     for now in readings:
         network.readings[:] = now
         network.step()
-        told.append((network.state.marks.copy(), network.state.values.copy(), network.plans.marks[: pw.ALARM].copy()))
+        told.append((network.state.marks.copy(), network.state.values.copy(), network.plans.marks[: ps.ALARM].copy()))
     return told
 
 
@@ -150,7 +150,7 @@ def step(network, **readings):
 
 
 def index(network):
-    return network.plans.marks[pw.INDEX, 0]
+    return network.plans.marks[ps.INDEX, 0]
 
 
 def running(network):
@@ -232,8 +232,8 @@ def test_the_plan_adds_to_the_activation_of_its_behaviours():
 
 def test_a_plan_longer_than_fits_is_refused():
     network = following()
-    with pytest.raises(ValueError, match=f"a plan holds at most {pw.MAX_PLAN} steps, got {pw.MAX_PLAN + 1}"):
-        network.set_plan(0, [0] * (pw.MAX_PLAN + 1))
+    with pytest.raises(ValueError, match=f"a plan holds at most {ps.MAX_PLAN} steps, got {ps.MAX_PLAN + 1}"):
+        network.set_plan(0, [0] * (ps.MAX_PLAN + 1))
 
 
 def test_facts_lists_all_booleans():

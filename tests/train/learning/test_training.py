@@ -58,7 +58,7 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
 
 
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(session.PACKAGES, "ppo", ("torch", "no-such-package"))
+    monkeypatch.setitem(session.LEARNER_PACKAGES, "ppo", ("torch", "no-such-package"))
     request = session.TrainingRequest("ppo", "general", 1, tmp_path / "t", resume=False)
     with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
         session.run_training(request, pytest.fail, Console())

@@ -9,7 +9,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from tests.train.records import record
 from train.running.results import Results, natural_order
 from train.running.run_folder import RunFolder
-from train.running.runs import COLUMNS
+from train.running.runs import RUN_COLUMNS
 
 MANIFEST = {"identity": {"experiment": "x"}}
 
@@ -27,7 +27,7 @@ def test_the_columns_are_those_of_the_issue():
     assert (
         *("experiment", "scenario", "seed", "condition", "completed", "duration_s", "collision_samples_per_s"),
         *("collision_events_per_s", "garbage_done", "robots", "ticks", "items_per_min", "cost_s", "wall_s"),
-    ) == COLUMNS
+    ) == RUN_COLUMNS
 
 
 def test_every_finished_run_is_on_the_disk_at_once(tmp_path):

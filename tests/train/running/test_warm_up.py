@@ -1,9 +1,12 @@
 """Compiling before the runs: once, said on the standard error, and not again."""
 
+from dataclasses import replace
+
 import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from tests.train import fake_mission
 from train.evaluation import pipeline
@@ -58,18 +61,18 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
     task, limits, compiled, expected, monkeypatch, tmp_path, capsys
 ):
     monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
-    setting = pipeline.Setting(1, tmp_path / "r", False, pipeline.Console())
-    assert pipeline.evaluate(OneRun(task), setting) == pipeline.FINISHED
+    execution = pipeline.Execution(1, tmp_path / "r", False, pipeline.Console())
+    assert pipeline.evaluate(OneRun(task), execution) == pipeline.FINISHED
     assert limits == expected
     assert (LINE in capsys.readouterr().err) is not compiled
 
 
 def test_nothing_is_compiled_for_an_evaluation_that_is_done(task, limits, monkeypatch, tmp_path):
-    setting = pipeline.Setting(1, tmp_path / "r", True, pipeline.Console())
-    pipeline.evaluate(OneRun(task), setting)
+    execution = pipeline.Execution(1, tmp_path / "r", True, pipeline.Console())
+    pipeline.evaluate(OneRun(task), execution)
     limits.clear()
     monkeypatch.setattr(pipeline, "compiled_before", lambda: False)
-    pipeline.evaluate(OneRun(task), setting)
+    pipeline.evaluate(OneRun(task), execution)
     assert limits == []
 
 
@@ -81,3 +84,8 @@ def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch
     assert warm_up.compiled_before()
     monkeypatch.setattr(warm_up, "folder_for", lambda file: None)
     assert warm_up.compiled_before()  # nothing can be kept: each process compiles for itself
+
+
+def test_what_a_mission_compiled_is_found(task):
+    replace(task, run_mission=run_mission).beginning().run()
+    assert warm_up.compiled_before()

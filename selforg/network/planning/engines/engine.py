@@ -7,7 +7,7 @@ import numpy as np
 from selforg.network.planning.engines.unified import environment, to_unified
 from selforg.network.planning.engines.whole_numbers import in_whole_numbers
 from selforg.network.planning.problem import PlanningProblem
-from selforg.network.planning.search import Outcome, Search, State, Unknown, Unsolvable
+from selforg.network.planning.search import Answer, Search, State, Unknown, Unsolvable
 
 
 def check_engine(engine: str) -> None:
@@ -24,9 +24,9 @@ def check_engine(engine: str) -> None:
 
 
 class EngineSearch(Search):
-    """Asks an engine for plans; what the engine guarantees about cost and order of a plan is what one gets.
+    """Asks an engine for plans; their cost and order are as good as the engine makes them.
 
-    The engine gets the problem in whole numbers (see `plan_grid`), because several engines know no others.
+    The engine gets the problem in whole numbers (see `whole_numbers`), because several engines know no others.
 
     Args:
         problem: facts, numbers, actions and goals.
@@ -45,7 +45,7 @@ class EngineSearch(Search):
         self.engine = engine
         self.timeout = timeout
 
-    def plan_from(self, state: State, goals: tuple[int, ...]) -> Outcome:
+    def plan_from(self, state: State, goals: tuple[int, ...]) -> Answer:
         """Return the engine's answer for a state that `read_state` gave."""
         self.goal_condition(goals)
         counted, readings = in_whole_numbers(self.problem, state)
@@ -56,7 +56,7 @@ class EngineSearch(Search):
                 raise ValueError(f"engine {self.engine!r} cannot read this problem: {task.kind.features}")
             return self._outcome(planner.solve(task, timeout=self.timeout))
 
-    def _outcome(self, result: Any) -> Outcome:  # noqa: ANN401  (optional library)
+    def _outcome(self, result: Any) -> Answer:  # noqa: ANN401  (optional library)
         if result.plan is not None:
             indices = {action.name: index for index, action in enumerate(self.problem.actions)}
             return self.found(tuple(indices[step.action.name] for step in result.plan.actions))

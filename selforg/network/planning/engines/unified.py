@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from selforg.network.planning.guards import STEPS_PER_UNIT, whole
+from selforg.network.planning.guards import STEPS_PER_UNIT, in_steps
 from selforg.network.planning.problem import (
     AllOf,
     AnyOf,
@@ -77,7 +77,7 @@ def write_pddl(
 
 def exact(value: float) -> Fraction:
     """Return a value as the fraction that the built-in search works with."""
-    return Fraction(whole(value), STEPS_PER_UNIT)
+    return Fraction(in_steps(value), STEPS_PER_UNIT)
 
 
 class _Writer:

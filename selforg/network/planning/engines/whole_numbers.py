@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import reduce
 from math import gcd
 
-from selforg.network.planning.guards import whole
+from selforg.network.planning.guards import in_steps
 from selforg.network.planning.problem import (
     AllOf,
     AnyOf,
@@ -34,14 +34,14 @@ def in_whole_numbers(problem: PlanningProblem, state: State) -> tuple[PlanningPr
     """
     grids = [_grid(problem, number) for number in range(len(problem.numbers))]
     remainders = [value % grid for value, grid in zip(state[1], grids, strict=True)]
-    cost_step = reduce(gcd, (whole(action.cost) for action in problem.actions), 0) or 1
+    cost_step = reduce(gcd, (in_steps(action.cost) for action in problem.actions), 0) or 1
     counted = _Counting(grids, remainders)
     actions = tuple(
         replace(
             action,
             preconditions=tuple(counted.expression(part) for part in action.preconditions),
             effects=tuple(counted.effect(effect) for effect in action.effects),
-            cost=float(whole(action.cost) // cost_step),
+            cost=float(in_steps(action.cost) // cost_step),
         )
         for action in problem.actions
     )
@@ -53,7 +53,7 @@ def in_whole_numbers(problem: PlanningProblem, state: State) -> tuple[PlanningPr
 def _grid(problem: PlanningProblem, number: int) -> int:
     """Return the largest step that all changes of a number are multiples of."""
     effects = [effect for action in problem.actions for effect in action.effects]
-    changes = [whole(e.change) for e in effects if isinstance(e, ChangeNumber) and e.number == number]
+    changes = [in_steps(e.change) for e in effects if isinstance(e, ChangeNumber) and e.number == number]
     return reduce(gcd, changes, 0) or FREE_GRID
 
 
@@ -69,7 +69,7 @@ class _Counting:
             case FactIs():
                 return expression
             case NumberIs(number, relation, value):
-                crossing = whole(value) + (relation in ("<=", ">"))
+                crossing = in_steps(value) + (relation in ("<=", ">"))
                 steps = -((self.remainders[number] - crossing) // self.grids[number])
                 return NumberIs(number, ">=" if relation in (">=", ">") else "<", float(steps))
             case Not(part):
@@ -81,5 +81,5 @@ class _Counting:
 
     def effect(self, effect: PlanEffect) -> PlanEffect:
         if isinstance(effect, ChangeNumber):
-            return ChangeNumber(effect.number, float(whole(effect.change) // self.grids[effect.number]))
+            return ChangeNumber(effect.number, float(in_steps(effect.change) // self.grids[effect.number]))
         return effect

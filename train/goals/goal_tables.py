@@ -11,19 +11,19 @@ from train.analysis.statistics import Summary
 from train.goals.scene_runs import GoalOutcome, MeasureComparison
 
 VERDICTS = {True: "yes", False: "no", None: "-"}
-COLUMNS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
-"""Of both tables; intervals are those of 95 %."""
+MEASURE_HEADS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
+"""Heads of the columns of both tables; intervals are 95 % intervals."""
 
 
-def on_terminal(outcome: GoalOutcome) -> Group:
+def goal_on_terminal(outcome: GoalOutcome) -> Group:
     """Return what is printed for one goal."""
     lines = [
         Text(f"{outcome.scene.goal} by {outcome.option}: {_setting(outcome)}"),
-        Text(_described(outcome)),
+        Text(f"baseline: {outcome.scene.baseline}"),
         Text(""),
     ]
     table = Table(box=box.HORIZONTALS, show_edge=False)
-    for index, name in enumerate(COLUMNS):
+    for index, name in enumerate(MEASURE_HEADS):
         table.add_column(name, justify="left" if index == 0 else "right")
     for comparison in outcome.comparisons:
         table.add_row(*_cells(comparison))
@@ -74,7 +74,7 @@ def as_page(outcomes: Sequence[GoalOutcome]) -> str:
 
 def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
     """Return the table of all goals, and what their scenes are, as Markdown."""
-    lines = [f"| goal, option | {' | '.join(COLUMNS)} |", "|---" * (len(COLUMNS) + 1) + "|"]
+    lines = [f"| goal, option | {' | '.join(MEASURE_HEADS)} |", "|---" * (len(MEASURE_HEADS) + 1) + "|"]
     for outcome in outcomes:
         for index, comparison in enumerate(outcome.comparisons):
             first = f"{outcome.scene.goal}, {outcome.option}" if index == 0 else ""
@@ -114,7 +114,3 @@ def _setting(outcome: GoalOutcome) -> str:
     setting, seeds = outcome.setting, outcome.seeds
     which = f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {seeds[0]} to {seeds[-1]}"
     return f"{setting.robots} robots, {setting.seconds:g} s, {setting.ground}, {which}"
-
-
-def _described(outcome: GoalOutcome) -> str:
-    return f"baseline: {outcome.scene.baseline}"

@@ -1,0 +1,54 @@
+"""Scratch memory of a step: what the stages hand on for one row; nothing in it outlives the row's step."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from selforg.arrays import Floats, Ints
+from selforg.compiler.records import Packed, Recording
+from selforg.network.model.packed import PackedModel
+
+POSITIVE, NEGATIVE, EITHER, WISH_MORE, WISH_LESS, COUNTS = range(6)
+"""Rows of counts: operational behaviours with an effect up, down, any; with a wish up, down."""
+
+
+class Scratch(NamedTuple):
+    """Overwritten for each row; S sensors, L leaves, C nodes, B behaviours, G goals, E effects, U wishes."""
+
+    leaf_satisfaction: Annotated[Floats, "L"]
+    leaf_wish: Annotated[Floats, "L"]
+    node_satisfaction: Annotated[Floats, "C"]
+    operational: Annotated[Ints, "B"]  # 1 where other behaviours take notice of a behaviour
+    live_effect: Annotated[Ints, "E"]  # 1 where an effect takes part, see `sharing`
+    live_wish: Annotated[Ints, "U"]
+    counts: Annotated[Ints, "COUNTS S"]
+    goal_share: Annotated[Floats, "G"]  # factor on what each goal gives
+    order: Annotated[Ints, "B"]  # behaviours in falling activation
+    counted: Annotated[Ints, "B"]  # 1 where a behaviour takes one of the places of `max_parallel`
+
+
+SCRATCH = Recording(Scratch)
+open_scratch = SCRATCH.open
+
+
+def scratch_for(model: PackedModel) -> Packed[Scratch]:
+    """Return the scratch memory of a network."""
+    sensors, behaviours, goals = len(model.is_fact), len(model.priority), len(model.goal_permanent)
+    leaves, nodes = len(model.leaf_kind), len(model.node_kind)
+    effects, wishes = len(model.effect_owner), len(model.wish_owner)
+    return SCRATCH.pack(
+        Scratch(
+            leaf_satisfaction=np.empty(leaves),
+            leaf_wish=np.empty(leaves),
+            node_satisfaction=np.empty(nodes),
+            operational=np.empty(behaviours, dtype=np.int64),
+            live_effect=np.empty(effects, dtype=np.int64),
+            live_wish=np.empty(wishes, dtype=np.int64),
+            counts=np.empty((COUNTS, sensors), dtype=np.int64),
+            goal_share=np.empty(goals),
+            order=np.empty(behaviours, dtype=np.int64),
+            counted=np.empty(behaviours, dtype=np.int64),
+        )
+    )
