@@ -67,8 +67,8 @@ class Physics(Uncopied):
         self.positions: Floats = np.zeros((rows, 2))
         self.headings: Floats = np.zeros(rows)
         self.present: Flags = np.ones(rows, np.bool_)
-        self._bodies: Floats = np.zeros((rows, 4))
-        self.velocities = self._bodies[:, 2:]
+        self.bodies: Floats = np.zeros((rows, 4))
+        self.velocities = self.bodies[:, 2:]
         self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
         self._blocks = [slice(world * robots, (world + 1) * robots) for world in range(worlds)]
         search = NOBODY_TOUCHES
@@ -78,7 +78,7 @@ class Physics(Uncopied):
             RobotMotion(
                 positions=self.positions,
                 headings=self.headings,
-                bodies=self._bodies,
+                bodies=self.bodies,
                 wanted=np.zeros((rows, 2)),
                 forces=np.zeros((rows, 2)),
                 present=self.present,
@@ -118,8 +118,8 @@ class Physics(Uncopied):
             self.positions[row, 1] = wrapped(float(positions[offset, 1]), settings.height)
             self.headings[row] = wrapped_angle(float(headings[offset]))
         rows = self._blocks[world]
-        self._bodies[rows, :2] = self.positions[rows]
-        self._bodies[rows, 2:] = 0.0
+        self.bodies[rows, :2] = self.positions[rows]
+        self.bodies[rows, 2:] = 0.0
         self.present[rows] = True
         self._spaces[world] = None
         motion = self._motion.record
@@ -134,13 +134,13 @@ class Physics(Uncopied):
         self.positions[row, 0] = wrapped(x, self.settings.width)
         self.positions[row, 1] = wrapped(y, self.settings.height)
         self.headings[row] = wrapped_angle(heading)
-        self._bodies[row, :2] = self.positions[row]
-        self._bodies[row, 2:] = 0.0
+        self.bodies[row, :2] = self.positions[row]
+        self.bodies[row, 2:] = 0.0
         self._set_present(world, row, True)
 
     def remove(self, row: int) -> None:
         """Take a robot away: it touches nobody any more; the others go on undisturbed."""
-        self._bodies[row, 2:] = 0.0
+        self.bodies[row, 2:] = 0.0
         self._motion.record.wanted[row] = 0.0
         self._set_present(row // self.settings.robots, row, False)
 
@@ -183,7 +183,7 @@ class Physics(Uncopied):
         """Have pymunk do a substep of a world whose forces and copies are set."""
         space, rows, motion = self._spaces[world], self._blocks[world], self._motion.record
         if space is None:
-            space = ContactSpace(self.settings, self._bodies[rows], motion.forces[rows])
+            space = ContactSpace(self.settings, self.bodies[rows], motion.forces[rows])
             for robot in np.flatnonzero(~self.present[rows]).tolist():
                 space.let_touch(robot, False)
             self._spaces[world] = space
