@@ -19,6 +19,7 @@ from selforg.space import nearest_image
 class Around(NamedTuple):
     """Arrays of the worlds, settings, and arrays that are filled for every observation. Terms only read them."""
 
+    robots: int  # N
     extent: Annotated[Floats, "2"]  # of the torus [m]
     positions: Annotated[Floats, "R 2"]  # of the robots [m]
     headings: Annotated[Floats, "R"]  # [rad]
@@ -57,10 +58,8 @@ class Around(NamedTuple):
     team: Annotated[Ints, "W"]  # number of robots present
     item: Annotated[Ints, "R"]  # nearest item in sight, -1 without one
     phases: Annotated[Ints, "R"]  # numbers of `PHASES`
-    # filled for terms that need "stations"
     station_distances: Annotated[Floats, "R 2"]  # to recycling and dump [m]
     station_ways: Annotated[Floats, "R 2 3"]  # the ways to them, see `write_way`, by `longest`
-    # filled for terms that need "neighbours"
     neighbour: Annotated[Ints, "R"]  # row of the nearest other robot within the largest range, -1 without one
     within: Annotated[Ints, "R K"]  # number of other robots within each range
     carriers: Annotated[Ints, "R"]  # number of other robots with cargo within the largest range
@@ -85,3 +84,9 @@ def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats
         way[1] = min(max((cosine * dx + sine * dy) / length, -1.0), 1.0)
         way[2] = min(max((cosine * dy - sine * dx) / length, -1.0), 1.0)
     return length
+
+
+@inlined
+def copy_way(way: Floats, out: Floats) -> None:
+    """Copy a way (3,) to the first places of `out`."""
+    out[0], out[1], out[2] = way[0], way[1], way[2]

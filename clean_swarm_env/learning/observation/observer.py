@@ -15,7 +15,7 @@ from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS, Observatio
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
-from selforg.compiler.decorators import lean_kernel, part
+from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 
 Observations = NDArray[np.float32]
@@ -38,7 +38,6 @@ class Observer:
         self._around = AROUND_RECORD.pack(around_robots(worlds, progress, self.config))
         self._held = [(line, c.held) for line, c in zip(self._around.record.held, worlds.coordinators, strict=True)]
         terms = self.config.build(Observed(worlds, progress, self._around))
-        self._needs = tuple(any(name in term.needs for term in terms) for name in ("stations", "neighbours"))
         self.names = tuple(name for term in terms for name in term.components)
         self.width = len(self.names)
         sizes = [len(term.components) for term in terms]
@@ -62,7 +61,7 @@ class Observer:
         around.record.ticks[:] = self._worlds.ticks
         for line, held in self._held:
             line[:] = held
-        rows = self._rows[: search(around.words, worlds, self._rows, *self._needs)]
+        rows = self._rows[: search(around.words, worlds, self._rows)]
         self._seen.fill(0.0)
         for term, out in self._own:
             term.write(rows, out)
@@ -78,6 +77,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         return np.zeros(shape, dtype=np.int64)
 
     return Around(
+        robots=worlds.robots,
         extent=worlds.extent,
         positions=physics.positions,
         headings=physics.headings,
@@ -122,11 +122,11 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
     )
 
 
-See = Callable[[Words[Around], Ints, int, Floats], None]
+See = Callable[[Around, Ints, int, Floats], None]
 
 
-@part
-def see_nothing(around: Words[Around], first: Ints, row: int, seen: Floats) -> None:
+@inlined
+def see_nothing(around: Around, first: Ints, row: int, seen: Floats) -> None:
     """Write no component."""
 
 
@@ -136,8 +136,8 @@ def see_also(before: See, name: str) -> See:
     assert issubclass(term, CompiledTerm)
     see_term = term.see
 
-    @part
-    def see_both(around: Words[Around], first: Ints, row: int, seen: Floats) -> None:
+    @inlined
+    def see_both(around: Around, first: Ints, row: int, seen: Floats) -> None:
         before(around, first, row, seen)
         if first[number] >= 0:
             see_term(around, row, seen[first[number] :])
@@ -160,10 +160,9 @@ def see(
     that is not chosen. Robots that are not present see nothing.
     """
     a = open_around(around)
-    robots = a.present.shape[0] // a.team.shape[0]
     for world in chosen:
-        for row in range(world * robots, (world + 1) * robots):
+        for row in range(world * a.robots, (world + 1) * a.robots):
             if a.present[row]:
-                see_terms(around, first, row, seen[row])
+                see_terms(a, first, row, seen[row])
             for k in range(weights.shape[0]):
                 observations[row, k] = np.float32(seen[row, k]) * weights[k] if a.present[row] else np.float32(0.0)

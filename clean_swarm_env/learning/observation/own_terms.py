@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from clean_swarm_env.learning.observation.around import Around, open_around
+from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed
 from selforg.arrays import Floats
-from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.decorators import inlined
 from selforg.network.state.state import EXECUTING
 
 
@@ -18,13 +17,12 @@ class AvoidanceTerm(CompiledTerm):
     components = ("avoidance_length", "avoiding")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        if a.avoidance >= 0:
-            out[0] = min(a.readings[row, a.avoidance] / a.reach, 1.0)
-        if a.avoiding >= 0:
-            out[1] = a.marks[row, EXECUTING, a.avoiding]
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        if around.avoidance >= 0:
+            out[0] = min(around.readings[row, around.avoidance] / around.reach, 1.0)
+        if around.avoiding >= 0:
+            out[1] = around.marks[row, EXECUTING, around.avoiding]
 
 
 @TERMS.register
@@ -35,11 +33,10 @@ class MovementTerm(CompiledTerm):
     components = ("speed", "turn_rate")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        out[0] = min(a.speed[row] / a.max_speed, 1.0)
-        out[1] = min(max(a.turn_rate[row] / a.max_turn_rate, -1.0), 1.0)
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        out[0] = min(around.speed[row] / around.max_speed, 1.0)
+        out[1] = min(max(around.turn_rate[row] / around.max_turn_rate, -1.0), 1.0)
 
 
 @TERMS.register
@@ -50,12 +47,11 @@ class MissionTerm(CompiledTerm):
     components = ("garbage_done", "time_left")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        world = row // (a.present.shape[0] // a.team.shape[0])
-        out[0] = a.done[world] / max(a.arrived[world], 1)
-        out[1] = max(1.0 - a.ticks[world] / a.limits[world], 0.0)
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        world = row // around.robots
+        out[0] = around.done[world] / max(around.arrived[world], 1)
+        out[1] = max(1.0 - around.ticks[world] / around.limits[world], 0.0)
 
 
 @TERMS.register
@@ -66,10 +62,9 @@ class IdleTerm(CompiledTerm):
     components = ("idle",)
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        out[0] = min(a.idle[row] / a.patience, 1.0)
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        out[0] = min(around.idle[row] / around.patience, 1.0)
 
 
 @TERMS.register
@@ -87,8 +82,7 @@ class HoldsTerm(CompiledTerm):
         )
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        for goal in range(a.held.shape[0]):
-            out[a.first_options[goal] + a.held[goal, row]] = 1.0
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        for goal in range(around.held.shape[0]):
+            out[around.first_options[goal] + around.held[goal, row]] = 1.0

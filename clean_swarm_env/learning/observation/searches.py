@@ -20,32 +20,29 @@ MARGIN = 1.0 + 1e-9
 
 
 @kernel
-def search(around: Words[Around], chosen: Ints, rows: Ints, stations: bool, neighbours: bool) -> int:
-    """Search for the robots in the worlds `chosen` (C,): items, and `stations` and `neighbours` where they are needed.
+def search(around: Words[Around], chosen: Ints, rows: Ints) -> int:
+    """Find items, stations and neighbours of the robots in the worlds `chosen` (C,).
 
     Lists the robots that are present in `rows` (R,) and returns their number.
     """
     count = list_present(around, chosen, rows)
-    present = rows[:count]
-    find_items(around, present)
-    if stations:
-        find_stations(around, present)
-    if neighbours:
-        find_neighbours(around, present)
+    find_items(around, rows[:count])
+    find_stations(around, rows[:count])
+    find_neighbours(around, rows[:count])
     return count
 
 
 @part
 def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
-    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), count the teams, and return the number listed.
+    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), count the teams, return the number.
 
     The phase of every robot of these worlds becomes PATROL.
     """
     a = open_around(around)
-    robots, count = a.present.shape[0] // a.team.shape[0], 0
+    count = 0
     for world in chosen:
         before = count
-        for row in range(world * robots, (world + 1) * robots):
+        for row in range(world * a.robots, (world + 1) * a.robots):
             a.phases[row] = PATROL
             if a.present[row]:
                 rows[count] = row
@@ -58,11 +55,11 @@ def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
 def find_items(around: Words[Around], rows: Ints) -> None:
     """Find the nearest item in sight of each of `rows` (P,), and the phase."""
     a = open_around(around)
-    robots, items = a.present.shape[0] // a.team.shape[0], a.items.shape[1]
+    items = a.items.shape[1]
     cells = np.empty(cells_along(items, a.sight * MARGIN, a.extent), np.int64)
     links, lying, filled = np.empty(items, np.int64), np.empty(items, np.bool_), -1
     for row in rows:
-        world = row // robots
+        world = row // a.robots
         if world != filled:
             for item in range(items):
                 lying[item] = a.stage[world, item] == LYING
@@ -81,10 +78,9 @@ def find_items(around: Words[Around], rows: Ints) -> None:
 def find_stations(around: Words[Around], rows: Ints) -> None:
     """Find the distances and the ways of `rows` (P,) to both stations."""
     a = open_around(around)
-    robots = a.present.shape[0] // a.team.shape[0]
     for row in rows:
         for station in range(2):
-            place = a.stations[row // robots, station]
+            place = a.stations[row // a.robots, station]
             a.station_distances[row, station] = write_way(a, row, place, a.longest, a.station_ways[row, station])
 
 
@@ -92,7 +88,7 @@ def find_stations(around: Words[Around], rows: Ints) -> None:
 def find_neighbours(around: Words[Around], rows: Ints) -> None:
     """Find the nearest other robot in range of each of `rows` (P,), and count those within each range."""
     a = open_around(around)
-    robots, squares = a.present.shape[0] // a.team.shape[0], a.ranges * a.ranges
+    robots, squares = a.robots, a.ranges * a.ranges
     farthest = squares[-1]
     lines, columns = cells_along(robots, np.sqrt(farthest) * MARGIN, a.extent)
     cells, links, filled = np.empty((lines, columns), np.int64), np.empty(robots, np.int64), -1

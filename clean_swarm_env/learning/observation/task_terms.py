@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from clean_swarm_env.learning.observation.around import Around, open_around, write_way
+from clean_swarm_env.learning.observation.around import Around, copy_way, write_way
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm
 from clean_swarm_env.learning.phases import PHASES
 from clean_swarm_env.world.garbage import NOTHING
 from selforg.arrays import Floats
-from selforg.compiler.decorators import part
-from selforg.compiler.records import Words
+from selforg.compiler.decorators import inlined
 
 
 @TERMS.register
@@ -19,13 +18,13 @@ class GarbageTerm(CompiledTerm):
     components = ("garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
         out[1] = 1.0
-        if a.item[row] >= 0:
+        if around.item[row] >= 0:
             out[0] = 1.0
-            write_way(a, row, a.items[row // (a.present.shape[0] // a.team.shape[0]), a.item[row]], a.sight, out[1:])
+            place = around.items[row // around.robots, around.item[row]]
+            write_way(around, row, place, around.sight, out[1:])
 
 
 @TERMS.register
@@ -36,10 +35,9 @@ class CargoTerm(CompiledTerm):
     components = ("carrying", "recycled")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        out[0], out[1] = a.cargo[row] != NOTHING, a.recycled[row] == 1
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        out[0], out[1] = around.cargo[row] != NOTHING, around.recycled[row] == 1
 
 
 @TERMS.register
@@ -50,9 +48,9 @@ class PhaseTerm(CompiledTerm):
     components = tuple(f"phase_{phase}" for phase in PHASES)
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        out[open_around(around).phases[row]] = 1.0
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        out[around.phases[row]] = 1.0
 
 
 @TERMS.register
@@ -60,15 +58,13 @@ class SituationTerm(CompiledTerm):
     """One flag: without or with cargo, far from both stations or within `station_range` of one."""
 
     name = "situation"
-    needs = ("stations",)
     components = ("free_far", "free_near", "carrying_far", "carrying_near")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        near = min(a.station_distances[row, 0], a.station_distances[row, 1]) <= a.station_range
-        out[2 * (a.cargo[row] != NOTHING) + near] = 1.0
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        near = min(around.station_distances[row, 0], around.station_distances[row, 1]) <= around.station_range
+        out[2 * (around.cargo[row] != NOTHING) + near] = 1.0
 
 
 @TERMS.register
@@ -76,15 +72,12 @@ class RecyclingTerm(CompiledTerm):
     """The way to the recycling station, by half the torus' diagonal."""
 
     name = "recycling"
-    needs = ("stations",)
     components = ("recycling_distance", "recycling_ahead", "recycling_left")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        for k in range(3):
-            out[k] = a.station_ways[row, 0, k]
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        copy_way(around.station_ways[row, 0], out)
 
 
 @TERMS.register
@@ -92,15 +85,12 @@ class DumpTerm(CompiledTerm):
     """The way to the dump, by half the torus' diagonal."""
 
     name = "dump"
-    needs = ("stations",)
     components = ("dump_distance", "dump_ahead", "dump_left")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
-        for k in range(3):
-            out[k] = a.station_ways[row, 1, k]
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
+        copy_way(around.station_ways[row, 1], out)
 
 
 @TERMS.register
@@ -108,15 +98,13 @@ class NearnessTerm(CompiledTerm):
     """How near the stations are: 1 at a station, 0 from `station_range` on."""
 
     name = "nearness"
-    needs = ("stations",)
     components = ("recycling_near", "dump_near")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
         for station in range(2):
-            out[station] = max(1.0 - a.station_distances[row, station] / a.station_range, 0.0)
+            out[station] = max(1.0 - around.station_distances[row, station] / around.station_range, 0.0)
 
 
 @TERMS.register
@@ -124,14 +112,11 @@ class TargetTerm(CompiledTerm):
     """The way to the station that the cargo has to go to, by half the torus' diagonal."""
 
     name = "target"
-    needs = ("stations",)
     components = ("target_distance", "target_ahead", "target_left")
 
     @staticmethod
-    @part
-    def see(around: Words[Around], row: int, out: Floats) -> None:
-        a = open_around(around)
+    @inlined
+    def see(around: Around, row: int, out: Floats) -> None:
         out[0] = 1.0
-        if a.cargo[row] != NOTHING:
-            for k in range(3):
-                out[k] = a.station_ways[row, 1 if a.recycled[row] == 1 else 0, k]
+        if around.cargo[row] != NOTHING:
+            copy_way(around.station_ways[row, 1 if around.recycled[row] == 1 else 0], out)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
-from selforg.compiler.records import Packed, Words
+from selforg.compiler.records import Packed
 from selforg.registry import Registry
-
-Need = Literal["stations", "neighbours"]
 
 
 @dataclass(frozen=True)
@@ -63,13 +61,11 @@ class Term(ABC):
     Attributes:
         name: name of the term.
         components: names of the components; the class or the constructor sets them.
-        needs: searches whose results the term reads, see `Around`.
         observed: the data that the term reads.
 
     """
 
     name: ClassVar[str]
-    needs: ClassVar[tuple[Need, ...]] = ()
     components: tuple[str, ...] = ()
 
     def __init__(self, observed: Observed) -> None:
@@ -95,11 +91,11 @@ class Term(ABC):
 
 
 class CompiledTerm(Term):
-    """A term of this package: `see` writes it for one robot; one kernel calls `see` of all such terms."""
+    """A term of DEFAULT_TERMS: `see` writes it for one robot, and one kernel calls `see` of all these terms."""
 
     @staticmethod
     @abstractmethod
-    def see(around: Words[Around], row: int, out: Floats) -> None:
+    def see(around: Around, row: int, out: Floats) -> None:
         """Write the components of a row into the first places of `out`, which holds zeros (compiled)."""
 
     def write(self, rows: Ints, out: Floats) -> None:

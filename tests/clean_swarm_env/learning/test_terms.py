@@ -36,7 +36,6 @@ class Alone(Term):
     """Whether no other robot is nearer than half of the largest range, as a kernel of the user's own finds."""
 
     name = "alone"
-    needs = ("neighbours",)
     components = ("alone", "not_alone")
 
     def write(self, rows, out):
