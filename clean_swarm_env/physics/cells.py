@@ -13,12 +13,12 @@ from selforg.compiler.decorators import inlined, kernel, part
 from selforg.space import nearest_image, wrapped
 
 FEW: Final = 40  # points of a world up to which looking at all of them is cheaper
-NOBODY: Final = -1  # end of the list of a cell
+NOBODY: Final = -1  # marks the end of the list of a cell
 
 
 @kernel
 def cells_along(points: int, reach: float, extent: Floats) -> tuple[int, int]:
-    """Return lines and columns of cells at least `reach` [m] wide, about one a point; (0, 0) if cells do not pay."""
+    """Return lines and columns of cells at least `reach` [m] wide, about one a point; (0, 0) if cells save no time."""
     side = int(np.ceil(np.sqrt(points)))
     lines, columns = min(int(extent[1] // reach), side), min(int(extent[0] // reach), side)
     return (0, 0) if points <= FEW or lines < 3 or columns < 3 else (lines, columns)
@@ -34,7 +34,7 @@ def cell_at(place: float, cells: int, size: float) -> int:
 def fill_cells(positions: Floats, first: int, there: Flags, extent: Floats, cells: Ints, links: Ints) -> None:
     """Put the points that are `there` (M,) into `cells` (lines, columns); point m lies at positions[first + m] [m].
 
-    cells gets the first point of each cell, links (M,) the next one in the same cell; lists rise.
+    `cells` gets the first point of each cell, `links` (M,) the next one in the same cell, in rising order.
     """
     lines, columns = cells.shape
     if lines == 0:

@@ -1,8 +1,8 @@
-"""What happens in one world and when: the events of its mission, and the garbage that keeps coming.
+"""Events of the worlds: those of their missions, and the garbage that keeps coming.
 
-Garbage comes as a Poisson process: the items expected since the last one are compared with an exponential draw, so that
-a change of the rate keeps what has been waited already. What comes, when and where, depends on the seed of the world
-only, never on what robots do: all options that are compared get the same garbage.
+Garbage comes as a Poisson process. An item comes when the number expected since the last one reaches an exponential
+draw. So a change of the rate keeps the waiting time that has passed. When and where items come depends only on the seed
+of the world, not on what robots do: all options that are compared get the same garbage.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from clean_swarm_env.world.team import Place, Team
 from selforg.arrays import Flags, Floats
 
 NO_TICK: Final = 1 << 62
-"""Tick of what never happens."""
+"""Tick of an event that never happens."""
 OWN_STREAMS: Final = 0xFFFFFFFF
-"""Spawn key of the streams of a world; those of its robots have their numbers."""
+"""Spawn key of the streams of a world; the keys of its robots' streams are their numbers."""
 TOLERANCE: Final = 1e-9
 """Share of a tick by which times of events may be rounded."""
 
 
 class Affected(NamedTuple):
-    """What events change."""
+    """The parts of the worlds that events change."""
 
     floor: Floor
     minds: Minds
@@ -43,9 +43,9 @@ class Affected(NamedTuple):
 
 
 class Agenda:
-    """The future of one world since its reset.
+    """The events to come in one world.
 
-    A robot that wants to join waits until its place is free, and so does whatever is listed after it.
+    A robot that is to join waits until its place is free, and the events listed after it wait, too.
 
     Attributes:
         due: tick at which something happens next; call `run` then.
@@ -68,7 +68,7 @@ class Agenda:
         self._find_due(0)
 
     def run(self, world: int, affected: Affected) -> None:
-        """Apply what is due in `world`."""
+        """Apply the events due in `world`."""
         tick, extent = int(affected.clock.ticks[world]), affected.floor.extent
         while self._next_item <= tick:
             affected.land(world, self._arrivals.uniform(size=2) * extent)
@@ -90,13 +90,13 @@ class Agenda:
         self.due = tick + 1 if self._joining else min(next_event, self._next_item)
 
     def _set_rate(self, rate: float, since: float) -> None:
-        """Let items come at `rate` [1/min] from the time `since` [ticks] on, from which the ticket counts."""
+        """Set the rate of items [1/min] from the time `since` [ticks] on, from which the ticket counts."""
         self._rate, self._since = rate, since
         self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
         self._next_item = ceil(self._next_time)
 
     def _let_join(self, world: int, team: Team) -> bool:
-        """Let robots join that have waited; return whether none has to wait on."""
+        """Add the robots that wait to the team; return whether none has to wait longer."""
         while self._joining:
             place = self._joining[0] or team.free_place(world, self._places)
             if place is None or not team.is_free(world, np.array(place[:2])):
