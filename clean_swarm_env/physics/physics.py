@@ -35,9 +35,7 @@ from selforg.arrays import Flags, Floats
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
-PAIR_SEARCH_LIMIT: Final = (
-    64  # robots; in larger worlds two robots touch nearly always, and looking at all pairs costs more
-)
+PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds two robots touch nearly always, and the search costs more
 
 
 class Physics(Uncopied):
