@@ -1,4 +1,4 @@
-"""What happened in the present decision period, counted tick by tick, and how long each robot has achieved nothing.
+"""Counts of the events in a decision period, tick by tick, and the time since each robot last achieved something.
 
 Shapes: W worlds, N robots a world, R = W * N rows, E kinds of events.
 """
@@ -10,6 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from clean_swarm_env.world.garbage import NOTHING
+from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state, tick_limit
 from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Flags, Ints
@@ -20,11 +21,10 @@ EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
 """Rows of `Period.events`: items picked, recycled and dumped by the robot, collision events in which it took part,
 ticks at whose end another robot was closer than the collision distance, ticks in which it avoided others."""
 PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
-RUNNING, COMPLETED, TIME_OVER = range(3)
 
 
 class Period(NamedTuple):
-    """What happened in a decision period."""
+    """The counts of a decision period."""
 
     events: Annotated[Ints, "E R"]  # in the order of EVENTS
     ticks: Annotated[Ints, "W"]  # ticks that counted
@@ -34,7 +34,7 @@ class Period(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """What is followed from tick to tick: arrays of the worlds, and how they were at the tick before."""
+    """Arrays of the worlds, and their values at the tick before, from which events are counted."""
 
     working: Annotated[Flags, "R"]  # robots at work
     in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
@@ -56,7 +56,7 @@ open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
 
 
 class MissionProgress:
-    """Counts of a batch of worlds; what a world does after its mission is over does not count.
+    """Counts of a batch of worlds. A world whose mission is over counts no more.
 
     Attributes:
         period: the record `Period`, with its words; its arrays are attributes here too: `events` (E, R), `ticks` (W,),
@@ -98,9 +98,9 @@ class MissionProgress:
         )
 
     def reset(self, world: int) -> None:
-        """Begin anew with a world that has just been reset."""
+        """Begin the counts of a world that has just been reset."""
         mission, rows, followed = self._worlds.missions[world], self._worlds.rows_of(world), self._followed.record
-        self.limits[world] = max(round(mission.time_limit * mission.world.control_rate), 1)
+        self.limits[world] = tick_limit(mission)
         self.outcome[world] = RUNNING
         self.idle[rows] = 0
         followed.had[rows] = followed.cargo[rows]
@@ -108,7 +108,7 @@ class MissionProgress:
         followed.had_done[world] = followed.done[world]
 
     def stay(self, world: int) -> None:
-        """Count a world that has nothing to do no more until it is reset; how its last mission ended remains."""
+        """Stop counting a world without a next scenario until it is reset; its last outcome remains."""
         if self.outcome[world] == RUNNING:
             self.outcome[world] = TIME_OVER
 
@@ -119,9 +119,9 @@ class MissionProgress:
         np.copyto(self.took_part, self._worlds.team.working)
 
     def note(self, entered: Ints) -> bool:
-        """Count what the last tick brought, `entered` (R,) being its collision events; return whether missions ended.
+        """Count the last tick, whose collision events are `entered` (R,); return whether missions ended.
 
-        A mission that ended stays ended, and counts no more, until its world is reset.
+        A mission that ended counts no more until its world is reset.
         """
         worlds, executing = self._worlds, self._worlds.network.executing
         avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
@@ -168,8 +168,8 @@ def count_tick(
         p.dumped[world] += f.done[world] - f.had_done[world]
         f.had_done[world] = f.done[world]
         f.elapsed[world] = ticks[world]
-        if cleaned[world] or ticks[world] >= f.limits[world]:
-            p.outcome[world] = COMPLETED if cleaned[world] else TIME_OVER
+        p.outcome[world] = mission_state(cleaned[world], ticks[world], f.limits[world])
+        if p.outcome[world] != RUNNING:
             f.ended[ended] = world
             ended += 1
     return ended

@@ -1,7 +1,6 @@
 """Files of named arrays with a description (safetensors): reading them runs no code, unlike pickled files."""
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import safetensors
 import safetensors.numpy
 
 from selector.documents.errors import DocumentError, shown
+from selector.documents.writing import write_whole
 
 Arrays = dict[str, npt.NDArray[Any]]
 DESCRIPTION = "description"
@@ -40,28 +40,6 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
     if not isinstance(description, dict):
         raise DocumentError(f"{shown(path)}: expected a description of what the file holds, got none")
     return arrays, description
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file whole: at any moment, also after a loss of power, it has its old or its new content.
-
-    Raises:
-        DocumentError: the file cannot be written.
-
-    """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with part.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise DocumentError(f"{shown(path)}: cannot be written ({error})") from error
 
 
 def check_same_names(where: str, what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> None:

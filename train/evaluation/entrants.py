@@ -11,7 +11,7 @@ import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import validated
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem

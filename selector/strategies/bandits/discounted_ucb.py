@@ -5,12 +5,12 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from selector.documents.arrays import Arrays
 from selector.documents.fields import Number
 from selector.strategies.bandits.optimism import RecentParameters, RecentUCB
 from selector.strategies.bandits.value_table import summed
 from selector.strategies.problem import Outcomes
 from selector.strategies.registry import STRATEGIES
-from selector.strategies.strategy import Arrays
 
 
 class DiscountedUCBParameters(RecentParameters):

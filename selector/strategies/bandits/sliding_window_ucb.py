@@ -5,10 +5,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from selector.documents.arrays import Arrays
 from selector.strategies.bandits.optimism import RecentParameters, RecentUCB
 from selector.strategies.problem import Outcomes
 from selector.strategies.registry import STRATEGIES
-from selector.strategies.strategy import Arrays
 from selforg.arrays import Floats, Ints
 
 

@@ -16,7 +16,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import family_batches
-from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=30.0)
@@ -24,7 +24,7 @@ END = ("duration_s", "garbage_done", "mission_collision_events", "completed")
 
 
 def stepped(envs, steps, seed=3):
-    """Seed and reset, then yield what each step brings."""
+    """Seed and reset, then yield the results of each step."""
     rng = np.random.default_rng(seed)
     envs.seed(seed)
     envs.reset()

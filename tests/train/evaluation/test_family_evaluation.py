@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.files import load_family
 from clean_swarm_env.config.frames import grouped
-from selector.documents.files import find_file
+from clean_swarm_env.config.load import load_family
+from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.learned_file import description_of, save_strategy
 from selector.strategies.policy_file import find_policy, load_policy, save_policy

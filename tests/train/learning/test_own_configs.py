@@ -8,7 +8,7 @@ import yaml
 from rich.console import Console
 
 from selector.documents.errors import DocumentError
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.strategies.policy_file import find_policy
 from tests.train.learning.trainings import job, written
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
