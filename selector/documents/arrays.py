@@ -42,11 +42,10 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
     return arrays, description
 
 
-def names_differ(what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> str | None:
-    """Return one line about names of `what` that only one side has, None if both have the same names."""
+def check_same_names(where: str, what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> None:
+    """Raise DocumentError, which begins with `where`, for names of `what` that only one side has."""
     missing, extra = [name for name in wanted if name not in held], [name for name in held if name not in wanted]
-    if not missing and not extra:
-        return None
     parts = [f"does not know {', '.join(missing)}"] if missing else []
     parts += [f"knows {', '.join(extra)}, which does not exist here"] if extra else []
-    return f"{what}: {'; '.join(parts)}"
+    if parts:
+        raise DocumentError(f"{where}: {what}: {'; '.join(parts)}")

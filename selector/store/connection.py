@@ -98,7 +98,7 @@ def _sqlite(url: URL, path: Path, create: bool) -> Engine:
 
 
 def _on_read_only_medium(path: Path) -> bool:
-    """Return whether nobody can write a file; SQLite must be told so, because it cannot lock the file."""
+    """Return whether nobody can write a file; SQLite then needs a flag, because it cannot lock the file."""
     wal = path.with_name(f"{path.name}-wal")
     return path.exists() and not wal.exists() and not os.access(path.parent, os.W_OK) and not os.access(path, os.W_OK)
 

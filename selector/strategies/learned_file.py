@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Literal
 
-from selector.documents.arrays import load_arrays, names_differ, save_arrays
+from selector.documents.arrays import check_same_names, load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name
 from selector.strategies.registry import StrategySpec
@@ -76,11 +76,10 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
             raise DocumentError(f"{where}: {what}: expected {expected}, got {got}")
     sides = (("options", problem.options, description.options), ("features", problem.features, description.features))
     for what, wanted, held in sides:
-        line = names_differ(what, wanted, held)
-        if line is None and wanted != held:
-            line = f"{what}: expected the order {', '.join(wanted)}, got {', '.join(held)}"
-        if line is not None:
-            raise DocumentError(f"{where}: {line}")
+        check_same_names(where, what, wanted, held)
+        if wanted != held:
+            expected = f"expected the order {', '.join(wanted)}"
+            raise DocumentError(f"{where}: {what}: {expected}, got {', '.join(held)}")
     try:
         if whole:
             strategy.load_state(arrays)

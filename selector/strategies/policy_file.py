@@ -16,7 +16,7 @@ import numpy.typing as npt
 import safetensors.numpy
 from pydantic import Field, model_validator
 
-from selector.documents.arrays import names_differ
+from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.find import find_file
@@ -93,11 +93,8 @@ class TrainedPolicy:
         spec = self.spec
         if spec.goal != problem.goal:
             raise DocumentError(f"{where}: goal: expected {problem.goal}, got {spec.goal}")
-        sides = (("options", problem.options, spec.options), ("observations", problem.features, spec.observations))
-        for what, wanted, held in sides:
-            line = names_differ(what, wanted, held)
-            if line is not None:
-                raise DocumentError(f"{where}: {line}")
+        check_same_names(where, "options", problem.options, spec.options)
+        check_same_names(where, "observations", problem.features, spec.observations)
         inputs = [spec.observations.index(name) for name in problem.features]
         outputs = [spec.options.index(name) for name in problem.options]
         weights = dict(self.weights)
@@ -169,9 +166,7 @@ def _check(policy: TrainedPolicy, where: str) -> None:
     expected: dict[str, tuple[int, ...]] = {}
     for name, inputs, outputs in policy.spec.layers():
         expected |= {f"{name}.weight": (outputs, inputs), f"{name}.bias": (outputs,)}
-    line = names_differ("weights", tuple(expected), tuple(sorted(policy.weights)))
-    if line is not None:
-        raise DocumentError(f"{where}: {line}")
+    check_same_names(where, "weights", tuple(expected), tuple(sorted(policy.weights)))
     for name, shape in expected.items():
         array = policy.weights[name]
         if array.shape != shape or array.dtype != np.float32:

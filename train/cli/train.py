@@ -46,7 +46,7 @@ def bandit(
     ] = None,
     configs: Configs = None,
 ) -> None:
-    """Let a strategy learn from the rewards that follow its choices and save what it learned."""
+    """Train a strategy by the rewards that follow its choices and save what it learned."""
     check_least({"--seed": (seed, 0)})
     from train.knowledge_store import opened  # these import SQLAlchemy and Numba
     from train.learning.bandit import BanditTraining
