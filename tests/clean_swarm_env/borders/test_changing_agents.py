@@ -1,4 +1,4 @@
-"""The PettingZoo border while robots leave and join: the library's own checks, whole episodes, the agents of each step."""
+"""The PettingZoo border while robots leave and join: the library's own checks, whole episodes, agents by step."""
 
 import numpy as np
 import pytest
