@@ -1,7 +1,6 @@
-"""Named arrays with a description in one safetensors file: data that run no code when they are read."""
+"""Files of named arrays with a description (safetensors): reading them runs no code, unlike pickled files."""
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import safetensors
 import safetensors.numpy
 
 from selector.documents.errors import DocumentError, shown
+from selector.documents.writing import write_whole
 
 Arrays = dict[str, npt.NDArray[Any]]
 DESCRIPTION = "description"
@@ -19,13 +19,13 @@ DESCRIPTION = "description"
 
 
 def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]], description: Mapping[str, Any]) -> None:
-    """Write arrays and a description (of what JSON can hold), whole or not at all."""
+    """Write arrays and a description, which JSON must be able to hold; the file is written whole or not at all."""
     contiguous = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     write_whole(path, safetensors.numpy.save(contiguous, {DESCRIPTION: json.dumps(description)}))
 
 
 def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
-    """Return the arrays and the description that a file holds.
+    """Return the arrays and the description in a file.
 
     Raises:
         DocumentError: no such file, or not one that `save_arrays` wrote.
@@ -42,30 +42,8 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
     return arrays, description
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that at any moment, also after a loss of power, the old or the new content is there.
-
-    Raises:
-        DocumentError: a place that cannot be written to.
-
-    """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with part.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise DocumentError(f"{shown(path)}: cannot be written ({error})") from error
-
-
 def names_differ(what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> str | None:
-    """Return the line that says which names (of `what`) one side lacks, None if both have the same."""
+    """Return one line about names of `what` that only one side has, None if both have the same names."""
     missing, extra = [name for name in wanted if name not in held], [name for name in held if name not in wanted]
     if not missing and not extra:
         return None

@@ -26,6 +26,11 @@ class OwnPoses:
         >>> poses = OwnPoses(Euclidean(2), rows=2, teams=np.array([0, 0]))
         >>> poses.update(np.array([[0.0, 0.0], [1.0, 0.0]]), np.zeros(2), now=0.0)
 
+    Attributes:
+        own: (N, K, POSE_COLUMNS) float64, poses of each row, the newest first.
+        row_table: (N, ROW_COLUMNS or more) int64.
+        packed: both and more as compiled code takes them.
+
     """
 
     def __init__(
@@ -70,7 +75,7 @@ class OwnPoses:
         self.row_table[:, c.ROW_TEAM] = codes
         self.row_table[:, c.ROW_COLUMNS :] = -1
         self._no_headings: Floats = np.zeros(rows)
-        self._packed = POSES.pack(
+        self.packed = POSES.pack(
             Poses(
                 own=self.own,
                 rows=self.row_table,
@@ -88,13 +93,8 @@ class OwnPoses:
             )
         )
 
-    @property
-    def words(self) -> Words[Poses]:
-        """What compiled code takes of the poses."""
-        return self._packed.words
-
     def update(self, positions: Floats, headings: Floats | None, now: float) -> None:
-        """Let every row spread its pose: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
+        """Spread the pose of every row: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
         positions = np.ascontiguousarray(positions, dtype=np.float64)
         known = headings is not None
         headings = self._no_headings if headings is None else np.ascontiguousarray(headings, dtype=np.float64)
@@ -103,16 +103,16 @@ class OwnPoses:
                 f"OwnPoses.update: positions must be ({self.rows}, {self.space.dim}) and headings ({self.rows},), "
                 f"got {positions.shape} and {headings.shape}"
             )
-        bad = update_poses(positions, headings, known, float(now), self.words)
+        bad = update_poses(positions, headings, known, float(now), self.packed.words)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
     def set_pose(self, row: int, position: Sequence[float], heading: Sequence[float], now: float) -> bool:
-        """Let one row spread one pose; False if it is not newer than the last one.
+        """Spread one pose of one row; False if it is not newer than the last one.
 
         position: (D,) [m]; heading: (D,) direction, zero if there is none; now [s].
         """
-        look = self._packed.record
+        look = self.packed.record
         return self.set_gradient(
             row,
             Gradient(
@@ -127,7 +127,7 @@ class OwnPoses:
         )
 
     def set_gradient(self, row: int, gradient: Gradient) -> bool:
-        """Let one row spread a checked gradient as its pose; False if it is not newer than the last one."""
+        """Spread a checked gradient as the pose of one row; False if it is not newer than the last one."""
         if self.row_table[row, c.ROW_POSES] > 0 and gradient.stamp <= self.own[row, 0, c.POSE_STAMP]:
             return False
         place = self.space.wrap(np.asarray(gradient.position, dtype=np.float64))
@@ -139,7 +139,7 @@ class OwnPoses:
         newest[[c.DIFFUSION, c.GOAL_RADIUS]] = gradient.diffusion, gradient.goal_radius
         newest[[c.POSE_SIGN, c.POSE_STAMP]] = gradient.attraction, gradient.stamp
         self.row_table[row, c.ROW_POSES] = min(self.row_table[row, c.ROW_POSES] + 1, self.history)
-        index_poses(self.words)
+        index_poses(self.packed.words)
         return True
 
     def gradient(self, row: int, age: int = 0) -> Gradient:
@@ -162,7 +162,7 @@ class OwnPoses:
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_POSES] = 0
 
     def silence(self, rows: npt.ArrayLike, silent: bool = True) -> None:
-        """Forget all poses of `rows` (R,), which spread no more by `update`; or let them spread again."""
+        """Forget all poses of `rows` (R,) and leave them out of `update`; or, not `silent`, take them in again."""
         self.forget(rows)
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_SILENT] = int(silent)
 
@@ -174,8 +174,8 @@ class OwnPoses:
 
     def members(self, team: int) -> Ints:
         """Return the rows of a team, in their order."""
-        first = self._packed.record.first
-        return self._packed.record.members[first[team] : first[team + 1]]
+        first = self.packed.record.first
+        return self.packed.record.members[first[team] : first[team + 1]]
 
     @property
     def positions(self) -> Floats:

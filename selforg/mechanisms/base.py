@@ -1,7 +1,7 @@
 """The blueprint of movement mechanisms, and the one that runs compiled rules.
 
-`move` is called once per tick with the rows that want to know where this mechanism would take them; it must not change
-the buffer. What a mechanism leaves behind it leaves in `deposit`, called after all movements of the tick are known.
+`move` is called once per tick with the rows whose movement is asked for; it must not change the buffer. A mechanism
+that leaves gradients behind leaves them in `deposit`, called after all movements of the tick are known.
 """
 
 from abc import ABC, abstractmethod
@@ -20,10 +20,10 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
 from selforg.gradients.store.records import Sight
-from selforg.mechanisms.kernels.motion import MOTION, MOVEMENTS, Motion, Movements
 from selforg.mechanisms.kernels.movement_rule import MovementRule
 from selforg.mechanisms.kernels.moving import move_rows
 from selforg.mechanisms.kernels.rules import wander
+from selforg.mechanisms.kernels.steering import MOVEMENTS, STEERING, Movements, Steering
 from selforg.mechanisms.options import LookOptions, MoveOptions
 from selforg.randomness import DirectionStream
 
@@ -133,7 +133,8 @@ class CompiledMechanism(MovementMechanism):
         buffer, channels = self.buffer, self.buffer.channel_table(self.channels)
         if buffer.settings.whole_seconds:
             buffer.evaporate(now)
-        self.directions.refill()
+        if self.directions.low[0]:
+            self.directions.refill()
         done = self._run(now, rows, places, movements, self._room.on(channels))
         while done < len(rows):
             self._room.double()
@@ -152,7 +153,7 @@ class LimitedMechanism(CompiledMechanism):
     """What movement mechanisms share whose vectors are limited to [`min_speed`, `max_speed`].
 
     Attributes:
-        rule: the movement rule; a formula of one's own has none, and does not read this one.
+        rule: the movement rule; a `FormulaMechanism` does not read it.
         angle_xy, angle_yz: view angles [rad] to either side of the heading, for rules that look ahead.
 
     """
@@ -173,11 +174,11 @@ class LimitedMechanism(CompiledMechanism):
         self.angle_xy, self.angle_yz = np.inf, np.inf
 
     @cached_property
-    def _motion(self) -> Packed[Motion]:
+    def _steering(self) -> Packed[Steering]:
         """What kernels take of the mechanism, packed when it moves for the first time."""
         rule, directions = self.rule, self.directions
-        return MOTION.pack(
-            Motion(
+        return STEERING.pack(
+            Steering(
                 combination=rule.combination,
                 formula=rule.formula,
                 looks_repulsive=rule.looks[0],
@@ -208,8 +209,8 @@ class RuleMechanism(LimitedMechanism):
     """A movement mechanism that runs one of the compiled rules of `selforg.mechanisms.kernels.rules`."""
 
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        motion, poses, store = self._motion.words, self.poses.words, self.buffer.words
-        return move_rows(now, rows, places, movements, sight, motion, poses, store)
+        steering, poses, store = self._steering.words, self.poses.packed.words, self.buffer.table.packed.words
+        return move_rows(now, rows, places, movements, sight, steering, poses, store)
 
 
 def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:

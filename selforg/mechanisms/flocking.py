@@ -12,7 +12,7 @@ from selforg.gradients.store.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
 from selforg.gradients.store.records import Sight
 from selforg.mechanisms.base import CompiledMechanism, at_least
 from selforg.mechanisms.kernels.flocking import BOID_COLUMNS, FLOCK, Flock, flock_rows
-from selforg.mechanisms.kernels.motion import Movements
+from selforg.mechanisms.kernels.steering import Movements
 from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import MECHANISMS
 
@@ -57,7 +57,7 @@ class FlockMechanism(CompiledMechanism):
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
         if self._flock is None or len(self._flock.record.boids) < len(self._room.pairs):
             self._flock = self._packed()
-        flock, poses, store = self._flock.words, self.poses.words, self.buffer.words
+        flock, poses, store = self._flock.words, self.poses.packed.words, self.buffer.table.packed.words
         return flock_rows(now, rows, places, movements, sight, flock, poses, store)
 
 

@@ -1,4 +1,4 @@
-"""`clean-swarm explain` and `clean-swarm record`: a run of an evaluation, repeated to look into it."""
+"""`clean-swarm explain` and `clean-swarm record`: repeat a run of an evaluation to see its decisions."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -43,18 +43,18 @@ def record_command(
     condition: ConditionOption = None,
 ) -> None:
     """Repeat a run and keep every step of every robot's networks, and the options held, in an NPZ file."""
-    from train.evaluation import record as recording  # imports Numba
+    from train.evaluation.record_run import record_run  # imports Numba
     from train.evaluation.repeat import task_of
 
     task = task_of(run, scenario, condition)
     with _repeating(run):
-        steps = recording.record_run(task, output)
+        steps = record_run(task, output)
     typer.echo(f"{steps} steps of {task.mission.robots.count} robots in {output}")
 
 
 @contextmanager
 def _repeating(run: Path) -> Iterator[None]:
-    """Show on the standard error that a run is being repeated, and which versions have changed since."""
+    """Print on the standard error which versions have changed since a run, and show that it is being repeated."""
     from train.evaluation.repeat import changed_versions  # imports Numba
 
     errors = error_console()

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
-from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
