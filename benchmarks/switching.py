@@ -3,9 +3,9 @@
     python -m benchmarks.switching
 
 One process, CPU time. The same worlds switch and keep by turns of TURN decision periods, so that garbage, buffers and
-the mix of options are alike in both. In a turn of keeping robots hold the options drawn last. A turn includes the
-consequences of a switch: new plans, and configurations that begin anew. Exit code 1 if a switch in every decision
-period costs LIMIT of the tick or more. The figures go to `results.json`.
+the mix of options are alike in both. In a turn of keeping robots hold the options drawn last. A turn includes what
+follows from a switch: new plans, and configurations that begin anew. Exit code 1 if a switch in every decision period
+costs LIMIT of the tick or more. The figures go to `results.json`.
 """
 
 import sys

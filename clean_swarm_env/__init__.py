@@ -26,8 +26,8 @@ if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` c
 MODULE_OF = {
     "ConfigurationError": "config.errors",
     "FamilyConfig": "config.families",
-    "load_family": "config.files",
-    "load_mission": "config.files",
+    "load_family": "config.load",
+    "load_mission": "config.load",
     "MissionConfig": "config.mission",
     "StartConfiguration": "config.mission",
     "ActionConfig": "learning.actions",
@@ -35,7 +35,7 @@ MODULE_OF = {
     "family_batches": "learning.joined",
     "TERMS": "learning.observation.term",
     "Term": "learning.observation.term",
-    "ObservationConfig": "learning.observation.terms",
+    "ObservationConfig": "learning.observation.config",
     "RewardConfig": "learning.reward",
     "run_mission": "world.mission",
 }

@@ -1,4 +1,4 @@
-"""The recycling station and the dump: where they are, and how near a robot must come."""
+"""Typed configuration of the recycling station and the dump."""
 
 from clean_swarm_env.config.types import Point
 from selector.documents.fields import Closed, Positive

@@ -1,7 +1,7 @@
 """Respawn of garbage: the items that arrive during a mission.
 
-They arrive as a Poisson process. The items expected since the last arrival are compared with an exponential draw, so
-that a change of the rate keeps the waiting that is over.
+They arrive as a Poisson process. An item arrives when the number expected since the last arrival reaches an exponential
+draw. So a change of the rate keeps the waiting time that has passed.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ import numpy as np
 from selforg.arrays import Floats
 
 NO_TICK: Final = 1 << 62
-"""Tick of what never happens."""
+"""Tick of an event that never happens."""
 
 
 class Arrivals:
@@ -27,7 +27,7 @@ class Arrivals:
     def __init__(self, rng: np.random.Generator, rate: float, ticks_per_minute: float) -> None:
         self._rng = rng
         self._ticks_per_minute = ticks_per_minute
-        self._expected = float(rng.exponential())  # items to expect before the next one arrives
+        self._expected = float(rng.exponential())  # number of items expected until the next one arrives
         self._count_from(0.0, rate)
 
     def until(self, tick: int) -> Iterator[Floats]:
@@ -44,7 +44,7 @@ class Arrivals:
         self._count_from(float(tick), rate)
 
     def _count_from(self, since: float, rate: float) -> None:
-        """Work out the next arrival at `rate` [1/min], the expected items counting from the time `since` [ticks]."""
+        """Compute the next arrival at `rate` [1/min]; the expected items count from the time `since` [ticks]."""
         self._rate, self._since = rate, since
         waiting = self._expected * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
         self._next_time = since + waiting if rate > 0.0 else float(NO_TICK)

@@ -1,10 +1,10 @@
-"""When a mission ends: all garbage that ever comes is dumped, or the time is over."""
+"""The end of a mission: all garbage that ever comes is dumped, or the time is over."""
 
 from clean_swarm_env.config.mission import MissionConfig
 from selforg.compiler.decorators import part
 
 RUNNING, COMPLETED, TIME_OVER = range(3)
-"""How a mission stands."""
+"""States of a mission."""
 
 
 def tick_limit(mission: MissionConfig) -> int:
@@ -14,7 +14,7 @@ def tick_limit(mission: MissionConfig) -> int:
 
 @part
 def mission_state(cleaned: bool, ticks: int, limit: int) -> int:
-    """Return how a mission stands after `ticks` control periods; `cleaned`: its world is clean for good."""
+    """Return the state of a mission after `ticks` control periods; `cleaned`: its world is clean for good."""
     if cleaned:
         return COMPLETED
     return TIME_OVER if ticks >= limit else RUNNING

@@ -10,7 +10,7 @@ from selforg.compiler.records import Recording
 
 
 class FloorRecord(NamedTuple):
-    """What lies on the floor and where robots are; owned by `Floor`."""
+    """Bodies, items and stations on the floor; owned by `Floor`."""
 
     robots: Annotated[Floats, "R 2"]  # positions [m]
     extent: Annotated[Floats, "2"]  # of the torus [m]
