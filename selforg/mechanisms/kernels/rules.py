@@ -30,6 +30,7 @@ from selforg.mechanisms.kernels.movement_rule import (
 )
 from selforg.mechanisms.kernels.steering import Own, Steering, add, full_length, open_steering
 from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_fernandez, repulsion_ge
+from selforg.randomness import take_direction
 
 ALL_IN_VIEW = (VIEW_DISTANCE, VIEW_DISTANCE, VIEW_DISTANCE)
 ATTRACTIVE_IN_VIEW = (NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE)
@@ -40,9 +41,11 @@ BY_ANY = (True, True, True)
 BALCH, GE = 0, 1  # potentials of chemotaxis
 
 
-@combines(random=True)
+@combines()
 def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
-    """Look at no gradient: the sum is zero."""
+    """Look at no gradient: the sum is a random direction of 1 m/s."""
+    s = open_steering(steering)
+    s.total[0], s.total[1], s.total[2] = take_direction(s.directions, s.cursor, row)
     return True
 
 
@@ -95,7 +98,7 @@ avoid_all = repulsion._replace(
 patrol = avoid_all._replace(random=True)
 
 
-@sums(sum_all, looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_REPULSIVE)
+@sums(sum_all, looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_ANY)
 def follow_all(
     distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
 ) -> float:
