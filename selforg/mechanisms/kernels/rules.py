@@ -42,7 +42,7 @@ BALCH, GE = 0, 1  # potentials of chemotaxis
 
 @combines(random=True)
 def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
-    """Look at no gradient: the sum is zero."""
+    """Look at no gradient and leave the sum zero."""
     return True
 
 
