@@ -1,4 +1,4 @@
-"""Cells of a grid, so that what lies near a place is found without looking at the rest.
+"""Cells of a grid, by which points near a place are found without looking at all the others.
 
 A table of cells, float64 (L, CELL_COLUMNS), holds one grid in each row: number and width [m] of the cells along x, y
 and z. Open axes are rings of cells too: far cells that share a number are told apart by the distance of what lies
@@ -14,7 +14,7 @@ NUMBER_X, WIDTH_X, NUMBER_Y, WIDTH_Y, NUMBER_Z, WIDTH_Z = 0, 1, 2, 3, 4, 5
 CELL_COLUMNS = 6
 
 SLACK = 1e-9  # [m], covers the rounding of cell borders
-MOST_CELLS = 4096  # a window of more cells is not walked; the whole list is
+MOST_CELLS = 4096  # where a window would have more cells, all points are looked at
 
 
 def axis_cells(extent: float, width: float, most: float) -> tuple[float, float]:
@@ -30,7 +30,7 @@ def axis_cells(extent: float, width: float, most: float) -> tuple[float, float]:
 
 @inlined
 def whole(number: int) -> int:
-    """Return a number of an int32 table as Numba's usual integer, so that what takes it is compiled once only."""
+    """Return a number of an int32 table as Numba's usual integer, so that functions that take it are compiled once."""
     return int(number) + 0
 
 
@@ -53,7 +53,7 @@ def cell_of(x: float, y: float, z: float, cells: Floats, row: int) -> int:
 def bucket_of(group: int, cell: int, buckets: Links) -> int:
     """Return the bucket of a cell of a group (a layer, a team); the number of `buckets` (B,) is a power of two.
 
-    Sixteen neighbouring cells of a line share a cache line of buckets: a window then waits for few of them.
+    Sixteen neighbouring cells of a line share a cache line of buckets, so that a window reads few cache lines.
     """
     mixed = (cell >> 4) * 1540483477 + group * 1013904223  # both below 2**31: no overflow of 64 bits
     mixed ^= mixed >> 17
@@ -67,8 +67,8 @@ def near_cells(
 ) -> int:
     """Write the cells that come within `radius` [m] of (x, y, z) into `window` (MOST_CELLS,) and return how many.
 
-    The grid is that of one row of `cells` (L, CELL_COLUMNS). Returns -1 where looking at all its `members` one by one
-    is cheaper. That choice depends on nothing else, so that other grids cannot change the order of a sum.
+    The grid is that of one row of `cells` (L, CELL_COLUMNS). Returns -1 if looking at all `members` of the grid one by
+    one is cheaper. The choice depends on no other grid, so that other grids cannot change the order of a sum.
     """
     padded = radius + SLACK
     number_i, width_i = int(cells[row, NUMBER_X]), cells[row, WIDTH_X]
@@ -89,7 +89,7 @@ def near_cells(
             column = i0 % number_i
             for i in range(i0, i1):
                 gap = gap_j if whole_i else gap_j + axis_gap(x, i, width_i)
-                window[found] = line + column  # written where the next one goes, and kept if it is near
+                window[found] = line + column  # every cell is written, and `found` grows if it is near: no branch
                 found += 1 if gap <= padded * padded else 0
                 column = column + 1 if column + 1 < number_i else 0
     return found

@@ -13,13 +13,13 @@ GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 class DirectionStream:
     """Unit vectors drawn ahead, one `Generator` per row, so that the draws of a row depend on no other row.
 
-    Nothing is drawn at construction. Compiled code sets `low` when a row has used half of its block, and `refill` then
-    draws more. A row that takes more than half a block in one call gets its last vector again.
+    Nothing is drawn at construction. `take_direction` sets `low` when a row has used half of its block, and `refill`
+    then draws more. A row that takes more than half a block in one call gets its last vector again.
 
     Attributes:
         vectors: (N, block, 3) float64, drawn unit vectors, the third component zero in the plane.
-        cursor: (N,) int64, next vector of each row; compiled code advances it.
-        low: (1,) bool, whether some row has used half of its block; compiled code sets it.
+        cursor: (N,) int64, next vector of each row.
+        low: (1,) bool, whether some row has used half of its block.
 
     """
 
@@ -38,7 +38,7 @@ class DirectionStream:
 
     @classmethod
     def fixed(cls, rows: int, dim: int = 2) -> "DirectionStream":
-        """Return a stream without chance: row i always gets the direction of i golden angles [rad]."""
+        """Return a stream that is not random: row i always gets the direction of i golden angles [rad]."""
         stream = cls((), dim, 1)
         stream._generators = [None] * rows
         angles = GOLDEN_ANGLE * np.arange(rows)
@@ -74,7 +74,7 @@ class DirectionStream:
 def draw_directions(generator: np.random.Generator, count: int, dim: int) -> Floats:
     """Return `count` unit vectors (count, 3), uniform on the circle (`dim` 2) or the sphere (`dim` 3).
 
-    Drawn one after the other, so that the stream does not depend on how many are drawn at a time.
+    They are drawn one after the other, so that the stream does not depend on how many are drawn at a time.
     """
     uniform = generator.random((count, dim - 1))  # (count, 1 or 2) in [0, 1)
     angle = 2.0 * np.pi * uniform[:, 0]
@@ -84,9 +84,11 @@ def draw_directions(generator: np.random.Generator, count: int, dim: int) -> Flo
 
 
 @kernel
-def take_direction(vectors: Floats, cursor: Ints, row: int) -> tuple[float, float, float]:
-    """Return the next unit vector of `row` and advance its cursor."""
-    last = vectors.shape[1] - 1
-    index = min(int(cursor[row]), last)
+def take_direction(vectors: Floats, cursor: Ints, low: Flags, row: int) -> tuple[float, float, float]:
+    """Return the next unit vector of `row`, advance its cursor, and set `low` where half of its block is used."""
+    block = vectors.shape[1]
+    index = min(int(cursor[row]), block - 1)
     cursor[row] = index + 1
+    if 2 * (index + 1) >= block:
+        low[0] = True
     return vectors[row, index, 0], vectors[row, index, 1], vectors[row, index, 2]

@@ -11,8 +11,8 @@ from selforg.compiler.decorators import inlined, lean_kernel
 class Space(ABC):
     """A space of 2 or 3 dimensions; subclasses give `extent`.
 
-    `wrap` brings positions to where compiled code expects them, once, when they enter; afterwards two positions
-    differ by less than one extent, which lets the minimum image be a comparison instead of a division.
+    `wrap` brings positions into [0, extent) once, when they enter. Two positions then differ by less than one extent,
+    and compiled code finds the shortest image by a comparison instead of a division.
     """
 
     def __init__(self, extent: Floats) -> None:
@@ -74,7 +74,7 @@ def half_of(extent: float) -> float:
 def shortest(delta: float, extent: float, half: float) -> float:
     """Return the shortest of the images of `delta` [m], |delta| < extent; `half` is `half_of(extent)`.
 
-    For loops over many offsets: whether the axis is open is decided before the loop.
+    Loops over many offsets use this function, because they compute `half` once, before the loop.
     """
     if delta > half:
         return delta - extent
@@ -87,6 +87,13 @@ def shortest(delta: float, extent: float, half: float) -> float:
 def nearest_image(delta: float, extent: float) -> float:
     """Return the shortest of the images of `delta` [m] on an axis of `extent` [m] (0: open), |delta| < extent."""
     return shortest(delta, extent, half_of(extent))
+
+
+@inlined
+def squared_length(dx: float, dy: float, dz: float, extent: Floats) -> float:
+    """Return the squared length [m2] of the shortest image of an offset [m] in a space of `extent` (3,) [m]."""
+    x, y, z = nearest_image(dx, extent[0]), nearest_image(dy, extent[1]), nearest_image(dz, extent[2])
+    return x * x + y * y + z * z
 
 
 @lean_kernel

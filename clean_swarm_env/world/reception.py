@@ -14,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from selforg.arrays import Floats
 from selforg.gradients.delivery import Delivery
-from selforg.gradients.pose_delivery import Hearing
+from selforg.gradients.pose_delivery import PoseDelivery
 from selforg.gradients.poses import OwnPoses
 
 LOSSES = 0xFFFFFFFD
@@ -35,7 +35,7 @@ class Reception:
         self._reaches: Floats = np.full(worlds, np.inf)
         self._losses: Floats = np.zeros(worlds)
         self._generators = [np.random.default_rng(0)] * rows
-        self._hearing: Hearing | None = None
+        self._poses: PoseDelivery | None = None
 
     def delivery(self) -> Delivery:
         """Return the delivery of what robots leave behind."""
@@ -44,7 +44,7 @@ class Reception:
     def hear(self, poses: OwnPoses) -> None:
         """Apply this delivery to the `poses`, too, from now on."""
         if self.own_contents:
-            self._hearing = Hearing(poses, self._reaches, self._losses, self._generators)
+            self._poses = PoseDelivery(poses, self._reaches, self._losses, self._generators)
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that begins anew."""
@@ -66,5 +66,5 @@ class Reception:
 
     def listen(self) -> None:
         """Deliver the poses that have just been spread."""
-        if self._hearing is not None:
-            self._hearing.listen()
+        if self._poses is not None:
+            self._poses.deliver()

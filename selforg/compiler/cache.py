@@ -1,8 +1,8 @@
 """Where compiled kernels are kept: a folder for each source file, named by a hash of all that the kernels are made of.
 
-Numba's own cache looks at the file of a kernel only. What a kernel calls in other files is compiled into it, and so are
-the constants of those files: a change there has to lead to a new folder. The hash covers the file, every file of ours
-that it imports, directly or not, the switches, and the versions of Numba and of its optimiser.
+Numba's own cache checks only the file of a kernel. Functions that the kernel calls in other files are compiled into it,
+and so are the constants of those files: a change there has to lead to a new folder. The hash covers the file, every
+file of ours that it imports, directly or not, the switches, and the versions of Numba and of its optimiser.
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
 Numba's decorators have no types; these keep the type of the function that they compile, so that `mypy --strict` checks
 the callers. Kernels are kept on disk, see `selforg.compiler.cache`.
 
-Each function costs time when a process compiles for the first time: `part` and `lean_kernel` leave out what is not
-needed, and the garbage collector is off meanwhile: it would look through all objects of the compiler again and again.
+Compiling takes time when a process starts with an empty cache. `part` and `lean_kernel` therefore leave out what is not
+needed, and the garbage collector is off while anything is compiled: it would visit all objects of the compiler again
+and again.
 """
 
 import gc
@@ -71,13 +72,13 @@ def lean_kernel(function: Callable[P, R]) -> Callable[P, R]:
 def part(function: Callable[P, R]) -> Callable[P, R]:
     """Compile, whenever a kernel that calls it is compiled, a function that makes no arrays; see `lean_kernel`.
 
-    Called from Python the function stays what it is, slow, as tests may want it.
+    Called from Python, the function runs uncompiled, as some tests want it.
     """
     return register_jitable(**LEAN)(function)
 
 
 def inlined(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a small function like `part`, into its callers: passing arrays would cost more than its work."""
+    """Compile a small function like `part`, into its callers, because passing arrays would cost more than its work."""
     return register_jitable(**LEAN, forceinline=True)(function)
 
 

@@ -21,7 +21,7 @@ A record is a NamedTuple whose fields say what they hold:
     packed = GRID.pack(Grid(cells, links, 11.0))
     look(packed.words)
 
-Who owns the arrays packs the record, and packs a new one when an array is replaced by another.
+The owner of the arrays packs the record, and packs a new one when an array is replaced by another.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ NUMBERS: dict[type, Compiler] = {float: types.float64, int: types.int64}
 
 
 class Words(Generic[Record]):
-    """What compiled code takes for a record: (words,) int64; the record itself where nothing goes by address."""
+    """What compiled code takes for a record: (words,) int64, or the record itself if none is passed by address."""
 
 
 class Packed(Generic[Record]):
@@ -136,7 +136,7 @@ class Recording(Generic[Record]):
 
 @register_jitable
 def same_record(record: Any) -> Any:  # noqa: ANN401  (any record)
-    """Return the record itself, where none goes by address."""
+    """Return the record itself, if none is passed by address."""
     return record
 
 
@@ -168,7 +168,7 @@ def words_of_field(field: Compiler, value: Any, where: str, shape: str) -> list[
 
 
 class Kept:
-    """Words that keep the arrays alive to which they point: NumPy keeps the owner of the memory that it shows."""
+    """Words, and the record whose arrays they point to: an array of these words keeps this object, its owner, alive."""
 
     def __init__(self, words: Ints, record: tuple[Any, ...]) -> None:
         self.words, self.record = words, record

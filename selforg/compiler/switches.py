@@ -11,7 +11,7 @@ PLAIN = os.environ.get("CLEAN_SWARM_PLAIN_NUMBA") == "1"
 """Whether only documented features of Numba are used: slower, the same bits.
 
 Records then reach compiled code as Numba's own named tuples, references to arrays are counted, and Chipmunk is called
-from Python. This is the way out when Numba changes what the fast way rests on.
+from Python. Set it when a new version of Numba breaks the undocumented features.
 """
 
 CHECKED = os.environ.get("CLEAN_SWARM_CHECK_RECORDS") == "1"

@@ -1,4 +1,4 @@
-"""SoBuffer: the gradients that robots have received, stored so that near ones are found without the rest."""
+"""SoBuffer: the gradients that robots have received, stored so that near ones are found fast."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,7 +22,7 @@ MOST_STALE_PAYLOADS = 1024
 
 
 class SoBuffer:
-    """Static and moving gradients of all teams; what one team stores, no other sees.
+    """Static and moving gradients of all teams; a team sees only its own.
 
     Example:
         >>> space = Torus(11.0, 11.0)
@@ -47,11 +47,11 @@ class SoBuffer:
         self.sources = Codes(poses.rows, poses.names)
         self.keys = Codes()
         self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
-        self._channel_tables: dict[tuple[str, ...], Ints] = {}  # of the channels that came up so far
+        self._channel_tables: dict[tuple[str, ...], Ints] = {}  # of the channels used so far
         self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
 
     def __len__(self) -> int:
-        """Return how many gradients are stored, of all teams; those that evaporated unseen may still be counted."""
+        """Return how many gradients of all teams are stored; some of them may have evaporated since the last look."""
         return self.table.used
 
     def store_static(
@@ -89,9 +89,9 @@ class SoBuffer:
         self.store_tables(*self._for_all(messages, tags), now)
 
     def extinguish(self, teams: npt.ArrayLike, channel: str, positions: npt.ArrayLike, now: float) -> None:
-        """Delete the nearest static gradient at each of `positions` (M, D) by spreading one that is gone at once.
+        """Delete the nearest static gradient at each of `positions` (M, D) by spreading one that evaporates at once.
 
-        It takes the place of the stored one because the channel aggregates by `new`; any other rule is an error.
+        The channel must aggregate by `new`, so that the spread gradient replaces the stored one.
         """
         rule = self.settings.aggregation.get(channel, self.settings.aggregation.get("DEFAULT"))
         if rule != "new":
@@ -149,13 +149,13 @@ class SoBuffer:
             self.store_tables(messages, tags, now)
 
     def clear(self, team: int) -> None:
-        """Delete everything one team has stored or has under way."""
+        """Delete everything that one team has stored, and its messages under way."""
         for space in self._spaces(team):
             clear_space(int(space), self.table.packed.words)
         self.mail.forget(self._spaces(team))
 
     def evaporate(self, now: float) -> None:
-        """Bring everything to `now` [s] and free what evaporated away. Only memory depends on it, no answer."""
+        """Evaporate everything up to `now` [s] and free the memory of what is gone; no answer depends on this call."""
         for space in range(self.table.spaces):
             evaporate_space(space, float(now), self.table.packed.words)
 
@@ -168,7 +168,7 @@ class SoBuffer:
         return self.settings.store_all or channel in self.settings.channels
 
     def channel_code(self, channel: str) -> int:
-        """Return the number of `channel`, a new one if it never came up."""
+        """Return the number of `channel`, a new one if it was never used."""
         if channel not in self.channels:
             self.table.add_channel(self.settings.rule_of(channel))
             self._channel_tables.clear()
@@ -178,7 +178,7 @@ class SoBuffer:
         """Return what compiled code takes for `channels` (none: all): 1 if it sees shared poses, then the channels.
 
         Channels are in the order of their names, because the order in which other teams used them first must not
-        change a sum. The array is the same one until a new channel comes up.
+        change a sum. The array is the same one until a new channel is used.
         """
         if channels not in self._channel_tables:
             names = sorted(set(channels))
@@ -257,7 +257,7 @@ class SoBuffer:
         self.store_tables(messages, tags, now)
 
     def _keep_payload(self, payload: Mapping[str, Any], copies: int) -> None:
-        """Keep the payload of the next `copies` messages, and forget those of gradients that are gone."""
+        """Keep the payload of the next `copies` messages, and delete payloads of gradients that are gone."""
         if len(self.payloads) > 2 * len(self) + MOST_STALE_PAYLOADS:
             live = self.table.serials()
             self.payloads = {serial: kept for serial, kept in self.payloads.items() if serial in live}

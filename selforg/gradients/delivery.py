@@ -1,7 +1,7 @@
-"""Delivery: who receives what is spread, and when. The input side of a buffer.
+"""Delivery: which rows receive what is spread, and when.
 
-Ideal delivery (the default) needs nothing of this: all rows of a team share one content. With a limited range, losses
-or a delay every row has a content of its own, and what is spread is stored once for each row that receives it.
+With ideal delivery (the default) all rows of a team share one content. With a limited range, losses or a delay every
+row has a content of its own, and what is spread is stored once for each row that receives it.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from selforg.compiler.records import Words
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.space import nearest_image
+from selforg.space import squared_length
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Mail:
         self.tags.append(tags)
 
     def take(self, now: float) -> list[tuple[Floats, Ints]]:
-        """Take out what has arrived by `now` [s], in the order of arrival, then of posting."""
+        """Remove and return what has arrived by `now` [s], in the order of arrival, then of posting."""
         due = sorted((i for i, arrival in enumerate(self.arrivals) if arrival <= now), key=lambda i: self.arrivals[i])
         taken = [(self.messages[i], self.tags[i]) for i in due]
         stays = [i for i, arrival in enumerate(self.arrivals) if arrival > now]
@@ -82,27 +82,25 @@ class Mail:
         return taken
 
     def forget(self, rows: Ints) -> None:
-        """Drop what is under way to `rows` (R,)."""
+        """Delete what is under way to `rows` (R,)."""
         for i, (messages, tags) in enumerate(zip(self.messages, self.tags, strict=True)):
             stays = ~np.isin(tags[:, c.TAG_SPACE], rows)
             self.messages[i], self.tags[i] = messages[stays], tags[stays]
 
 
 def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -> tuple[Floats, Ints]:
-    """Return messages and tags once for each row that receives them, TAG_SPACE being the receiver.
+    """Return messages and tags once for each row that receives them; TAG_SPACE is the receiver.
 
     messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS), whose TAG_SOURCE is the row that spreads. A row always
     receives what it deposits itself, and never its own moving gradients.
     """
     teams = poses.teams[tags[:, c.TAG_SOURCE]]
-    reaches, losses = (
-        np.broadcast_to(delivery.reach, poses.team_count),
-        np.broadcast_to(delivery.loss, poses.team_count),
-    )
+    reaches = np.broadcast_to(delivery.reach, poses.team_count)
+    losses = np.broadcast_to(delivery.loss, poses.team_count)
     sizes = np.bincount(poses.teams)
     draws = np.ones((len(messages), int(sizes[teams].max(initial=0))))
     for index in np.flatnonzero((losses[teams] > 0) & (losses[teams] < 1)).tolist():
-        # a draw for every row, in range or not: a move does not change the draws
+        # every row has a draw, in range or not, so that a move does not change the draws
         source, count = int(tags[index, c.TAG_SOURCE]), int(sizes[teams[index]])
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
@@ -135,10 +133,11 @@ def find_receivers(
         team = p.rows[source, c.ROW_TEAM]
         for index in range(p.first[team + 1] - p.first[team]):
             row = p.members[p.first[team] + index]
-            dx = nearest_image(p.own[row, 0, c.X] - messages[message, c.X], p.extent[0])
-            dy = nearest_image(p.own[row, 0, c.Y] - messages[message, c.Y], p.extent[1])
-            dz = nearest_image(p.own[row, 0, c.Z] - messages[message, c.Z], p.extent[2])
-            near = p.rows[row, c.ROW_POSES] > 0 and np.sqrt(dx * dx + dy * dy + dz * dz) <= reaches[message]
+            dx = p.own[row, 0, c.X] - messages[message, c.X]
+            dy = p.own[row, 0, c.Y] - messages[message, c.Y]
+            dz = p.own[row, 0, c.Z] - messages[message, c.Z]
+            distance = np.sqrt(squared_length(dx, dy, dz, p.extent))
+            near = p.rows[row, c.ROW_POSES] > 0 and distance <= reaches[message]
             received = near and losses[message] < 1.0 and draws[message, index] >= losses[message]
             if row == source:
                 received = tags[message, c.TAG_MOVING] == 0

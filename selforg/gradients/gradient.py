@@ -1,6 +1,6 @@
-"""A gradient (the paper's SoMessage) as one object: the border for single messages."""
+"""A gradient (the paper's SoMessage) as one object, and the checks of its fields."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -98,22 +98,16 @@ def require(name: str, value: npt.NDArray[Any], fits: npt.NDArray[np.bool_] | np
         raise ValueError(f"gradient: {name} must be {expected}, got {wrong}")
 
 
-def padded(vector: Sequence[float], dim: int, name: str) -> npt.NDArray[np.float64]:
-    """Return `vector` (D,) as (3,) float64; raises ValueError if it has another number of components than `dim`."""
-    out, given = np.zeros(3), numbers(name, vector)
-    if given.shape not in ((dim,), (0,) if name == "heading" else (dim,)):
-        raise ValueError(f"gradient: {name} must have {dim} components, got {vector!r}")
-    out[: len(given)] = given
-    return out
-
-
-def check_gradient(gradient: Gradient, dim: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Return position and heading as (3,) float64; raises ValueError naming the first impossible field."""
+def check_gradient(gradient: Gradient, dim: int) -> None:
+    """Raise ValueError naming the first impossible field of a gradient in a space of `dim` dimensions."""
     if not isinstance(gradient.channel, str):
         raise ValueError(f"gradient: channel must be a name, got {gradient.channel!r}")
     if not isinstance(gradient.payload, Mapping):
         raise ValueError(f"gradient: payload must be a mapping, got {gradient.payload!r}")
-    place, heading = padded(gradient.position, dim, "position"), padded(gradient.heading, dim, "heading")
+    place, heading = numbers("position", gradient.position), numbers("heading", gradient.heading)
+    for name, vector, shapes in (("position", place, ((dim,),)), ("heading", heading, ((dim,), (0,)))):
+        if vector.shape not in shapes:
+            raise ValueError(f"gradient: {name} must have {dim} components, got {getattr(gradient, name)!r}")
     check_position(place)
     g = gradient
     check_fields(g.attraction, g.diffusion, g.goal_radius, g.evaporation_factor, g.evaporation_period, g.stamp)
@@ -121,4 +115,3 @@ def check_gradient(gradient: Gradient, dim: int) -> tuple[npt.NDArray[np.float64
     if gradient.clock is not None:
         clock = numbers("clock", gradient.clock)
         require("clock", clock, np.abs(clock) <= LATEST, f"finite, at most {LATEST:g} s")
-    return place, heading

@@ -2,7 +2,7 @@
 
 
 class Codes:
-    """Numbers names in the order in which they come up, from `first` on; names known from the start are 0, 1, ..."""
+    """Numbers names in the order of their first use, from `first` on; names known from the start are 0, 1, ..."""
 
     def __init__(self, first: int = 0, known: tuple[str, ...] = ()) -> None:
         self._first = first
@@ -10,7 +10,7 @@ class Codes:
         self._names: list[str] = []
 
     def __len__(self) -> int:
-        """Return how many names came up, without those known from the start."""
+        """Return how many names were used, without those known from the start."""
         return len(self._names)
 
     def __contains__(self, name: str) -> bool:
@@ -18,7 +18,7 @@ class Codes:
         return name in self._codes
 
     def code(self, name: str) -> int:
-        """Return the number of `name`, a new one if it never came up."""
+        """Return the number of `name`, a new one if it was never used."""
         if name not in self._codes:
             self._codes[name] = self._first + len(self._names)
             self._names.append(name)
@@ -29,5 +29,5 @@ class Codes:
         return self._names[code - self._first]
 
     def names(self) -> list[str]:
-        """Return the names that came up, sorted."""
+        """Return the names that were used, sorted."""
         return sorted(self._names)

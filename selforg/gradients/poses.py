@@ -16,7 +16,7 @@ from selforg.space import Space, wrapped
 
 
 class OwnPoses:
-    """The pose gradients that rows carry, kept apart from all other gradients and shared by all buffers of a robot.
+    """The pose gradients that rows carry, stored apart from all other gradients and shared by all buffers of a robot.
 
     Rows of one team see each other (ideal delivery); rows of different teams never do. A pose is repulsive by default:
     the paper's robots spread `goal_radius` 0.5 m, `diffusion` 1.0 m. With `hearing` a row sees what it has received as
@@ -162,7 +162,7 @@ class OwnPoses:
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_POSES] = 0
 
     def silence(self, rows: npt.ArrayLike, silent: bool = True) -> None:
-        """Forget all poses of `rows` (R,) and leave them out of `update`; or, not `silent`, take them in again."""
+        """Forget all poses of `rows` (R,) and leave them out of `update`; with `silent` False, include them again."""
         self.forget(rows)
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_SILENT] = int(silent)
 
@@ -194,8 +194,8 @@ class OwnPoses:
 def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: float, poses: Words[Poses]) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
-    A row whose last pose is not older than `now` keeps it; one that is silent spreads none. Returns -1, or the first
-    row with a number that is not finite: nothing is changed then.
+    A row whose last pose is not older than `now` keeps that pose; a silent row spreads none. Returns -1. If a number is
+    not finite, nothing is changed, and the result is the first such row.
     """
     p = open_poses(poses)
     dim = positions.shape[1]

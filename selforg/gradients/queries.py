@@ -1,11 +1,11 @@
 """Queries: what rows see in a buffer, as tables for many rows and as gradients for one.
 
-All are answered after evaporation and within *view*: distance <= reach + view distance. "Nothing" is an empty range of
-the table, an empty list, or a mask that is False.
+A query evaporates first, and answers with the gradients in *view*: distance <= reach + view distance. If there is none,
+the answer is an empty range of the table, an empty list, or a mask that is False.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -79,7 +79,7 @@ class Queries:
 
     def __init__(self, buffer: SoBuffer) -> None:
         self._buffer = buffer
-        self._room = PairRoom()
+        self._room = PairRoom(buffer)
 
     def see(
         self,
@@ -99,24 +99,20 @@ class Queries:
         no own pose.
         """
         buffer = self._buffer
-        if buffer.settings.whole_seconds:
-            buffer.evaporate(now)
         chosen: Ints = np.arange(buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
         minus, zero, plus = (view if wanted else -np.inf for wanted in signs)
         see = (c.SEE_STATIC if look.static else 0) | (c.SEE_MOVING if look.moving else 0)
         see |= (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)
         see |= SEE_WITHOUT_POSE if without_pose and np.isinf(view) else 0
-        channels, margins = buffer.channel_table(tuple(look.channels)), (minus, zero, plus)
+        time, margins, sight = float(now), (minus, zero, plus), self._room.sight(now, tuple(look.channels))
         poses, store = buffer.poses.packed.words, buffer.table.packed.words
         start: Ints = np.zeros(len(chosen) + 1, dtype=np.int64)
-        done = 0
-        while True:
-            sight = self._room.on(channels)
-            done += see_rows(chosen[done:], start[done:], see, margins, float(now), sight, poses, store)
-            if done == len(chosen):
-                return Seen(start, self._room.pairs[: start[-1]].copy())
-            self._room.double()
+        done = see_rows(chosen, start, see, margins, time, sight, poses, store)
+        while done < len(chosen):
+            sight = self._room.double()
+            done += see_rows(chosen[done:], start[done:], see, margins, time, sight, poses, store)
+        return Seen(start, self._room.pairs[: start[-1]].copy())
 
     def choose(
         self,
@@ -125,7 +121,7 @@ class Queries:
         rows: Rows | None = None,
         look: Filter = Filter(),
     ) -> tuple[Floats, Flags]:
-        """Return for each of `rows` the pair (R, PAIR_COLUMNS) that `rule` chooses, and whether there is one (R,).
+        """Return the pair (R, PAIR_COLUMNS) that `rule` chooses for each of `rows`, and whether there is one (R,).
 
         rule: nearest_attractive, farthest_attractive, least_reach_attractive, most_reach_attractive or strongest.
         """
@@ -157,7 +153,7 @@ class Queries:
 
     def neighbours(self, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
         """Return the newest moving gradient in view of every other robot, per channel and source."""
-        look = Filter(look.channels, False, True, look.view_distance)
+        look = replace(look, static=False, moving=True)
         return self._objects(self.see(now, [row], look, own=False).pairs)
 
     def neighbour_histories(
@@ -172,7 +168,7 @@ class Queries:
 
         own: also those the row itself spread on other channels than its poses'.
         """
-        look = Filter(look.channels, False, True, look.view_distance)
+        look = replace(look, static=False, moving=True)
         found = self._objects(self.see(now, [row], look, own=own, histories=True).pairs)
         histories: dict[tuple[str, int | str], list[Gradient]] = {}
         for gradient in sorted(found, key=lambda g: g.stamp):
@@ -188,9 +184,9 @@ class Queries:
         look: Filter = Filter(),
     ) -> list[Gradient]:
         """Return the static gradients in view within the view angles [rad] to either side of the heading."""
-        look = Filter(look.channels, True, False, look.view_distance)
+        look = replace(look, static=True, moving=False)
         found = int(self.see(now, [row], look).start[-1])
-        sight = self._room.on(self._buffer.channel_table(tuple(look.channels)))
+        sight = self._room.sight(now, tuple(look.channels))
         kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.packed.words)
         return self._objects(self._room.pairs[:kept])
 

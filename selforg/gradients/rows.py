@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.gradients.gradient import Gradient, padded
+from selforg.gradients.gradient import Gradient
 from selforg.gradients.names import Codes
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Store
@@ -14,18 +14,17 @@ from selforg.space import Space
 
 
 def write_gradient(gradient: Gradient, space: Space, keys: Codes, messages: Floats, tags: Ints) -> None:
-    """Fill all `messages` (M, MESSAGE_COLUMNS) and `tags` (M, TAG_COLUMNS) with one checked gradient."""
+    """Write one checked gradient into all `messages` (M, MESSAGE_COLUMNS) and `tags` (M, TAG_COLUMNS), both blank."""
     g, dim, far = gradient, space.dim, messages[:, c.MESSAGE_FAR :]
-    place = padded(g.position, dim, "position")
-    messages[:, c.X : c.X + dim] = space.wrap(place[:dim])
-    far[:, c.FAR_HEADING : c.FAR_HEADING + 3] = padded(g.heading, dim, "heading")
+    messages[:, c.X : c.X + dim] = space.wrap(np.asarray(g.position, dtype=np.float64))
+    far[:, c.FAR_HEADING : c.FAR_HEADING + len(g.heading)] = g.heading
     messages[:, c.DIFFUSION], messages[:, c.GOAL_RADIUS] = g.diffusion, g.goal_radius
     far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = g.evaporation_factor, g.evaporation_period
     far[:, c.FAR_STAMP], far[:, c.FAR_CLOCK] = g.stamp, g.stamp if g.clock is None else g.clock
     tags[:, c.TAG_SIGN], tags[:, c.TAG_MOVING] = g.attraction, g.moving
     for key, value in g.payload.items():
         if type(value) in (int, float) and abs(value) < float("inf"):
-            # the first number travels in the table, where compiled code sees it
+            # the first number lies in the table, because compiled code sees no payloads
             far[:, c.FAR_VALUE], tags[:, c.TAG_KEY] = value, keys.code(str(key))
             break
 

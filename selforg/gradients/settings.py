@@ -1,25 +1,26 @@
-"""Settings of a buffer."""
+"""Settings of a buffer, and the codes of its aggregation rules."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from selforg.gradients.store import columns as c
+AGGREGATE_DROP, AGGREGATE_MAX, AGGREGATE_MIN, AGGREGATE_AVERAGE = 0, 1, 2, 3
+AGGREGATE_NEW, AGGREGATE_NEW_SOURCE, AGGREGATE_NEW_CHANNEL = 4, 5, 6
 
 AGGREGATION_RULES: Mapping[str, int] = {
-    "max": c.AGGREGATE_MAX,
-    "min": c.AGGREGATE_MIN,
-    "average": c.AGGREGATE_AVERAGE,
-    "new": c.AGGREGATE_NEW,
-    "newparent": c.AGGREGATE_NEW_SOURCE,
-    "newframe": c.AGGREGATE_NEW_CHANNEL,
+    "max": AGGREGATE_MAX,
+    "min": AGGREGATE_MIN,
+    "average": AGGREGATE_AVERAGE,
+    "new": AGGREGATE_NEW,
+    "newparent": AGGREGATE_NEW_SOURCE,
+    "newframe": AGGREGATE_NEW_CHANNEL,
 }
 
 
 @dataclass(frozen=True)
 class BufferSettings:
-    """What a buffer keeps and how; raises ValueError for impossible values.
+    """Which gradients a buffer keeps, and how; raises ValueError for impossible values.
 
     Attributes:
         view_distance: default margin of the view [m]: a gradient is seen within its reach + this.
@@ -61,4 +62,4 @@ class BufferSettings:
     def rule_of(self, channel: str) -> int:
         """Return the code of the aggregation rule of `channel`."""
         name = self.aggregation.get(channel, self.aggregation.get("DEFAULT"))
-        return c.AGGREGATE_DROP if name is None else AGGREGATION_RULES[name]
+        return AGGREGATE_DROP if name is None else AGGREGATION_RULES[name]

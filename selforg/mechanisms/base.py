@@ -1,7 +1,7 @@
 """The blueprint of movement mechanisms, and the one that runs compiled rules.
 
 `move` is called once per tick with the rows whose movement is asked for; it must not change the buffer. A mechanism
-that leaves gradients behind leaves them in `deposit`, called after all movements of the tick are known.
+that deposits gradients does so in `deposit`, called after all movements of the tick are known.
 """
 
 from abc import ABC, abstractmethod
@@ -114,32 +114,28 @@ class CompiledMechanism(MovementMechanism):
 
     def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
         super().__init__(buffer, **options)
-        self._room = PairRoom()
+        self._room = PairRoom(self.buffer)
         self._answers = MOVEMENTS.pack(Movements(self._vectors, self._active))
-        self._elsewhere = self._answers  # where `move_into` wrote the last time
+        self._given = self._answers  # the arrays that `move_into` got last
 
     def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
-        self._write(now, rows, self._all_rows, self._answers.words)  # `vectors` and `active` are the first of them
+        self._write(now, rows, self._all_rows, self._answers.words)  # `vectors`, `active` are the beginning of these
 
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
-        """As `MovementMechanism.move_into` does it, but written by the kernel."""
-        last = self._elsewhere.record
+        """Do what `MovementMechanism.move_into` does; here the kernel writes the result."""
+        last = self._given.record
         if last.vectors is not vectors or last.active is not active:
-            self._elsewhere = MOVEMENTS.pack(Movements(vectors, active))
-        self._write(now, rows, rows, self._elsewhere.words)
+            self._given = MOVEMENTS.pack(Movements(vectors, active))
+        self._write(now, rows, rows, self._given.words)
 
     def _write(self, now: float, rows: Ints, places: Ints, movements: Words[Movements]) -> None:
         """Write the movement of `rows` (R,) into the rows `places` (R,) of `movements`."""
-        buffer, channels = self.buffer, self.buffer.channel_table(self.channels)
-        if buffer.settings.whole_seconds:
-            buffer.evaporate(now)
         if self.directions.low[0]:
             self.directions.refill()
-        done = self._run(now, rows, places, movements, self._room.on(channels))
+        done = self._run(now, rows, places, movements, self._room.sight(now, self.channels))
         while done < len(rows):
-            self._room.double()
             rows, places = rows[done:], places[done:]
-            done = self._run(now, rows, places, movements, self._room.on(channels))
+            done = self._run(now, rows, places, movements, self._room.double())
 
     @abstractmethod
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
@@ -153,7 +149,7 @@ class LimitedMechanism(CompiledMechanism):
     """What movement mechanisms share whose vectors are limited to [`min_speed`, `max_speed`].
 
     Attributes:
-        rule: the movement rule; a `FormulaMechanism` does not read it.
+        rule: the movement rule.
         angle_xy, angle_yz: view angles [rad] to either side of the heading, for rules that look ahead.
 
     """

@@ -49,7 +49,7 @@ class NeighbourDecision(DecisionMechanism):
         super().__init__(buffer, value=value, state=state, carried=carried, **options)
         self._see = SEE_MOVING | SKIP_OWN
         self._key = buffer.keys.code(key)
-        self._room = PairRoom(64)
+        self._room = PairRoom(buffer, 64)
 
     @cached_property
     def _deciding(self) -> Packed[DecisionRule]:
@@ -70,17 +70,12 @@ class NeighbourDecision(DecisionMechanism):
         )
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
-        buffer, deciding, left = self.buffer, self._deciding, rows
-        if buffer.settings.whole_seconds:
-            buffer.evaporate(now)
-        channels, poses, store = buffer.channel_table(self.channels), self.poses.packed, buffer.table.packed
-        deciding.record.states[rows] = states
-        while len(left):
-            done = decide_rows(now, left, self._room.on(channels), deciding.words, poses.words, store.words)
-            left = left[done:]
-            if len(left):
-                self._room.double()
-        room = deciding.record
+        deciding, poses, store = self._deciding.words, self.poses.packed.words, self.buffer.table.packed.words
+        room = self._deciding.record
+        room.states[rows] = states
+        done = decide_rows(now, rows, self._room.sight(now, self.channels), deciding, poses, store)
+        while done < len(rows):
+            done += decide_rows(now, rows[done:], self._room.double(), deciding, poses, store)
         values[:], states[:], decided[:] = room.values[rows], room.states[rows], room.decided[rows]
 
 

@@ -16,13 +16,13 @@ class LookOptions(TypedDict, total=False):
 
 
 class MoveOptions(LookOptions, total=False):
-    """... and where its random directions come from; see `MovementMechanism`."""
+    """What a movement mechanism looks at, and the source of its random directions; see `MovementMechanism`."""
 
     directions: DirectionStream | None
 
 
 class SpeedOptions(MoveOptions, total=False):
-    """... and the lengths of its vectors [m/s]; see `RuleMechanism`."""
+    """The options of a movement mechanism, and the lengths of its vectors [m/s]; see `LimitedMechanism`."""
 
     min_speed: float
     max_speed: float

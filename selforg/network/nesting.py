@@ -19,8 +19,9 @@ class NestedModel:
 
     Attributes:
         model: the network itself.
-        inner: by behaviour, the network it holds; its sensors are those of the same name outside, but for its own.
-        own: names of sensors that the network has for itself, though it lies in another.
+        inner: the network that each behaviour holds, by its name. Its sensors read the outer sensors of the same name,
+            except those in its `own`.
+        own: names of sensors that a network inside another one does not share with it.
 
     Raises:
         ValueError: a holder that is not a behaviour, an inner sensor that the outer network lacks or knows as another
@@ -46,9 +47,8 @@ class NestedModel:
 class NestedNetwork:
     """R rows of a `NestedModel`: fill `readings`, call `step`, then act on what `running` yields.
 
-    An inner network decides in every step in which its holder runs, with a decision guaranteed; when the holder stops,
-    whatever runs inside stops too, and activations stay as they are. With `planned`, every network has the built-in
-    planner.
+    An inner network decides in every step in which its holder runs, with a decision guaranteed. When the holder stops,
+    all behaviours inside stop too; their activations stay. With `planned`, every network has the built-in planner.
     """
 
     def __init__(self, nested: NestedModel, rows: int, planned: bool = False, explained: bool = False) -> None:

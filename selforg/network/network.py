@@ -102,7 +102,7 @@ class BehaviourNetwork:
         alternative: int | Ints,
         forgotten: Ints | None = None,
     ) -> None:
-        """Let `behaviour` show another of its alternatives in `rows` (K,); a row that changes asks for a new plan.
+        """Switch `behaviour` to one of its alternatives in `rows` (K,); a row that changes asks for a new plan.
 
         `forgotten`: sensors whose readings become 0 in the rows that change, until they are read anew.
         """
@@ -147,13 +147,13 @@ class BehaviourNetwork:
         self.state.marks[st.PRIORITY, rows, behaviour] = priority
 
     def start_by_hand(self, rows: Ints, behaviour: int, wanted: bool) -> None:
-        """Run a behaviour in `rows` (K,) while `wanted`, whatever it needs and whatever else runs."""
+        """Run a behaviour in `rows` (K,) while `wanted`, even if it is not ready or others run."""
         self.state.marks[st.MANUAL, rows, behaviour] = int(wanted)
 
     def step(self, rows: Ints | None = None, guarantee: bool = False) -> None:
         """Decide once in all rows or `rows` (K,), from the present `readings`.
 
-        With `guarantee`, selection is repeated until something runs or nothing could.
+        With `guarantee`, selection is repeated until some behaviour runs, or none is able to.
 
         Raises:
             ReadingError: a fact that reads neither 0 nor 1, or a number that is not one; nothing has changed then.
@@ -177,7 +177,7 @@ class BehaviourNetwork:
             if key not in found:
                 alternatives = self.state.mark_table[row, st.ALTERNATIVE]
                 steps = planner.plan(self.readings[row], alternatives, self.state.goal_enabled[row])
-                if self._memory.reach == reach:  # else the keys of this step tell too few readings apart
+                if self._memory.reach == reach:  # otherwise the keys of this step stand for too many readings
                     self._memory.insert(self.plans.keys[row], steps)
                     found[key] = steps
             else:
@@ -225,7 +225,7 @@ def halt_rows(rows: Ints, marks: Ints) -> None:
 def hold_rows(
     rows: Ints, behaviour: int, alternatives: Ints, forgotten: Ints, states: Words[RowStates], plans: Words[RowPlans]
 ) -> None:
-    """Let `behaviour` show `alternatives` (K,) in `rows` (K,); see `BehaviourNetwork.hold`."""
+    """Switch `behaviour` to `alternatives` (K,) in `rows` (K,); see `BehaviourNetwork.hold`."""
     s, plan_marks = open_states(states), open_plans(plans).marks
     marks, readings = s.marks, s.readings
     for k in range(rows.shape[0]):

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from selforg.network.explain.wishes import goal_wishes
 from selforg.network.model.behaviours import Goal, Sensor
 from selforg.network.model.conditions import leaves
 from selforg.network.model.model import NetworkModel
@@ -10,6 +9,7 @@ from selforg.network.network import BehaviourNetwork
 from selforg.network.step.readings import ReadingError
 from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
+from tests.golden.wishes import goal_wishes
 
 ERRORS = {"activation_error", "satisfaction_error", "wish_error", "wishes_error"}
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.network.explain.wishes import behaviour_wishes, goal_wishes
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.memory import PlanMemory
 from selforg.network.planning.planner import Planner
@@ -18,6 +17,7 @@ from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
 from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
+from tests.golden.wishes import behaviour_wishes, goal_wishes
 
 ROW = np.array([0])
 MARKS = {"executing": st.EXECUTING, "executable": st.READY, "enabled": st.ENABLED}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from selforg.gradients.delivery import Delivery
-from selforg.gradients.pose_delivery import Hearing
+from selforg.gradients.pose_delivery import PoseDelivery
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
@@ -96,13 +96,13 @@ def test_copies_of_poses_that_rows_hear_are_independent(how):
     def make():
         poses = world_of(rows=6, hearing=True, history=3).poses
         generators = [np.random.default_rng(row) for row in range(6)]
-        return Hearing(poses, np.array([2.5]), np.array([0.4]), generators)
+        return PoseDelivery(poses, np.array([2.5]), np.array([0.4]), generators)
 
     def play(hearing, begin):
         poses = hearing.poses
         for tick in range(TICKS):
             poses.update(poses.positions * 0.98, None, begin + 0.1 * tick)
-            hearing.listen()
+            hearing.deliver()
         poses.set_pose(3, (1.0, begin), (1.0, 0.0), begin + 0.9)
         return np.concatenate([poses.own.ravel(), poses.row_table.ravel().astype(float)])
 
@@ -145,8 +145,7 @@ def test_copies_of_streams_are_independent(how):
         taken = []
         for tick in range(30):
             stream.refill()
-            taken += take_direction(stream.vectors, stream.cursor, tick % 3)
-            stream.low[0] |= 2 * stream.cursor[tick % 3] >= stream.block
+            taken += take_direction(stream.vectors, stream.cursor, stream.low, tick % 3)
         return np.array(taken)
 
     assert_copies_are_independent(lambda: directions(3), play, how)

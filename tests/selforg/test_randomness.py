@@ -8,8 +8,7 @@ def take(stream, row, count):
     taken = []
     for _ in range(count):
         stream.refill()
-        taken.append(take_direction(stream.vectors, stream.cursor, row))
-        stream.low |= 2 * stream.cursor[row] >= stream.block
+        taken.append(take_direction(stream.vectors, stream.cursor, stream.low, row))
     return np.array(taken)
 
 
@@ -49,6 +48,6 @@ def test_directions_are_unit_vectors_without_a_preferred_side(dim):
 
 def test_without_chance_rows_still_differ():
     stream = DirectionStream.fixed(3)
-    taken = [take_direction(stream.vectors, stream.cursor, row) for row in (0, 1, 2, 0)]
+    taken = [take_direction(stream.vectors, stream.cursor, stream.low, row) for row in (0, 1, 2, 0)]
     assert taken[0] == taken[3]
     assert len(set(taken)) == 3

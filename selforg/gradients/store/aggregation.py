@@ -4,44 +4,52 @@ import numpy as np
 
 from selforg.compiler.decorators import part
 from selforg.compiler.records import Words
+from selforg.gradients.settings import (
+    AGGREGATE_AVERAGE,
+    AGGREGATE_DROP,
+    AGGREGATE_MAX,
+    AGGREGATE_NEW,
+    AGGREGATE_NEW_CHANNEL,
+    AGGREGATE_NEW_SOURCE,
+)
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.evaporation import evaporated_away, still_there
 from selforg.gradients.store.linking import remove
 from selforg.gradients.store.records import Store, open_store
 from selforg.grid import bucket_of, near_cells, whole
-from selforg.space import nearest_image, wrapped
+from selforg.space import nearest_image, squared_length, wrapped
 
 
 @part
 def aggregate(slot: int, first: int, rule: int, now: float, store: Words[Store]) -> bool:
-    """Apply `rule` for the gradient in `slot` (not linked yet); False if it is not to be stored.
+    """Apply `rule` to the gradient in `slot`, which is not linked yet; return whether it is to be stored.
 
     first: first layer of its channel and space. The stored gradient that it replaces is removed.
     """
-    if rule == c.AGGREGATE_DROP:
+    if rule == AGGREGATE_DROP:
         return False
-    if rule in (c.AGGREGATE_NEW_SOURCE, c.AGGREGATE_NEW_CHANNEL):
+    if rule in (AGGREGATE_NEW_SOURCE, AGGREGATE_NEW_CHANNEL):
         return replace_older(slot, first, rule, now, store)
     nearest = find_nearest(slot, first, now, store)
     if nearest < 0:
         return True
     s = open_store(store)
-    if rule == c.AGGREGATE_AVERAGE:
+    if rule == AGGREGATE_AVERAGE:
         kept = merge(slot, nearest, store)
-    elif rule == c.AGGREGATE_NEW:
+    elif rule == AGGREGATE_NEW:
         kept = s.far[slot, c.FAR_STAMP] >= s.far[nearest, c.FAR_STAMP]
     else:
         reach = s.near[slot, c.DIFFUSION] + s.near[slot, c.GOAL_RADIUS]
         stored = s.near[nearest, c.DIFFUSION] + s.near[nearest, c.GOAL_RADIUS]
-        kept = reach >= stored if rule == c.AGGREGATE_MAX else reach <= stored
-    if kept or rule == c.AGGREGATE_AVERAGE:
+        kept = reach >= stored if rule == AGGREGATE_MAX else reach <= stored
+    if kept or rule == AGGREGATE_AVERAGE:
         remove(nearest, store)
     return kept
 
 
 @part
 def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Store]) -> bool:
-    """Remove the gradients of the same source (or of the whole channel); False if one of them is newer."""
+    """Remove the gradients of the same source (or of the whole channel); if one of them is newer, return False."""
     s = open_store(store)
     for removing in (False, True):
         for layer in range(first, first + c.UNBOUNDED + 1):
@@ -50,7 +58,7 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Sto
                 following = whole(s.marks[other, c.MARK_AFTER])
                 alive = still_there(other, now, store)
                 same_source = s.marks[other, c.MARK_SOURCE] == s.marks[slot, c.MARK_SOURCE]
-                if alive and (rule != c.AGGREGATE_NEW_SOURCE or same_source):
+                if alive and (rule != AGGREGATE_NEW_SOURCE or same_source):
                     if removing:
                         remove(other, store)
                     elif s.far[other, c.FAR_STAMP] > s.far[slot, c.FAR_STAMP]:
@@ -63,7 +71,7 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Sto
 def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
     """Return the stored static gradient nearest to the one in `slot` within the aggregation distance, or -1.
 
-    Among equally near ones the one stored first, so that the order of the walk does not matter.
+    Among equally near ones it is the one stored first, so that the order of the walk does not matter.
     """
     s = open_store(store)
     radius = s.aggregation_distance
@@ -88,12 +96,10 @@ def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
                 here = cells < 0 or (
                     s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == s.window[index]
                 )
-                # most are alive: a call is only made for those that may not be
+                # most are not due, and need no call
                 if here and (now < s.near[other, c.NEAR_DUE] or still_there(other, now, store)):
-                    dx = nearest_image(s.near[other, c.X] - x, s.extent[0])
-                    dy = nearest_image(s.near[other, c.Y] - y, s.extent[1])
-                    dz = nearest_image(s.near[other, c.Z] - z, s.extent[2])
-                    distance = np.sqrt(dx * dx + dy * dy + dz * dz)
+                    dx, dy, dz = s.near[other, c.X] - x, s.near[other, c.Y] - y, s.near[other, c.Z] - z
+                    distance = np.sqrt(squared_length(dx, dy, dz, s.extent))
                     if distance < best or (distance == best and (nearest < 0 or older(other, nearest, store))):
                         best, nearest = distance, other
                 other = following
@@ -109,7 +115,7 @@ def older(one: int, other: int, store: Words[Store]) -> bool:
 
 @part
 def merge(slot: int, other: int, store: Words[Store]) -> bool:
-    """Average the gradient in `slot` with the stored `other`; False if nothing is left of them.
+    """Average the gradient in `slot` with the stored `other`; return whether anything is left of them.
 
     Same sign: mean radii. Opposite signs weaken each other: differences of the radii, the sign of the larger reach.
     """

@@ -1,8 +1,8 @@
 """Candidates: gradients of the cells around a row, of which some are in view.
 
-They go through some passes of short loops, each without a branch that depends on what lies where, so that rows of the
-store are fetched many at a time and distances are worked out several at a time. What a pass leaves for the next one
-lies in arrays of the store: nothing is allocated.
+They pass through several short loops. No branch in these loops depends on positions, so that the processor fetches
+many rows of the store at a time and computes several distances at a time. Each loop writes its results into arrays of
+the store for the next loop: nothing is allocated.
 """
 
 import numpy as np
@@ -32,11 +32,11 @@ def keep_moving(count: int, newest_only: bool, skipped: int, store: Words[Store]
 
 @part
 def renew(count: int, now: float, store: Words[Store]) -> int:
-    """Bring the first `count` candidates to `now` [s]; returns how many have not evaporated away."""
+    """Evaporate the first `count` candidates up to `now` [s] and keep those that are left; return how many."""
     s = open_store(store)
     number, gone = 0, 0
     for index in range(count):
-        s.chosen[number] = index  # written where the next one goes, and kept if it is due
+        s.chosen[number] = index  # every index is written, and `number` grows if it is due: no branch
         number += 1 if now >= s.near[s.candidates[index], c.NEAR_DUE] else 0
     for k in range(number):
         if not still_there(int(s.candidates[s.chosen[k]]), now, store):
@@ -53,10 +53,7 @@ def renew(count: int, now: float, store: Words[Store]) -> int:
 
 @inlined
 def approach(count: int, look: Look, store: Words[Store]) -> None:
-    """Note the offsets of the first `count` candidates from the row and how far they reach [m].
-
-    There is no branch that depends on what lies where: many of them are fetched at a time.
-    """
+    """Write the offsets of the first `count` candidates from the row, and how far they reach [m]."""
     s = open_store(store)
     repulsive, neutral, attractive = look.margins
     x, y, z = look.x, look.y, look.z
@@ -73,7 +70,7 @@ def approach(count: int, look: Look, store: Words[Store]) -> None:
 
 @inlined
 def measure(count: int, store: Words[Store]) -> None:
-    """Work out the shortest offsets and the distances [m] of the first `count` candidates, several at a time."""
+    """Compute the shortest offsets and the distances [m] of the first `count` candidates."""
     s = open_store(store)
     ex, ey, ez = s.extent[0], s.extent[1], s.extent[2]
     half_x, half_y, half_z = half_of(ex), half_of(ey), half_of(ez)
@@ -87,7 +84,7 @@ def measure(count: int, store: Words[Store]) -> None:
 
 @inlined
 def keep_near(count: int, found: int, sight: Words[Sight], store: Words[Store]) -> int:
-    """Write those of the first `count` candidates that are within their reach behind the pairs `found`."""
+    """Write the candidates (of the first `count`) that are in view after the first `found` pairs; return the end."""
     s, pairs = open_store(store), open_sight(sight).pairs
     kept = 0
     for index in range(count):

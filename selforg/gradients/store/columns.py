@@ -11,7 +11,7 @@ DIFFUSION = 3  # radius over which a gradient weakens [m], may be infinite
 GOAL_RADIUS = 4  # radius of the goal area [m]
 
 # A stored gradient has a row in each of four tables. A walk reads the links of all gradients in the cells that it
-# visits, then the near columns of those that lie there, and the far ones and the marks of hardly any.
+# visits, the near columns of those that lie there, and the far columns and marks of few.
 
 # Links, int32 (M, LINK_COLUMNS)
 LINK_NEXT = 0  # next slot in the bucket (or in the list of free slots), -1 at the end
@@ -59,7 +59,7 @@ TAG_COLUMNS = 6
 # Layers, int32 (C * S * LEVELS, LAYER_COLUMNS): all gradients of one channel, space and level
 LAYER_HEAD, LAYER_TAIL = 0, 1  # first and last slot of the list, -1 for none
 LAYER_COUNT = 2  # gradients in the list
-LAYER_SWEEP = 3  # slot that is looked at next for what evaporated unseen, -1: the first
+LAYER_SWEEP = 3  # slot that is checked next for having evaporated, -1: the first
 LAYER_COLUMNS = 4
 
 # Levels: static gradients by reach, doubling; one for those without bound; one for moving gradients
@@ -96,10 +96,6 @@ PAIR_DIFFUSION, PAIR_GOAL_RADIUS = 4, 5  # radii of the gradient [m]
 PAIR_SIGN = 6  # attraction of the gradient: +1, 0, -1
 PAIR_SLOT = 7  # slot of the store, or -1 - (row + N * age) for the shared pose of a row, age 0 the newest
 PAIR_COLUMNS = 8
-
-# Aggregation rules
-AGGREGATE_DROP, AGGREGATE_MAX, AGGREGATE_MIN, AGGREGATE_AVERAGE = 0, 1, 2, 3
-AGGREGATE_NEW, AGGREGATE_NEW_SOURCE, AGGREGATE_NEW_CHANNEL = 4, 5, 6
 
 # What a row looks at, a set of bits
 SEE_STATIC, SEE_MOVING, SEE_HISTORY, SKIP_OWN = 1, 2, 4, 8

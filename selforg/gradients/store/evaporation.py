@@ -1,7 +1,8 @@
 """Evaporation of one stored gradient: exact time (lazy, path independent) or whole seconds (eager, as the original).
 
-Exact time: the diffusion is a pure function of the clock, so it may be worked out at any later look. Whole seconds
-depend on when the buffer was used (Q3); every operation then evaporates everything, and NEAR_DUE is never set.
+Exact time: the diffusion is a pure function of the clock, and is computed when a gradient is looked at. Whole seconds:
+the diffusion depends on when the buffer was used (Q3); every operation evaporates everything, and NEAR_DUE is never
+set.
 """
 
 import numpy as np
@@ -34,11 +35,11 @@ def start_evaporation(slot: int, now: float, store: Words[Store]) -> None:
 
 @part
 def evaporate(slot: int, now: float, store: Words[Store]) -> None:
-    """Bring a gradient that is due to `now` [s], exactly."""
+    """Evaporate a gradient that is due up to `now` [s], in exact time."""
     s = open_store(store)
     clock, period = s.far[slot, c.FAR_CLOCK], s.far[slot, c.FAR_PERIOD]
     periods = np.floor((now - clock) / period)
-    # the division may round across a whole number, the product (which is what NEAR_DUE holds) decides
+    # the division may round across a whole number; the product decides, because NEAR_DUE is a product too
     if clock + periods * period > now:
         periods -= 1.0
     elif clock + (periods + 1.0) * period <= now:
@@ -49,7 +50,7 @@ def evaporate(slot: int, now: float, store: Words[Store]) -> None:
 
 @part
 def evaporate_whole_seconds(slot: int, now: float, store: Words[Store]) -> None:
-    """Bring a gradient to `now` [s] as the original does: only the whole seconds of its age count."""
+    """Evaporate a gradient up to `now` [s] as the original does: only the whole seconds of its age count."""
     s = open_store(store)
     if s.far[slot, c.FAR_FACTOR] >= 1.0 or s.far[slot, c.FAR_PERIOD] <= 0.0:
         return

@@ -1,7 +1,7 @@
 """Gathering: the gradients that one row sees, written into a table of pairs.
 
 A gradient is in view when the distance of the centres is at most its reach plus a margin [m]. The margin depends on
-the sign of the gradient: a formula that is zero beyond a shorter distance need not be fed from farther away.
+the sign of the gradient, because some formulas are zero beyond a shorter distance.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ from selforg.gradients.store.records import (
 from selforg.grid import bucket_of, near_cells, whole
 from selforg.space import half_of, shortest
 
-IN_CACHE = 4096  # gradients: so few are not worth prefetching
+IN_CACHE = 4096  # gradients: so few lie in the cache anyway, and prefetching costs more than it saves
 
 
 @inlined
@@ -43,7 +43,7 @@ def look_all_around(
 def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
     """Write what a row sees into the pairs of `sight` from `look.begin` on and return where it ends.
 
-    Beyond the end of the table pairs are counted, not written: the caller then calls again with a longer table.
+    Pairs beyond the end of the table are counted, not written; the caller then calls again with a longer table.
     """
     s, channels = open_store(store), open_sight(sight).channels
     found = look.begin
@@ -72,8 +72,8 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[St
 def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Sight], store: Words[Store]) -> int:
     """Gather from the first `cells` of the window of a layer, or from its whole list if `cells` is negative.
 
-    First only the links are followed: where the next cell begins is then known without waiting for what lies in the
-    last one, and the rows of all candidates are fetched at the same time.
+    First only the links are followed. The beginning of the next cell is then known before the rows of the last one have
+    been fetched, and the rows of all candidates are fetched at the same time.
     """
     s = open_store(store)
     moving = layer % c.LEVELS == c.MOVING
@@ -135,7 +135,8 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
     hearing = p.rows.shape[1] > c.ROW_HEARD
     if end - begin > CROWD and history == 0 and not hearing:  # cells know the newest poses only
         radius = max(look.margins[0], look.margins[1], look.margins[2]) + p.reach[team]
-        cells = near_cells(look.x, look.y, look.z, radius, p.cells, min(team, 0), float(end - begin), window)
+        only = min(team, 0)  # 0; Numba would compile `near_cells` once more for a constant
+        cells = near_cells(look.x, look.y, look.z, radius, p.cells, only, float(end - begin), window)
     for index in range(end - begin if cells < 0 else cells):
         cell = int(window[index]) if cells >= 0 else 0
         other = int(p.members[begin + index]) if cells < 0 else whole(p.buckets[bucket_of(team, cell, p.buckets)])
@@ -172,6 +173,6 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
 def beyond(squared: float, reach: float) -> bool:
     """Return whether a squared distance [m2] is certainly longer than `reach` [m].
 
-    Most candidates of a window are, and need no square root; for the others the square root decides exactly.
+    This spares most candidates of a window the square root, which decides exactly for the others.
     """
     return reach < 0.0 or squared > reach * reach * 1.000000001

@@ -1,4 +1,4 @@
-"""Linking of stored gradients: a list per layer and buckets of cells, so that near ones are found without the rest.
+"""Linking of stored gradients: a list per layer, and buckets of cells by which near gradients are found.
 
 A bucket may hold several cells, told apart by LINK_LAYER and LINK_CELL. Within a cell the newest gradient comes first;
 neither growing the tables nor other spaces change that order, so the sum over a cell is reproducible.
@@ -155,7 +155,7 @@ def insert(slot: int, layer: int, store: Words[Store]) -> None:
 
 @lean_kernel
 def rebuild(store: Words[Store]) -> None:
-    """Fill the buckets anew from the lists of the layers: in their order, so that each cell keeps its own."""
+    """Fill the buckets again from the lists of the layers, in their order, so that the order in each cell stays."""
     s = open_store(store)
     s.buckets[:] = -1
     for layer in range(len(s.layers)):

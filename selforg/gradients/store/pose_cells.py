@@ -1,4 +1,4 @@
-"""Cells of the own poses: only teams of more than CROWD robots need them, smaller ones are looked through."""
+"""Cells of the own poses, for teams of more than CROWD robots; in smaller teams all poses are looked at."""
 
 import numpy as np
 
@@ -16,8 +16,8 @@ CROWD = 32  # robots of a team
 def make_pose_cells(space: Space, reach: float, sizes: Ints) -> Floats:
     """Return the grid (1, CELL_COLUMNS) for poses of one `reach` [m], of teams of some `sizes` (T,).
 
-    Cells are not much narrower than leaves one robot to a cell: to look into empty ones costs more than to look at a
-    neighbour too far away.
+    A cell is wide enough for about one robot, because looking into empty cells costs more than looking at robots that
+    are too far away.
     """
     width = max(reach, 0.1) if np.isfinite(reach) else 1.0
     width = max(width, float(np.prod(space.extent) / sizes.max()) ** (1.0 / space.dim))
@@ -29,7 +29,7 @@ def make_pose_cells(space: Space, reach: float, sizes: Ints) -> Floats:
 
 @lean_kernel
 def index_poses(poses: Words[Poses]) -> None:
-    """Note the largest reach of every team and put the rows of crowds into cells."""
+    """Write the largest reach of every team, and put the rows of large teams into cells."""
     p = open_poses(poses)
     crowded = False
     for team in range(len(p.reach)):
@@ -42,7 +42,7 @@ def index_poses(poses: Words[Poses]) -> None:
     if not crowded:
         return
     p.buckets[:] = -1
-    only = min(0, len(p.cells))  # not a constant: Numba would compile what takes it once more
+    only = min(0, len(p.cells))  # 0; Numba would compile `cell_of` once more for a constant
     for row in range(len(p.rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
         team = int(p.rows[row, c.ROW_TEAM])
         if p.rows[row, c.ROW_POSES] == 0 or p.first[team + 1] - p.first[team] <= CROWD:

@@ -1,4 +1,4 @@
-"""Storing: what happens to the buffer when a gradient arrives. One message after the other, many in one call."""
+"""Storing: how the buffer changes when gradients arrive, one after the other, many in one call."""
 
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
@@ -24,7 +24,7 @@ from selforg.gradients.store.linking import (
 from selforg.gradients.store.records import Poses, Store, open_poses, open_store
 from selforg.grid import bucket_of, whole
 
-SWEPT_PER_STORE = 2  # looked at for each one stored: what evaporates unseen is freed at the rate at which it comes
+SWEPT_PER_STORE = 2  # gradients checked for each one stored, so that evaporated ones are freed as fast as new ones come
 
 
 @lean_kernel
@@ -41,7 +41,7 @@ def store_rows(messages: Floats, tags: Ints, now: float, store: Words[Store]) ->
 def deposit_rows(rows: Ints, message: Floats, tag: Ints, now: float, poses: Words[Poses], store: Words[Store]) -> bool:
     """Store `message` (MESSAGE_COLUMNS,) with `tag` (TAG_COLUMNS,) once at the newest pose of each of `rows` (R,).
 
-    False, and nothing is stored, where the tables have to be made larger or tidied first.
+    If the tables have to be made larger or tidied first, nothing is stored, and the result is False.
     """
     s, p = open_store(store), open_poses(poses)
     full = s.counters[c.COUNTER_USED] + len(rows) > len(s.links)
@@ -92,7 +92,7 @@ def store_one(message: Floats, tag: Ints, now: float, store: Words[Store]) -> No
 
 @part
 def store_moving(slot: int, layer: int, store: Words[Store]) -> bool:
-    """Link a moving gradient as the newest of its source; False if it is not newer than the last one."""
+    """Link a moving gradient as the newest of its source; if it is not newer than the last one, return False."""
     s = open_store(store)
     source = whole(s.marks[slot, c.MARK_SOURCE])
     bucket = bucket_of(layer, source, s.buckets)
@@ -135,7 +135,7 @@ def sweep(layer: int, now: float, store: Words[Store]) -> None:
 
 @lean_kernel
 def evaporate_space(space: int, now: float, store: Words[Store]) -> None:
-    """Bring everything in one space to `now` [s] and delete what evaporated away."""
+    """Evaporate everything in one space up to `now` [s] and delete what is gone."""
     s = open_store(store)
     for channel in range(len(s.rules)):
         first = first_layer(channel, space, store)
@@ -152,7 +152,7 @@ def evaporate_space(space: int, now: float, store: Words[Store]) -> None:
 
 @lean_kernel
 def clear_space(space: int, store: Words[Store]) -> None:
-    """Delete everything in one space and bring its lists to where they were at the beginning."""
+    """Delete everything in one space and set its lists back to their first state."""
     s = open_store(store)
     for channel in range(len(s.rules)):
         first = first_layer(channel, space, store)

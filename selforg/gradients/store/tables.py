@@ -113,12 +113,12 @@ class Tables:
             self._move_to(capacity)
 
     def _move_to(self, capacity: int) -> None:
-        """Move to tables of `capacity`, neighbours in space next to each other: a walk then waits for few cache lines.
+        """Move to tables of `capacity` with neighbours in space next to each other, which walks read faster.
 
-        Done whenever a quarter as many have come as there were, so at a cost per gradient that hardly grows.
+        This is done when new gradients are a quarter of the stored ones, so that the cost per gradient hardly grows.
         """
         tables, layers, counters = self.record._asdict(), self.record.layers, self.record.counters
-        del self.packed  # the old tables go one by one, before the next is made
+        del self.packed  # so that each old table is freed before the next new one is made
         links = tables["links"]
         live = np.flatnonzero(links[: int(counters[c.COUNTER_HIGH]), c.LINK_LAYER] >= 0)
         order = live[np.lexsort((links[live, c.LINK_CELL], links[live, c.LINK_LAYER]))]

@@ -49,7 +49,7 @@ FLOCK = Recording(Flock)
 open_flock = FLOCK.open
 
 SHORTEST_TIME = 1e-6
-"""Two poses count as at least so far apart in time [s]: stamps may differ by less than a velocity can bear."""
+"""Least time [s] that two poses count as apart, so that no velocity becomes infinite."""
 
 
 @kernel
@@ -94,12 +94,10 @@ def separation(count: int, own_goal: float, full: float, row: int, flock: Words[
             for axis in range(3):
                 f.total[axis] -= weight * f.boids[index, BOID_OFFSET + axis] / distance
         else:
-            x, y, z = take_direction(f.directions, f.cursor, row)
-            f.total[0], f.total[1], f.total[2] = (
-                f.total[0] + weight * x,
-                f.total[1] + weight * y,
-                f.total[2] + weight * z,
-            )
+            x, y, z = take_direction(f.directions, f.cursor, f.low, row)
+            f.total[0] += weight * x
+            f.total[1] += weight * y
+            f.total[2] += weight * z
 
 
 @kernel
@@ -146,8 +144,6 @@ def flock_rows(
             limit(f.total, 0.0, f.max_speed)
         for axis in range(answers.vectors.shape[1]):
             answers.vectors[place, axis] = f.total[axis]
-        if 2 * f.cursor[row] >= f.directions.shape[1]:
-            f.low[0] = True
     return len(rows)
 
 
@@ -181,7 +177,7 @@ def move_olfati_saber(row: int, count: int, flock: Words[Flock], poses: Words[Po
 def note_headings(
     found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
 ) -> int:
-    """Make boids with headings of the first `found` pairs; return how many."""
+    """Write the first `found` pairs as boids with headings; return how many there are."""
     pairs, boids, own = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).own
     far, rows = open_store(store).far, len(own)
     for index in range(found):
@@ -201,9 +197,9 @@ def note_headings(
 def note_velocities(
     found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
 ) -> int:
-    """Make boids of the sources with two or more of the first `found` pairs; return how many.
+    """Write the sources that have two or more of the first `found` pairs as boids; return how many there are.
 
-    Position: the newest; velocity: from the oldest to the newest that is in view.
+    The position is the newest one, the velocity that from the oldest to the newest one in view.
     """
     pairs, boids, extent = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).extent
     count = 0
@@ -232,7 +228,7 @@ def note_velocities(
 
 @part
 def spreader(slot: int, poses: Words[Poses], store: Words[Store]) -> tuple[int, int]:
-    """Return what tells apart the histories of which a pair's `slot` may be: layer (-1: shared poses) and source."""
+    """Return what identifies the history to which a pair's `slot` belongs: layer (-1: shared poses) and source."""
     if slot >= 0:
         s = open_store(store)
         return int(s.links[slot, c.LINK_LAYER]), int(s.marks[slot, c.MARK_SOURCE])

@@ -5,20 +5,12 @@ from functools import cache
 from typing import TypeAlias
 
 from selforg.arrays import Ints
-from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.gathering import gather, look_all_around
-from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight
-from selforg.mechanisms.kernels.steering import (
-    Movements,
-    Steering,
-    add,
-    full_length,
-    limit,
-    open_movements,
-    open_steering,
-)
+from selforg.gradients.store.records import Poses, Sight, Store, open_sight
+from selforg.mechanisms.kernels.moving import NO_ROOM, move_row, write_answer
+from selforg.mechanisms.kernels.steering import Movements, Own, Steering, add, full_length
 
 UserFormula: TypeAlias = Callable[[float, float, float, float, float, float], float]
 """(distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
@@ -34,6 +26,18 @@ def make_walk(formula: UserFormula) -> Walk:
     The kernel takes and returns what `moving.move_rows` does.
     """
 
+    @part
+    def sum_formula(
+        number: int, row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]
+    ) -> bool:
+        pairs = open_sight(sight).pairs
+        for i in range(found):
+            distance, diffusion = pairs[i, c.PAIR_DISTANCE], pairs[i, c.PAIR_DIFFUSION]
+            goal, sign = pairs[i, c.PAIR_GOAL_RADIUS], pairs[i, c.PAIR_SIGN]
+            length = formula(distance, own.goal_radius, own.reach, diffusion, goal, sign)
+            add(i, length, full_length(i, sight), row, sight, steering)
+        return True
+
     @lean_kernel
     def walk(
         now: float,
@@ -45,32 +49,11 @@ def make_walk(formula: UserFormula) -> Walk:
         poses: Words[Poses],
         store: Words[Store],
     ) -> int:
-        m, p, answers = open_steering(steering), open_poses(poses), open_movements(movements)
-        pairs = open_sight(sight).pairs
         for index in range(len(rows)):
-            row, place = int(rows[index]), places[index]
-            m.total[:] = 0.0
-            found = 0
-            if p.rows[row, c.ROW_POSES] > 0:
-                look = look_all_around(
-                    row, now, m.see, (m.view_distance, m.view_distance, m.view_distance), 0, sight, poses
-                )
-                found = gather(look, sight, poses, store)
-            if found > len(pairs):
+            moves = move_row(int(rows[index]), now, sum_formula, sight, steering, poses, store)
+            if moves == NO_ROOM:
                 return index
-            own_goal = p.own[row, 0, c.GOAL_RADIUS]
-            own_reach = p.own[row, 0, c.DIFFUSION] + own_goal
-            for i in range(found):
-                distance, diffusion = pairs[i, c.PAIR_DISTANCE], pairs[i, c.PAIR_DIFFUSION]
-                goal, sign = pairs[i, c.PAIR_GOAL_RADIUS], pairs[i, c.PAIR_SIGN]
-                length = formula(distance, own_goal, own_reach, diffusion, goal, sign)
-                add(i, length, full_length(i, sight), row, sight, steering)
-            limit(m.total, m.min_speed, m.max_speed)
-            answers.active[place] = found > 0
-            for axis in range(answers.vectors.shape[1]):
-                answers.vectors[place, axis] = m.total[axis]
-            if 2 * m.cursor[row] >= m.directions.shape[1]:
-                m.low[0] = True
+            write_answer(places[index], moves, movements, steering)
         return len(rows)
 
     return walk

@@ -1,4 +1,4 @@
-"""How a movement rule is declared: with decorators that number its function, and say what else belongs to the rule.
+"""How a movement rule is declared: decorators number its function, and take the other fields of the rule.
 
 One kernel runs all rules and chooses by these numbers, because a kernel for each rule would have to be compiled for
 each. The rules themselves are in `selforg.mechanisms.kernels.rules`.

@@ -1,9 +1,11 @@
-"""The kernel that moves rows: gather, apply the rule, limit - for any number of rows in one call."""
+"""The kernel that moves rows: it gathers what a row sees, applies the movement rule and limits the vector."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from selforg.arrays import Ints
-from selforg.compiler.decorators import lean_kernel, part
+from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
@@ -13,6 +15,8 @@ from selforg.mechanisms.kernels.movement_rule import NOT_AT_ALL, OWN_GOAL_RADIUS
 from selforg.mechanisms.kernels.rules import combine
 from selforg.mechanisms.kernels.steering import Movements, Own, Steering, limit, open_movements, open_steering
 from selforg.randomness import take_direction
+
+NO_ROOM = -1
 
 
 @lean_kernel
@@ -30,36 +34,60 @@ def move_rows(
 
     Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
     """
-    m, p, answers = open_steering(steering), open_poses(poses), open_movements(movements)
-    room = len(open_sight(sight).pairs)
-    looks = m.looks_repulsive + m.looks_neutral + m.looks_attractive > 0
     for index in range(len(rows)):
-        row, place = int(rows[index]), places[index]
-        m.total[:] = 0.0
-        moves = False
-        if p.rows[row, c.ROW_POSES] > 0:
-            goal_radius = p.own[row, 0, c.GOAL_RADIUS]
-            own = Own(goal_radius, p.own[row, 0, c.DIFFUSION] + goal_radius)
-            found = 0
-            if looks:
-                margins = margins_of(goal_radius, steering)
-                found = gather(look_all_around(row, now, m.see, margins, 0, sight, poses), sight, poses, store)
-            if found > room:
-                return index
-            if m.ahead:
-                found = keep_ahead(row, found, m.angle_xy, m.angle_yz, sight, poses)
-            if found > 0 or not looks:
-                moves = combine(m.combination, row, found, own, sight, steering)
-            if not moves and m.wakes_repulsive + m.wakes_neutral + m.wakes_attractive > 0:
-                moves = gather(look_for_one(row, now, steering, poses), sight, poses, store) > 0
-            if moves:
-                finish(row, own.reach, steering)
-        answers.active[place] = moves
-        for axis in range(answers.vectors.shape[1]):
-            answers.vectors[place, axis] = m.total[axis]
-        if 2 * m.cursor[row] >= m.directions.shape[1]:
-            m.low[0] = True
+        row = int(rows[index])
+        moves = move_row(row, now, combine, sight, steering, poses, store)
+        if moves == NO_ROOM:
+            return index
+        write_answer(places[index], moves, movements, steering)
     return len(rows)
+
+
+@inlined
+def move_row(
+    row: int,
+    now: float,
+    combination: Callable[..., bool],
+    sight: Words[Sight],
+    steering: Words[Steering],
+    poses: Words[Poses],
+    store: Words[Store],
+) -> int:
+    """Write the movement of a row into the sum; `combination` takes a number, then what a `Combination` takes.
+
+    Returns 1 if there is a movement, 0 if there is none, NO_ROOM if the room for pairs is too short.
+    """
+    m, p = open_steering(steering), open_poses(poses)
+    m.total[:] = 0.0
+    if p.rows[row, c.ROW_POSES] == 0:
+        return 0
+    goal_radius = p.own[row, 0, c.GOAL_RADIUS]
+    own = Own(goal_radius, p.own[row, 0, c.DIFFUSION] + goal_radius)
+    looks = m.looks_repulsive + m.looks_neutral + m.looks_attractive > 0
+    found, moves = 0, False
+    if looks:
+        margins = margins_of(goal_radius, steering)
+        found = gather(look_all_around(row, now, m.see, margins, 0, sight, poses), sight, poses, store)
+    if found > len(open_sight(sight).pairs):
+        return NO_ROOM
+    if m.ahead:
+        found = keep_ahead(row, found, m.angle_xy, m.angle_yz, sight, poses)
+    if found > 0 or not looks:
+        moves = combination(m.combination, row, found, own, sight, steering)
+    if not moves and m.wakes_repulsive + m.wakes_neutral + m.wakes_attractive > 0:
+        moves = gather(look_for_one(row, now, steering, poses), sight, poses, store) > 0
+    if moves:
+        finish(row, own.reach, steering)
+    return 1 if moves else 0
+
+
+@inlined
+def write_answer(place: int, moves: int, movements: Words[Movements], steering: Words[Steering]) -> None:
+    """Write the sum into row `place` of `movements`, and whether it is a movement."""
+    answers, total = open_movements(movements), open_steering(steering).total
+    answers.active[place] = moves > 0
+    for axis in range(answers.vectors.shape[1]):
+        answers.vectors[place, axis] = total[axis]
 
 
 @part
@@ -85,11 +113,10 @@ def margin(looks: int, view: float, goal_radius: float) -> float:
 def look_for_one(row: int, now: float, steering: Words[Steering], poses: Words[Poses]) -> Look:
     """Return the look of a row for any one gradient that makes the rule active though it adds nothing."""
     m, own = open_steering(steering), open_poses(poses).own
-    nowhere = -np.inf
     margins = (
-        m.view_distance if m.wakes_repulsive else nowhere,
-        m.view_distance if m.wakes_neutral else nowhere,
-        m.view_distance if m.wakes_attractive else nowhere,
+        m.view_distance if m.wakes_repulsive else -np.inf,
+        m.view_distance if m.wakes_neutral else -np.inf,
+        m.view_distance if m.wakes_attractive else -np.inf,
     )
     return Look(row, 0, 1, now, m.see, margins, own[row, 0, c.X], own[row, 0, c.Y], own[row, 0, c.Z])
 
@@ -102,6 +129,6 @@ def finish(row: int, own_reach: float, steering: Words[Steering]) -> None:
         limit(m.total, 0.0, own_reach)
         return
     if m.random and m.total[0] == 0.0 and m.total[1] == 0.0 and m.total[2] == 0.0:
-        x, y, z = take_direction(m.directions, m.cursor, row)
+        x, y, z = take_direction(m.directions, m.cursor, m.low, row)
         m.total[0], m.total[1], m.total[2] = x * m.max_speed, y * m.max_speed, z * m.max_speed
     limit(m.total, m.min_speed, m.max_speed)

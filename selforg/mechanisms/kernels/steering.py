@@ -75,7 +75,7 @@ def add(index: int, length: float, full: float, row: int, sight: Words[Sight], s
         m.total[1] += scale * pairs[index, c.PAIR_DY]
         m.total[2] += scale * pairs[index, c.PAIR_DZ]
     else:
-        x, y, z = take_direction(m.directions, m.cursor, row)
+        x, y, z = take_direction(m.directions, m.cursor, m.low, row)
         m.total[0] += abs(length) * x
         m.total[1] += abs(length) * y
         m.total[2] += abs(length) * z
@@ -92,7 +92,7 @@ def full_length(index: int, sight: Words[Sight]) -> float:
 @part
 def limit(total: Floats, lowest: float, highest: float) -> None:
     """Bring the length of `total` (3,) into [`lowest`, `highest`] in place; a zero vector stays zero."""
-    # scaled by the largest component first: a square must not overflow
+    # components are divided by the largest one first, so that no square overflows
     largest = max(abs(total[0]), abs(total[1]), abs(total[2]))
     if largest == 0.0:
         return

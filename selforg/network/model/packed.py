@@ -1,4 +1,4 @@
-"""The record of a network model: the declared network as flat arrays, the same for all rows and for ever.
+"""The record of a network model: the declared network as flat arrays, the same for all rows and all steps.
 
 The letters of its axes: S sensors, B behaviours, G goals, L leaves (conditions, equal ones once), C nodes (leaves and
 what is composed of them), E effects, U wishes (a behaviour's or a goal's view of one leaf). Where an owner has several

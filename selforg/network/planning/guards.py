@@ -3,8 +3,8 @@
 A state is `(bits, numbers)`: bit i of `bits` is fact i, `numbers` a tuple of K ints in steps of 1e-9 of the unit.
 Whole numbers make sums exact: two orders of the same actions always meet in the same state, and equal costs are ties.
 
-Every bound on a number is one crossing point c, asked from above (x >= c) or from below (x < c); the four relations
-become that, because nothing lies between two neighbouring whole numbers.
+Every bound on a number is one crossing point c, asked from above (x >= c) or from below (x < c). All four relations can
+be written so, because no value lies between two neighbouring whole numbers.
 """
 
 from collections.abc import Iterator
@@ -95,7 +95,7 @@ def _collect(expression: Expression, wanted: bool, parts: _Parts) -> None:
         case Not(part):
             _collect(part, not wanted, parts)
         case FactIs(fact, value):
-            # A fact asked for both ways can never hold: a disjunction without alternatives says so.
+            # A fact that has to be true and false never holds, as a disjunction without alternatives.
             if parts.facts.setdefault(fact, value is wanted) is not (value is wanted):
                 parts.choices.append(())
         case NumberIs(number, relation, value):

@@ -1,4 +1,4 @@
-"""The memory of plans: plans found before, looked up by compiled code, so that a swarm seldom has to ask its planner.
+"""The memory of plans: compiled code looks up plans found before, so that a swarm seldom asks its planner.
 
 A key is what a plan can depend on: the alternatives held, the goals that are on, the facts, and for each number how
 many steps of its grid it is away from each of its bounds. Two rows with equal keys have the same plans, because every
@@ -115,7 +115,7 @@ class PlanMemory:
         self.count += 1
 
     def widen(self) -> None:
-        """Tell more readings apart from now on; all plans are forgotten, because their keys have another meaning."""
+        """Double `reach`, and delete all plans, because their keys have another meaning now."""
         self.reach = max(2 * self.reach, 1)
         self._clamp()
         self._clear(FIRST_SIZE)

@@ -30,8 +30,8 @@ def check_planner(name: str) -> None:
 def planner_named(model: NetworkModel, name: str) -> Planner | None:
     """Return the planner `name` for `model`: "built-in", "off" (none), or an engine such as "aries".
 
-    An engine's plans are remembered like those of the built-in search, so that it is asked seldom. It need not give the
-    cheapest plan, nor the same one on every machine; an answer that did not come in time counts as no plan.
+    Plans of an engine are remembered like those of the built-in search, so that the engine is asked seldom. An engine
+    need not give the cheapest plan, nor the same one on every machine. A late answer counts as no plan.
 
     Raises:
         ValueError, ModuleNotFoundError: as `check_planner`.

@@ -1,6 +1,6 @@
-"""The planner of a network: what a step asks for the plan of a row that has none.
+"""The planner of a network, which makes plans for rows that need one.
 
-Planner-independent behaviours take no part in plans.
+Plans hold no planner-independent behaviours.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from selforg.network.planning.translation import Translation
 
 
 class Planner(ABC):
-    """Answers for one row, when it needs a plan that its `memory` does not hold."""
+    """What a network asks when a row needs a plan that the planner's `memory` does not hold."""
 
     memory: PlanMemory
 
@@ -61,7 +61,7 @@ class BuiltInPlanner(Planner):
         if held not in self._searches:
             self._searches[held] = SpendingSearch(self._problem(held), self._make_search, self._spent)
         search = self._searches[held]
-        wanted = np.flatnonzero(goal_enabled).tolist()
+        wanted = tuple(np.flatnonzero(goal_enabled).tolist())
         facts, numbers = readings[self._translation.facts] > 0.5, readings[self._translation.numbers]
         plan, is_of_class = search.plan(facts, numbers, wanted, self.memory.reach)
         if not is_of_class:

@@ -2,8 +2,8 @@
 
 Facts keep every value they ever had and numbers reach everything in the direction in which an action moves them (the
 delete relaxation of Bonet and Geffner 2001, doi:10.1016/S0004-3702(01)00108-4). The answer takes a few passes over the
-actions, however large the space of states is; without it a counter that can grow for ever would hide that a goal has no
-servant.
+actions, however large the space of states is. Without this test the search would not end where no action serves a goal
+and another one raises a counter without bound.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""A planning task: the part of a problem that matters for one set of goals, and how far away they are at least.
+"""A planning task: the part of a problem that matters for one set of goals, and lower bounds of the way to them.
 
 Three things keep the search small without changing its answer.
 

@@ -1,4 +1,4 @@
-"""The first step again: what a row knows is cleared (compiled)."""
+"""Resetting rows to the state before their first step (compiled)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def reset_rows(rows: Ints, model: Words[PackedModel], states: Words[RowStates], 
         s.marks[row, st.PRESENT] = 1
         s.marks[row, st.ENABLED] = 1
         s.marks[row, st.EXECUTION_TIME] = -1
-        for b in range(len(m.priority)):  # one by one: a slice assigned to a slice takes two seconds to compile
+        for b in range(len(m.priority)):  # one by one, because a slice assigned to a slice takes two seconds to compile
             s.marks[row, st.PRIORITY, b] = m.priority[b]
         s.row_values[row] = 0.0
         s.row_values[row, st.THRESHOLD] = s.row_values[row, st.DECIDING] = m.activation_threshold

@@ -1,8 +1,8 @@
 """The state of a network: what its rows (robots) know between two steps, and what the last step computed.
 
 Values and marks of a row have layers, one for each quantity below. All layers of a row lie together in memory, because
-compiled code goes from row to row; it takes the tables, rows first. `values`, `marks` and `row_values` are views of the
-same memory with the layers first, for everybody else: `state.marks[EXECUTING]` is (R, B).
+compiled code goes from row to row: it takes the tables, with the rows first. Python code takes `values`, `marks` and
+`row_values`, views of the same memory with the layers first: `state.marks[EXECUTING]` is (R, B).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Activation, the fourth stage of a step: who gets how much from whom (compiled).
+"""Activation, the fourth stage of a step: how much each behaviour gets from every other and from goals (compiled).
 
 The terms are those of Maes ("How to do the right thing", 1989, doi:10.1080/09540098908915643), extended by the paper.
-Each term has a layer of its own in the state, so that every step can be explained. Which effect meets which wish is
-known when the model is built (`pair_effect`, `pair_wish`); a step only walks those pairs.
+Each term has a layer of its own in the state, so that every step can be explained. Which effect and which wish are
+about the same sensor is known when the model is built (`pair_effect`, `pair_wish`); a step visits only those pairs.
 """
 
 from __future__ import annotations
@@ -54,7 +54,10 @@ def hindering(effect: float, wish: float, uniform: int) -> float:
 
 @inlined
 def begin_terms(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Clear the terms but that of the situation, and note the old activation of all who are operational, 1 for none."""
+    """Set the term of the situation, clear the others, and sum the old activations of operational behaviours.
+
+    A sum of 0 counts as 1.
+    """
     s = open_states(states)
     values, row_values = s.values, s.row_values
     operational, weight = open_scratch(scratch).operational, open_model(model).situation_weight
@@ -145,7 +148,7 @@ def flow_between(row: int, model: Words[PackedModel], states: Words[RowStates], 
 
 @inlined
 def flow_from_plan(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> None:
-    """Add what the plan gives to the behaviours that it still holds: the sooner one is due, the more."""
+    """Set what the plan adds to the behaviours of its remaining steps: the sooner one is due, the more."""
     p, values, weight = open_plans(plans), open_states(states).values, open_model(model).plan_weight
     steps, index, length = p.steps, p.marks[row, INDEX], p.marks[row, LENGTH]
     for k in range(length - 1, index - 1, -1):  # backwards: the first occurrence is written last
@@ -154,7 +157,7 @@ def flow_from_plan(row: int, model: Words[PackedModel], states: Words[RowStates]
 
 @inlined
 def sum_terms(row: int, model: Words[PackedModel], states: Words[RowStates]) -> None:
-    """Let the old activations of `row` decay and add the terms; activation never falls below 0."""
+    """Multiply the old activations of `row` by the decay and add the terms; activation never falls below 0."""
     values, decay = open_states(states).values, open_model(model).activation_decay
     for b in range(values.shape[2]):
         step = 0.0

@@ -1,6 +1,6 @@
 """Readings: the first stage of a step refuses wrong ones; `reading_of` converts a value that a host gives by name.
 
-Whoever fills the readings of all rows at once writes the array itself, 1.0 and 0.0 for facts.
+A host that fills the readings of all rows at once writes the array itself, 1.0 and 0.0 for facts.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def reading_of(sensor: Sensor, value: object) -> float:
     A number sensor takes a truth value as 1 or 0 (Q26 of the original); a fact takes nothing but truth values (Q33).
 
     Raises:
-        ReadingError: a fact that is not a bool, a number that is none or not a number.
+        ReadingError: a fact that is not a bool, or a number that is NaN or no number at all.
 
     """
     if isinstance(value, bool | np.bool_):

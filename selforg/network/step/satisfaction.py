@@ -69,7 +69,7 @@ def evaluate_nodes(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
 
 @inlined
 def turned(wish: float, direction: float) -> float:
-    """Return a wish as a negation turns it: what would have to be undone, `direction` if nothing is wished."""
+    """Return the wish of a negation whose condition has `wish`; `direction` if the condition wishes nothing."""
     if wish > 0.0:
         return wish - 1.0
     if wish < 0.0:
@@ -94,7 +94,7 @@ def evaluate_wishes(row: int, model: Words[PackedModel], states: Words[RowStates
 
 @inlined
 def keep_smallest(row: int, behaviour: int, model: Words[PackedModel], states: Words[RowStates]) -> None:
-    """Keep only the smallest one of several wishes of one behaviour about one sensor."""
+    """Keep only the smallest of several wishes of one behaviour about one sensor."""
     m, s = open_model(model), open_states(states)
     first, sensor = m.wish_first, m.wish_sensor
     wishes, kept = s.wishes, s.wish_kept

@@ -1,4 +1,4 @@
-"""Scratch memory of a step: what the stages hand on for one row; nothing in it outlives the row's step."""
+"""Scratch memory of a step: what one stage computes for the next ones, overwritten for each row."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Scratch(NamedTuple):
     leaf_satisfaction: Annotated[Floats, "L"]
     leaf_wish: Annotated[Floats, "L"]
     node_satisfaction: Annotated[Floats, "C"]
-    operational: Annotated[Ints, "B"]  # 1 where other behaviours take notice of a behaviour
+    operational: Annotated[Ints, "B"]  # 1 where a behaviour is operational, see `sharing`
     live_effect: Annotated[Ints, "E"]  # 1 where an effect takes part, see `sharing`
     live_wish: Annotated[Ints, "U"]
     counts: Annotated[Ints, "COUNTS S"]

@@ -1,13 +1,13 @@
 """Sharing, the third stage of a step: how many behaviours share a flow of activation (compiled).
 
-A behaviour is *operational* when it is part of the network and switched on: the others take notice of it. An effect or
-a wish is *live* when its behaviour is part of the network and it is not one of an alternative that the row does not
-hold; it counts for others only while its behaviour is operational.
+A behaviour is *operational* when it is part of the network and switched on: only then do the others count it. An
+effect or a wish is *live* when its behaviour is part of the network and it belongs to no alternative that the row does
+not hold. A live effect counts for others only while its behaviour is operational; so does a live wish.
 """
 
 from __future__ import annotations
 
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Words
 from selforg.network.model.packed import PackedModel, open_model
@@ -26,7 +26,7 @@ from selforg.network.step.scratch import (
 
 @inlined
 def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scratch: Words[Scratch]) -> None:
-    """Find out for `row` who is operational, what is live, and how many share."""
+    """Find for `row` the operational behaviours, the live effects and wishes, and how many behaviours share each."""
     find_operational(row, states, scratch)
     find_live(row, model, states, scratch)
     count_effects(model, scratch)
@@ -35,7 +35,7 @@ def share_row(row: int, model: Words[PackedModel], states: Words[RowStates], scr
 
 @inlined
 def is_operational(row: int, b: int, marks: Ints) -> bool:
-    """Whether the other behaviours take notice of behaviour `b`."""
+    """Return whether behaviour `b` is part of the network and switched on."""
     return bool(marks[row, st.PRESENT, b] == 1 and marks[row, st.ENABLED, b] == 1)
 
 
@@ -59,7 +59,7 @@ def find_live(row: int, model: Words[PackedModel], states: Words[RowStates], scr
         b = owner[e]
         shown = tag[e] < 0 or tag[e] == marks[row, st.ALTERNATIVE, b]
         live_effect[e] = 1 if shown and change[e] != 0.0 and marks[row, st.PRESENT, b] else 0
-    for u in range(live_wish.shape[0]):  # a goal's wishes are always live
+    for u in range(live_wish.shape[0]):  # the wishes of goals are always live
         b = wish_owner[u]
         live_wish[u] = 1 if b >= behaviours or (kept[row, u] and marks[row, st.PRESENT, b]) else 0
 
@@ -72,22 +72,9 @@ def count_effects(model: Words[PackedModel], scratch: Words[Scratch]) -> None:
     owner, change = m.effect_owner, m.effect_change
     live, operational, counts = own.live_effect, own.operational, own.counts
     for sensor in range(counts.shape[1]):
-        positive, negative, either = 0, 0, 0
-        last_positive, last_negative, last = -1, -1, -1  # a behaviour's effects on one sensor follow each other
-        for k in range(firsts[sensor], firsts[sensor + 1]):
-            e = effects[k]
-            b = owner[e]
-            if not live[e] or not operational[b]:
-                continue
-            if change[e] > 0.0 and b != last_positive:
-                positive += 1
-                last_positive = b
-            if change[e] < 0.0 and b != last_negative:
-                negative += 1
-                last_negative = b
-            if b != last:
-                either += 1
-                last = b
+        positive, negative, either = count_owners(
+            effects, firsts[sensor], firsts[sensor + 1], owner, change, live, operational
+        )
         counts[POSITIVE, sensor], counts[NEGATIVE, sensor], counts[EITHER, sensor] = positive, negative, either
 
 
@@ -97,22 +84,38 @@ def count_wishes(row: int, model: Words[PackedModel], states: Words[RowStates], 
     m, own = open_model(model), open_scratch(scratch)
     firsts, about, owner = m.sensor_wish_first, m.sensor_wish, m.wish_owner
     live, operational, counts = own.live_wish, own.operational, own.counts
-    wishes = open_states(states).wishes
+    wishes = open_states(states).wishes[row]
     for sensor in range(counts.shape[1]):
-        more, less = 0, 0
-        last_more, last_less = -1, -1
-        for k in range(firsts[sensor], firsts[sensor + 1]):
-            u = about[k]
-            b = owner[u]
-            if not live[u] or not operational[b]:
-                continue
-            if wishes[row, u] > 0.0 and b != last_more:
-                more += 1
-                last_more = b
-            if wishes[row, u] < 0.0 and b != last_less:
-                less += 1
-                last_less = b
+        more, less, _ = count_owners(about, firsts[sensor], firsts[sensor + 1], owner, wishes, live, operational)
         counts[WISH_MORE, sensor], counts[WISH_LESS, sensor] = more, less
+
+
+@inlined
+def count_owners(
+    entries: Ints, begin: int, end: int, owner: Ints, size: Floats, live: Ints, operational: Ints
+) -> tuple[int, int, int]:
+    """Count the operational behaviours with a live entry above 0, below 0, and of any size.
+
+    The effects or wishes are entries[begin:end], those of one behaviour next to each other; `owner`, `size` and `live`
+    have an element for each effect or wish.
+    """
+    above, below, either = 0, 0, 0
+    last_above, last_below, last = -1, -1, -1
+    for k in range(begin, end):
+        entry = entries[k]
+        b = owner[entry]
+        if not live[entry] or not operational[b]:
+            continue
+        if size[entry] > 0.0 and b != last_above:
+            above += 1
+            last_above = b
+        if size[entry] < 0.0 and b != last_below:
+            below += 1
+            last_below = b
+        if b != last:
+            either += 1
+            last = b
+    return above, below, either
 
 
 @inlined

@@ -20,7 +20,7 @@ from selforg.network.step.scratch import Scratch
 from selforg.network.step.sharing import share_row
 
 SENSE_AND_DECIDE, DECIDE = range(2)
-"""Phases of a step: the whole of it, or what is left of it once a missing plan was made."""
+"""Phases of a step: the whole step, or the rest of it after a missing plan was made."""
 
 
 @lean_kernel
@@ -36,7 +36,7 @@ def step_rows(
 ) -> int:
     """Step `rows` (K,); return how many of them need a plan that is not known and have not decided yet.
 
-    For a wrong reading return -1 - (what `find_wrong` says), with nothing changed.
+    If a reading is wrong, nothing is changed, and the result is -1 - (what `find_wrong` returns).
     """
     if phase == SENSE_AND_DECIDE:
         wrong = find_wrong(rows, model, states)
@@ -77,7 +77,7 @@ def follow_plan(
 
 @inlined
 def clear_ended(row: int, states: Words[RowStates]) -> None:
-    """Take the activation from what ended itself; what was stopped keeps it (Q15)."""
+    """Set the activation of behaviours that ended themselves to 0; stopped ones keep theirs (Q15)."""
     s = open_states(states)
     values, marks = s.values, s.marks
     for b in range(values.shape[2]):

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from selforg.network.explain.wishes import behaviour_wishes, goal_wishes
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
+from tests.golden.wishes import behaviour_wishes, goal_wishes
 from tests.selforg.network.random_models import Draw
 from tests.selforg.network.reference import Node, ReferenceNetwork
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from selforg.network.explain.wishes import behaviour_wishes, goal_wishes
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Optional
@@ -11,6 +10,7 @@ from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
 from selforg.network.step.readings import ReadingError
+from tests.golden.wishes import behaviour_wishes, goal_wishes
 
 ROW = np.array([0])
 FACT, NUMBER = Sensor("fact", "fact"), Sensor("number")

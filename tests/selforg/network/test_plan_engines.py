@@ -140,8 +140,9 @@ def test_an_engine_takes_the_place_of_the_built_in_search():
 
     problem = robot_problem()
     facts, numbers = robot_state("carrying", "garbage_found", "rep_bool", avoidance=0.7)
-    answer = plan_by_priority(EngineSearch(problem, "aries"), facts, numbers)
-    assert answer.given_up == ()
+    search = EngineSearch(problem, "aries")
+    answer = plan_by_priority(search, search.read_state(facts, numbers), (0, 1, 2))
+    assert answer.goals == (0, 1, 2)
     world = execute(problem, facts, numbers, answer.outcome.actions)
     assert all(true_in(goal.condition, world) for goal in problem.goals)
 

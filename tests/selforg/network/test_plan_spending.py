@@ -67,7 +67,7 @@ def test_plans_are_those_of_the_whole_search_and_hold_for_their_class(above):
             for reading in np.arange(-0.6, 9.0, 0.3):
                 numbers = np.array([reading if above else -reading])
                 plan, is_of_class = search.plan(facts, numbers, (0, 1), reach)
-                assert plan == plan_by_priority(whole, facts, numbers, (0, 1))
+                assert plan == plan_by_priority(whole, whole.read_state(facts, numbers), (0, 1))
                 plans += isinstance(plan.outcome, Plan)
                 clamped = tuple(number.clamped(round(numbers[0] * 1e9), reach) for number in spent)
                 beyond = spent and clamped != (round(numbers[0] * 1e9),)

@@ -31,9 +31,9 @@ CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDu
 
 def robot_plan(*true, **distances):
     search = ForwardSearch(robot_problem())
-    answer = plan_by_priority(search, *robot_state(*true, **distances))
+    answer = plan_by_priority(search, search.read_state(*robot_state(*true, **distances)), (0, 1, 2))
     assert isinstance(answer.outcome, Plan)
-    assert answer.given_up == ()
+    assert answer.goals == (0, 1, 2)
     return [search.problem.actions[index].name for index in answer.outcome.actions]
 
 
@@ -62,10 +62,9 @@ def test_robot_plan_does_not_depend_on_how_far_the_stations_are():
 def test_a_station_that_cannot_be_driven_to_leaves_the_goals_that_remain():
     search = ForwardSearch(robot_problem())
     # Standing on the station without being "at" it: its linear precondition is worth nothing, so no drive is ready.
-    facts, numbers = robot_state("carrying", "garbage_found", "rep_bool", recycling=0.0)
-    answer = plan_by_priority(search, facts, numbers)
+    state = search.read_state(*robot_state("carrying", "garbage_found", "rep_bool", recycling=0.0))
+    answer = plan_by_priority(search, state, (0, 1, 2))
     assert answer.goals == (2,)
-    assert answer.given_up == (0, 1)
     assert [search.problem.actions[index].name for index in answer.outcome.actions] == ["Avoid"]
 
 
@@ -181,14 +180,14 @@ def test_the_important_goal_survives_and_a_satisfied_one_is_kept():
         ),
         (PlanningGoal("left", FactIs(0), 1), PlanningGoal("right", FactIs(1), 2), PlanningGoal("shut", FactIs(2))),
     )
-    answer = plan_by_priority(ForwardSearch(problem), np.array([False, False, True]), np.zeros(0))
-    assert (answer.outcome, answer.goals, answer.given_up) == (Plan((1,), 1.0), (1, 2), (0,))
+    answer = plan_by_priority(ForwardSearch(problem), (0b100, ()), (0, 1, 2))
+    assert (answer.outcome, answer.goals) == (Plan((1,), 1.0), (1, 2))
 
 
 def test_no_reachable_goal_is_said_so():
     problem = PlanningProblem(("a",), (), (), (PlanningGoal("a", FactIs(0)),))
-    answer = plan_by_priority(ForwardSearch(problem), np.array([False]), np.zeros(0))
-    assert (answer.outcome, answer.goals, answer.given_up) == (Unsolvable(), (), (0,))
+    answer = plan_by_priority(ForwardSearch(problem), (0, ()), (0,))
+    assert (answer.outcome, answer.goals) == (Unsolvable(), ())
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def read_pddl(domain: str, problem: str) -> tuple[PlanningProblem, Start]:
         ValueError: the texts use what a planning problem here cannot hold, such as conditional effects.
 
     """
-    environment()  # says what to install, if need be
+    environment()  # raises an error that says what to install
     reader = import_module("unified_planning.io").PDDLReader(environment())
     return from_unified(reader.parse_problem_string(domain, problem))
 

@@ -1,7 +1,7 @@
 """Planning problems to and from the unified-planning library and, through it, PDDL (extra `planning`).
 
-The library is imported when a function here is called, never before. Every constant goes over as an exact fraction in
-steps of 1e-9, so that no rounding of ours decides between two plans; PDDL text keeps ten significant digits.
+The library is imported when a function here is called, because it is optional. Every constant becomes an exact fraction
+in steps of 1e-9, so that no rounding decides between two plans; PDDL text keeps ten significant digits.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ INSTALL = "pip install 'clean-swarm[planning]'"
 
 @lru_cache(maxsize=1)
 def environment() -> Any:  # noqa: ANN401  (the library is optional and untyped for us)
-    """Return the library's global environment (its PDDL reader works in no other), told to print no credits.
+    """Return the library's global environment, which prints no credits; its PDDL reader works in no other one.
 
     Raises:
         ModuleNotFoundError: the extra `planning` is not installed.

@@ -1,4 +1,4 @@
-"""Inspection: the wishes of a network's last step by name, for people and tests."""
+"""The wishes of a network's last step by name, as the golden data list them."""
 
 from __future__ import annotations
 
