@@ -45,7 +45,7 @@ BALCH, GE = 0, 1  # potentials of chemotaxis
 def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
     """Look at no gradient: the sum is a random direction of 1 m/s."""
     s = open_steering(steering)
-    s.total[0], s.total[1], s.total[2] = take_direction(s.directions, s.cursor, row)
+    s.total[0], s.total[1], s.total[2] = take_direction(s.directions, s.cursor, s.low, row)
     return True
 
 
