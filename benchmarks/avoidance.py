@@ -18,7 +18,7 @@ from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch, Finished
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.world.cleaning_robot import GOAL
 
 SEED = 900
 TEAMS = (5, 10, 20)

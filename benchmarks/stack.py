@@ -15,8 +15,8 @@ from benchmarks.record import record
 from benchmarks.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.mission import run_mission
-from clean_swarm_env.world.robot import GOAL
 
 REQUIRED = 800.0  # simulated seconds for a CPU second
 OPTIONS = ("RepulsionFernandez", "RepulsionGradient")

@@ -8,30 +8,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.types import Count, Index, Point, Pose
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
-
-EVERYWHERE = 1e9
-"""Range of a message that all robots receive [m]."""
-
-
-class DeliveryConfig(Closed):
-    """Range and losses of the robots' messages: their poses and pheromones."""
-
-    reach: Positive = EVERYWHERE
-    """Farthest receiver of a message [m]."""
-    loss: Share = 0.0
-    """Probability that a receiver misses a message, drawn for each receiver [-]."""
-    pose_memory: NonNegative = 1.0
-    """Time for which a robot keeps the last pose it received from another one [s]."""
-    own_contents: Flag = False
-    """Whether each robot stores by itself what it receives even if nothing is ever lost; it costs time."""
-
-    @property
-    def ideal(self) -> bool:
-        """Whether every robot receives everything."""
-        return self.reach >= EVERYWHERE and self.loss == 0.0
+from selector.documents.fields import Closed, NonNegative, Positive, Share
 
 
 class At(Closed):

@@ -7,7 +7,7 @@ different sizes share a frame when they state the same `robots.capacity` and `ga
 
 from collections.abc import Sequence
 
-from clean_swarm_env.config.events import EVERYWHERE
+from clean_swarm_env.config.delivery import EVERYWHERE
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import Point
 

@@ -11,8 +11,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.events import (
-    DeliveryConfig,
     Event,
     Join,
     Land,

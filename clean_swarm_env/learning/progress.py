@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.garbage import NOTHING
 from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state, tick_limit
-from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Flags, Ints
 from selforg.compiler.decorators import lean_kernel

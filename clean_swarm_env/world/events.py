@@ -12,10 +12,10 @@ import numpy as np
 
 from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.arrivals import NO_TICK, Arrivals
 from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.world.respawn import NO_TICK, Arrivals
 from clean_swarm_env.world.team_changes import Place, Team
 from selforg.arrays import Flags, Floats
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission_end import RUNNING, mission_state, tick_limit
-from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.coordination.selection import BY_SCORE, Selection

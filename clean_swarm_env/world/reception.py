@@ -2,7 +2,8 @@
 
 With ideal delivery all robots of a world share one content, and nothing here is used. Otherwise every robot stores the
 pheromones that it received, and keeps the last pose of each other robot for `pose_memory`. Robots sense garbage and
-stations by themselves. What the mechanisms of coordinators spread always arrives.
+stations by themselves. What the mechanisms of coordinators spread always arrives. Who misses what is drawn in
+`selforg.gradients.delivery` and `pose_delivery`; the settings are `config.delivery`.
 """
 
 from __future__ import annotations

@@ -8,9 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from clean_swarm_env.physics.cells import distance, fill_cells, nearest_point
-from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, nearest_lying
-from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
-from clean_swarm_env.world.robot import (
+from clean_swarm_env.world.cleaning_robot import (
     AT_DUMP,
     AT_RECYCLING,
     CARRYING,
@@ -21,6 +19,8 @@ from clean_swarm_env.world.robot import (
     GARBAGE_SEEN,
     RECYCLED,
 )
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, nearest_lying
+from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
 from selforg.arrays import Flags
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words

@@ -24,7 +24,7 @@ from clean_swarm_env.drawing.picture import (
     draw_station,
 )
 from clean_swarm_env.drawing.world_picture import canvas_of
-from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel

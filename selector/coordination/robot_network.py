@@ -1,4 +1,7 @@
-"""The network of a robot as its document declares it: the root, and the networks inside behaviours."""
+"""The network of a robot as its document declares it: the root, and the networks inside behaviours.
+
+The cleaning robot's document is `configs/robots/cleaning.yaml`.
+"""
 
 from __future__ import annotations
 

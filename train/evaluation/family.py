@@ -19,8 +19,8 @@ from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
 from train.evaluation.entrants import Entrant, entrants_of, identified, member_pilot
 from train.evaluation.pipeline import Evaluation
-from train.evaluation.publish import Publication
 from train.reports.family_tables import family_tables
+from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints, versions

@@ -47,8 +47,8 @@ Every goal also runs on the other ground (`--arena torus|open`), where the targe
 land there is nothing to patrol or to fill evenly, and foragers that miss the food never come back: ExplorationPatrol,
 UniformDistribution and Foraging miss targets there.
 
-Written by `clean-swarm run --all --output docs/goals.md`; `clean-swarm run GOAL --option NAME` runs another option of
-`configs/knowledge/library.yaml`.
+Written by `clean-swarm run --all --output docs/goal_results.md`; `clean-swarm run GOAL --option NAME` runs another
+option of `configs/knowledge/library.yaml`. How to add a goal: [CONTRIBUTING](../CONTRIBUTING.md).
 
 {table}
 

@@ -1,4 +1,7 @@
-"""The tables of an evaluation: the paper's Table 1, ratios between conditions, and comparisons with measurements."""
+"""The tables of an evaluation: the paper's Table 1, ratios between conditions, and comparisons with measurements.
+
+`train.reports.write_report` writes them into `table.md`.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.world.cleaning_robot import GOAL
 from selector.documents.errors import DocumentError
 from selforg.arrays import Ints
 from selforg.registry import unknown

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from clean_swarm_env.world.cleaning_robot import OWN_SENSORS
 from clean_swarm_env.world.records import FloorRecord, MindsRecord
-from clean_swarm_env.world.robot import OWN_SENSORS
 from selforg.network.state.state import MARK_LAYERS
 
 

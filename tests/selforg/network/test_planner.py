@@ -68,7 +68,7 @@ def test_a_station_that_cannot_be_driven_to_leaves_the_goals_that_remain():
     assert [search.problem.actions[index].name for index in answer.outcome.actions] == ["Avoid"]
 
 
-def test_robot_model_is_planned_in_well_under_a_millisecond():
+def test_cleaning_robot_is_planned_in_well_under_a_millisecond():
     problem = robot_problem()
     times = []
     for _ in range(50):

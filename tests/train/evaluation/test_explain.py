@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of, run_mission
-from clean_swarm_env.world.robot import GOAL
 from selforg.network.explain.explanation import explain
 from selforg.network.explain.recording import record_at
 from tests.clean_swarm_env.courses import difference, snapshot

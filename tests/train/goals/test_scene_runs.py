@@ -139,7 +139,7 @@ def test_the_command_knows_every_kind_of_ground():
 
 
 def test_the_page_in_the_docs_is_about_the_scenes_as_they_are():
-    text = (ROOT / "docs" / "goals.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "goal_results.md").read_text(encoding="utf-8")
     for goal in goals():
         scene = find(goal)
         assert f"| {goal} | {scene.story} ({scene.setting.ground}) | {scene.baseline} |" in text

@@ -1,0 +1,24 @@
+"""How well the messages of robots reach the others: range, message loss, memory."""
+
+from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
+
+EVERYWHERE = 1e9
+"""Range of a message that all robots receive [m]."""
+
+
+class DeliveryConfig(Closed):
+    """Range and losses of the robots' messages: their poses and pheromones."""
+
+    reach: Positive = EVERYWHERE
+    """Farthest receiver of a message [m]."""
+    loss: Share = 0.0
+    """Probability that a receiver misses a message, drawn for each receiver [-]."""
+    pose_memory: NonNegative = 1.0
+    """Time for which a robot keeps the last pose it received from another one [s]."""
+    own_contents: Flag = False
+    """Whether each robot stores by itself what it receives even if nothing is ever lost; it costs time."""
+
+    @property
+    def ideal(self) -> bool:
+        """Whether every robot receives everything."""
+        return self.reach >= EVERYWHERE and self.loss == 0.0
