@@ -20,7 +20,8 @@ from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.robot import GOAL
-from train.analysis.statistics import Floats, ratio_of_means, summarise
+from selforg.arrays import Floats
+from train.analysis.statistics import ratio_of_means, summarise
 
 OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
 TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")

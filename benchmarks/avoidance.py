@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch, Finished
-from clean_swarm_env.learning.observation.terms import TERMS
+from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.world.robot import GOAL
 
 SEED = 900
@@ -35,14 +35,14 @@ Choice = Callable[[NDArray[np.float32]], Options]
 def mission_of(robots: int) -> MissionConfig:
     """Return the default mission with the options for learners."""
     changes = {"robots": {"count": robots}, "knowledge": "avoidance", "time_limit": TIME_LIMIT}
-    return MissionConfig.model_validate(laid_over(load_mission("table1").model_dump(), changes))
+    return MissionConfig.model_validate(with_changes(load_mission("table1").model_dump(), changes))
 
 
 def ends_of(choose: Choice, robots: int, scenarios: int) -> list[Finished]:
     """Return how missions end in which options (R,) are chosen by the situations (R, 4) that robots see."""
     batch = Batch(mission_of(robots), scenarios, begin_anew=False)
     batch.reset(list(range(SEED, SEED + scenarios)))
-    columns = [batch.observer.names.index(name) for name in TERMS["situation"][1]]
+    columns = [batch.observer.names.index(name) for name in TERMS.find("situation").components]
     ends: list[Finished] = []
     while len(ends) < scenarios:
         batch.step(choose(batch.observations[:, columns]))

@@ -18,9 +18,10 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.physics import motion as motion
+from clean_swarm_env.physics.chipmunk_calls import HANDLES
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import ContactSpace
+from clean_swarm_env.physics.motion import MOTION, NOBODY_TOUCHES, Motion, land, push
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -61,17 +62,40 @@ class Floor:
         self._wanted = np.stack([np.cos(headings), np.sin(headings)], axis=2)  # (WALK, R, 2) [m/s]
         self._walked = 0
         self._settings = settings
-        self._places = places  # (R, 2) [m], scratch
-        self._bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
-        self._forces = np.zeros_like(places)  # (R, 2) [N]
-        self._present = np.ones(len(places), np.bool_)
+        rows = len(places)
+        bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
         # A body moves by up to 0.2 m until the copies are looked at again; everywhere is as far as the world goes.
-        self._zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
-        self._copies = np.zeros(len(places), np.uint8)
+        zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
+        # One world of all rows, and no time: to land is only to wrap the places.
+        self._motion = MOTION.pack(
+            Motion(
+                positions=places,
+                headings=np.zeros(rows),
+                bodies=bodies,
+                wanted=np.zeros((rows, 2)),
+                forces=np.zeros((rows, 2)),
+                present=np.ones(rows, np.bool_),
+                copies=np.zeros(rows, np.uint8),
+                copied=np.zeros(rows, np.uint8),
+                patience=np.zeros(1, np.int64),
+                handles=np.zeros((1, HANDLES), np.int64),
+                current=np.zeros(1, np.bool_),
+                left=np.zeros(1, np.int64),
+                search=NOBODY_TOUCHES,
+                width=settings.width,
+                height=settings.height,
+                reach=0.0,
+                zone=zone,
+                timestep=0.0,
+                settling=0,
+                stiffness=settings.mass / settings.timestep,
+            )
+        )
         self._blocks = [
             slice(world * settings.robots, (world + 1) * settings.robots) for world in range(settings.worlds)
         ]
-        self._spaces = [ContactSpace(settings, self._bodies[rows], self._forces[rows]) for rows in self._blocks]
+        forces = self._motion.record.forces
+        self._spaces = [ContactSpace(settings, bodies[block], forces[block]) for block in self._blocks]
         for space in self._spaces:
             space.load()
 
@@ -82,34 +106,19 @@ class Floor:
 
     def tick(self, wanted: NDArray[np.float64]) -> None:
         """Four substeps with the wanted velocities (R, 2) [m/s], after a look at the seams."""
-        settings, rows = self._settings, len(self._bodies)
-        crossed = motion.land(self._places, self._bodies, 0, rows, settings.width, settings.height, 0.0)
-        self._push(wanted)
+        motion = self._motion
+        crossed = land(0, motion.words)
+        np.copyto(motion.record.wanted, wanted)
+        push(0, motion.words)
         for space, block in zip(self._spaces, self._blocks, strict=True):
             if crossed:
                 space.load()
-            space.set_copies(self._copies[block])
+            space.set_copies(motion.record.copies[block])
         for substep in range(SUBSTEPS):
             if substep:
-                self._push(wanted)
+                push(0, motion.words)
             for space in self._spaces:
-                space.step(settings.timestep)
-
-    def _push(self, wanted: NDArray[np.float64]) -> None:
-        settings = self._settings
-        motion.push(
-            self._forces,
-            self._copies,
-            self._places,
-            self._bodies,
-            wanted,
-            self._present,
-            0,
-            len(self._bodies),
-            settings.height,
-            self._zone,
-            settings.mass / settings.timestep,
-        )
+                space.step(self._settings.timestep)
 
 
 def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -125,7 +134,7 @@ def physics_seconds_per_tick(
     worlds: int, robots: int, width: float, ticks: int, counting: bool, seed: int = 0
 ) -> float:
     """CPU seconds that our physics takes for the same, with headings, and with collision counts if asked."""
-    physics = Physics(worlds, robots, width, width)
+    physics = Physics(PhysicsSettings(worlds, robots, width, width))
     counter = CollisionCounter(worlds, robots, width, width)
     rng = np.random.default_rng(seed)
     places, headings = lattice(physics.settings, rng), np.zeros(robots)

@@ -75,9 +75,9 @@ def watched(model: PPO, envs: RobotVecEnv) -> Clock:
         for method in ("update", "store_static", "extinguish"):
             if hasattr(getattr(worlds, name), method):
                 clock.watch(getattr(worlds, name), method, "buffer")
-    for mechanism in (worlds.patrol, worlds.to_garbage):
+    for mechanism in (worlds.minds.patrol, worlds.minds.to_garbage):
         clock.watch(mechanism, "move_into", "mechanisms and coordinators")
-    clock.watch(worlds.patrol, "deposit", "buffer")
+    clock.watch(worlds.minds.patrol, "deposit", "buffer")
     for coordinator in worlds.coordinators:
         for method in ("sense", "act", "leave", "hold"):
             clock.watch(coordinator, method, "mechanisms and coordinators")

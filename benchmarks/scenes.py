@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.robot import GOAL
@@ -30,7 +30,7 @@ def mission_of(robots: int, items_per_robot: float = 2.0) -> MissionConfig:
             "dump": [x * scale for x in mission.stations.dump],
         },
     }
-    return MissionConfig.model_validate(laid_over(mission.model_dump(), changes))
+    return MissionConfig.model_validate(with_changes(mission.model_dump(), changes))
 
 
 def worlds_at_start(mission: MissionConfig, worlds: int) -> Worlds:

@@ -1,1 +1,51 @@
-"""The cleaning world, its mission and its RL borders (knows selforg and selector)."""
+"""The cleaning world, its mission and its RL borders (knows selforg and selector).
+
+The names below can be imported from here. Environments have modules of their own: `clean_swarm_v0` (PettingZoo),
+`registration` (the ids of Gymnasium and PettingZoo) and `sb3` (Stable-Baselines3).
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` cannot wait for: see `__getattr__`
+    from clean_swarm_env.config.errors import ConfigurationError as ConfigurationError
+    from clean_swarm_env.config.families import FamilyConfig as FamilyConfig
+    from clean_swarm_env.config.files import load_family as load_family
+    from clean_swarm_env.config.files import load_mission as load_mission
+    from clean_swarm_env.config.mission import MissionConfig as MissionConfig
+    from clean_swarm_env.config.mission import StartConfiguration as StartConfiguration
+    from clean_swarm_env.learning.actions import ActionConfig as ActionConfig
+    from clean_swarm_env.learning.batch import Batch as Batch
+    from clean_swarm_env.learning.joined import family_batches as family_batches
+    from clean_swarm_env.learning.observation.term import TERMS as TERMS
+    from clean_swarm_env.learning.observation.term import Term as Term
+    from clean_swarm_env.learning.observation.terms import ObservationConfig as ObservationConfig
+    from clean_swarm_env.learning.reward import RewardConfig as RewardConfig
+    from clean_swarm_env.world.mission import run_mission as run_mission
+
+MODULE_OF = {
+    "ConfigurationError": "config.errors",
+    "FamilyConfig": "config.families",
+    "load_family": "config.files",
+    "load_mission": "config.files",
+    "MissionConfig": "config.mission",
+    "StartConfiguration": "config.mission",
+    "ActionConfig": "learning.actions",
+    "Batch": "learning.batch",
+    "family_batches": "learning.joined",
+    "TERMS": "learning.observation.term",
+    "Term": "learning.observation.term",
+    "ObservationConfig": "learning.observation.terms",
+    "RewardConfig": "learning.reward",
+    "run_mission": "world.mission",
+}
+"""Public name -> module of this package that defines it."""
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401  (any public name; type checkers see the imports above)
+    """Import a public name when it is first used."""
+    if name not in MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{MODULE_OF[name]}"), name)
+    globals()[name] = value
+    return value

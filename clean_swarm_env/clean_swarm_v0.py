@@ -10,7 +10,7 @@
 
 An action is the option that serves AvoidCollision in that robot for the next decision period (with several coordinated
 goals one option for each); all else the robot decides itself. `ActionConfig(mode="velocity")` makes it a movement
-vector. Observations are described in `observation_terms`, rewards in `reward.RewardConfig`.
+vector. Observations are described in `learning.observation`, rewards in `reward.RewardConfig`.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 
-Action = int | NDArray[np.int64] | NDArray[np.float32]
-Infos = dict[str, dict[str, Any]]
-Step = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], Infos]
+AgentAction = int | NDArray[np.int64] | NDArray[np.float32]
+AgentInfos = dict[str, dict[str, Any]]
+AgentsStep = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], AgentInfos]
 
 
-class CleanSwarm(ParallelEnv[str, Observations, Action]):
+class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     """One world of cleaning robots; each agent is a robot.
 
     Args:
@@ -96,14 +96,14 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Observations], Infos]:
-        """Begin an episode; `options["start"]` may give a `StartConfiguration` (other keys are left alone)."""
+    ) -> tuple[dict[str, Observations], AgentInfos]:
+        """Begin an episode; `options["start"]` may give a `StartConfiguration` (other keys are ignored)."""
         seen = self._batch.reset([seed], [start_of(options)])
         self.agents = self._at_work()
         return self._of(self.agents, seen.copy()), self._infos(self.agents)
 
-    def step(self, actions: Mapping[str, Action]) -> Step:
-        """Let each robot act for one decision period; the period ends early when the mission does."""
+    def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
+        """Run one decision period; the period ends early when the mission does."""
         if not self.agents:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         step = self._batch.step(self._checked(actions))
@@ -126,7 +126,7 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         working = self._batch.worlds.team.working.tolist()
         return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
 
-    def _infos(self, agents: list[str]) -> Infos:
+    def _infos(self, agents: list[str]) -> AgentInfos:
         """Return for `agents` what happened in the period, to the team and to each, and what can be done next."""
         progress, worlds = self._batch.progress, self._batch.worlds
         team = {
@@ -167,7 +167,7 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         every = dict(zip(self.possible_agents, rows, strict=True))
         return every if len(agents) == len(every) else {agent: every[agent] for agent in agents}
 
-    def _checked(self, actions: Mapping[str, Action]) -> NDArray[Any]:
+    def _checked(self, actions: Mapping[str, AgentAction]) -> NDArray[Any]:
         """Return `actions` as rows, or raise ValueError."""
         if actions.keys() != set(self.agents):
             missing, unknown = sorted(set(self.agents) - actions.keys()), sorted(actions.keys() - set(self.agents))
@@ -175,13 +175,13 @@ class CleanSwarm(ParallelEnv[str, Observations, Action]):
         choices = self._choices
         for agent, action in actions.items():
             if choices and isinstance(action, int | np.integer) and 0 <= action < choices:
-                continue  # what `contains` says, in a tenth of the time
+                continue  # as `contains` answers, in a tenth of the time
             space = self.action_spaces[agent]
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {action!r}")
         default: NDArray[Any] = self._batch.choices.default if self._batch.action.mode == "option" else np.zeros(2)
-        first = default.reshape(np.shape(actions[self.agents[0]]))  # what robots do that join during the period
+        first = default.reshape(np.shape(actions[self.agents[0]]))  # the action of robots that join during the period
         return np.array([actions.get(agent, first) for agent in self.possible_agents])
 
 
@@ -200,6 +200,6 @@ def env(
     reward: RewardConfig | None = None,
     render_mode: str | None = None,
     **settings: Any,  # noqa: ANN401  (the rest of the arguments of CleanSwarm)
-) -> AECEnv[str, Observations, Action]:
+) -> AECEnv[str, Observations, AgentAction]:
     """Return the environment in which robots act one after the other (by PettingZoo's own conversion)."""
     return parallel_to_aec(CleanSwarm(mission, reward, render_mode, **settings))

@@ -6,22 +6,14 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import (
-    Closed,
-    DocumentError,
-    Name,
-    Number,
-    find_file,
-    read_mapping,
-    shown,
-    unknown,
-    validated,
-)
-
-KIND = "knowledge"
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name, Number
+from selector.documents.files import find_file
+from selector.documents.reading import read_mapping
+from selforg.arrays import Floats
+from selforg.registry import unknown
 
 
 class Option(Closed):
@@ -86,7 +78,7 @@ class Knowledge:
             raise DocumentError(f"{self.source}: {unknown('goal', goal, self.goals)}")
         return self.table[goal]
 
-    def scores(self, goal: str) -> npt.NDArray[np.float64]:
+    def scores(self, goal: str) -> Floats:
         """Return the scores (O,) of the options of a goal."""
         return np.array([option.score for option in self.options(goal)], dtype=np.float64)
 
@@ -118,11 +110,11 @@ def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:
-    """Return the knowledge of a name, from the first directory that holds `knowledge/NAME.yaml`.
+    """Return the knowledge of a name, from the first directory that holds `knowledge/NAME.yaml`, or of a path.
 
     Raises:
         DocumentError: no such file, or a mistake in it.
 
     """
-    path = find_file(KIND, name, directories)
+    path = find_file("knowledge", name, directories)
     return knowledge_from(read_mapping(path), shown(path))

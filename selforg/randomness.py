@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel
 
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
@@ -19,6 +19,7 @@ class DirectionStream:
     Attributes:
         vectors: (N, block, 3) float64, drawn unit vectors, the third component zero in the plane.
         cursor: (N,) int64, next vector of each row; compiled code advances it.
+        low: (1,) bool, whether some row has used half of its block; compiled code sets it.
 
     """
 
@@ -33,7 +34,7 @@ class DirectionStream:
         rows = len(self._generators)
         self.vectors: Floats = np.zeros((rows, block, 3))
         self.cursor: Ints = np.full(rows, block, dtype=np.int64)
-        self.low = True  # some row has used half of its block
+        self.low: Flags = np.ones(1, dtype=np.bool_)
 
     @classmethod
     def fixed(cls, rows: int, dim: int = 2) -> "DirectionStream":
@@ -43,7 +44,7 @@ class DirectionStream:
         angles = GOLDEN_ANGLE * np.arange(rows)
         stream.vectors = np.stack([np.cos(angles), np.sin(angles), np.zeros(rows)], axis=1)[:, None, :].copy()
         stream.cursor = np.zeros(rows, dtype=np.int64)
-        stream.low = False
+        stream.low[0] = False
         return stream
 
     def reset(self, rows: Ints | Sequence[int], generators: Sequence[np.random.Generator]) -> None:
@@ -53,11 +54,11 @@ class DirectionStream:
         for row, generator in zip(rows, generators, strict=True):
             self._generators[int(row)] = generator
             self.cursor[int(row)] = self.block
-        self.low = True
+        self.low[0] = True
 
     def refill(self) -> None:
         """Draw ahead for every row that has used half of its block; does nothing unless `low` is set."""
-        if not self.low:
+        if not self.low[0]:
             return
         for row in np.flatnonzero(2 * self.cursor >= self.block):
             generator = self._generators[row]
@@ -67,7 +68,7 @@ class DirectionStream:
             self.vectors[row, : self.block - used] = self.vectors[row, used:].copy()
             self.vectors[row, self.block - used :] = draw_directions(generator, used, self.dim)
             self.cursor[row] = 0
-        self.low = False
+        self.low[0] = False
 
 
 def draw_directions(generator: np.random.Generator, count: int, dim: int) -> Floats:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Callable, Iterator, Sequence
-from typing import Generic, TypeVar
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any, Generic, TypeVar
 
 Base = TypeVar("Base")
 Class = TypeVar("Class")
@@ -56,12 +59,22 @@ class Registry(Generic[Base]):
             raise UnknownNameError(unknown(self.kind, name, self.names()))
         return self._classes[name]
 
+    def create(self, name: str, *arguments: Any, **parameters: Any) -> Base:  # noqa: ANN401  (those of the class)
+        """Return an instance of the class registered under `name`; UnknownNameError lists the known names."""
+        return self.find(name)(*arguments, **parameters)
+
     def __contains__(self, name: object) -> bool:
         return name in self._classes
 
     def __iter__(self) -> Iterator[type[Base]]:
         """Iterate over the classes, in the order of their names."""
         return (self._classes[name] for name in self.names())
+
+
+def import_modules(package: str) -> None:
+    """Import every module of a package, so that the classes in them are registered; for its `__init__` to call."""
+    for module in iter_modules(sys.modules[package].__path__, f"{package}."):
+        import_module(module.name)
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from selforg.arrays import Floats
-from selforg.compiler.decorators import kernel
+from selforg.compiler.decorators import inlined, lean_kernel
 
 
 class Space(ABC):
@@ -28,11 +28,9 @@ class Space(ABC):
     def offsets(self, origin: Floats, target: Floats) -> Floats:
         """Return the shortest way (..., D) [m] from `origin` (..., D) to `target` (..., D)."""
         delta = self.wrap(np.asarray(target, dtype=np.float64)) - self.wrap(np.asarray(origin, dtype=np.float64))
-        closed = self.extent > 0
-        size = np.where(closed, self.extent, 1.0)
-        turns = np.where(delta > size / 2, 1.0, np.where(delta < -size / 2, -1.0, 0.0))
-        shortest: Floats = delta - turns * np.where(closed, self.extent, 0.0)
-        return shortest
+        ways: Floats = np.ascontiguousarray(delta)
+        shorten(ways.reshape(-1, self.dim), self.extent)
+        return ways
 
     @abstractmethod
     def _wrap(self, positions: Floats) -> Floats:
@@ -66,18 +64,40 @@ class Torus(Space):
         return np.where(wrapped >= self.extent, 0.0, wrapped)
 
 
-@kernel
-def nearest_image(delta: float, extent: float) -> float:
-    """Return the shortest of the images of `delta` [m] on an axis of `extent` [m] (0: open), |delta| < extent."""
-    if extent > 0.0:
-        if delta > 0.5 * extent:
-            return delta - extent
-        if delta < -0.5 * extent:
-            return delta + extent
+@inlined
+def half_of(extent: float) -> float:
+    """Return half the length [m] of a closed axis, infinity for an open one (extent 0)."""
+    return 0.5 * extent if extent > 0.0 else np.inf
+
+
+@inlined
+def shortest(delta: float, extent: float, half: float) -> float:
+    """Return the shortest of the images of `delta` [m], |delta| < extent; `half` is `half_of(extent)`.
+
+    For loops over many offsets: whether the axis is open is decided before the loop.
+    """
+    if delta > half:
+        return delta - extent
+    if delta < -half:
+        return delta + extent
     return delta
 
 
-@kernel
+@inlined
+def nearest_image(delta: float, extent: float) -> float:
+    """Return the shortest of the images of `delta` [m] on an axis of `extent` [m] (0: open), |delta| < extent."""
+    return shortest(delta, extent, half_of(extent))
+
+
+@lean_kernel
+def shorten(deltas: Floats, extent: Floats) -> None:
+    """Replace each of `deltas` (M, D) [m] by its shortest image in a space of `extent` (D,) [m]."""
+    for index in range(len(deltas)):
+        for axis in range(len(extent)):
+            deltas[index, axis] = nearest_image(deltas[index, axis], extent[axis])
+
+
+@inlined
 def wrapped(coordinate: float, extent: float) -> float:
     """Return `coordinate` [m] brought into [0, extent), unchanged on an open axis (extent 0)."""
     if extent > 0.0 and (coordinate < 0.0 or coordinate >= extent):

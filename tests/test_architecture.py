@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from importlib.metadata import distributions
 from pathlib import Path
 
 import pytest
@@ -123,3 +124,29 @@ def test_the_readme_has_one_line_for_each_set_up(marker, words):
     (line,) = re.findall(rf"<!-- ci: {marker} -->\n```sh\n(.*)\n```\n", text)
     assert words in line
     assert line.startswith("python3 -m venv .venv && ")
+
+
+def _others_with_our_names(found) -> dict[str, set[str]]:
+    """Return which of our top-level names other distributions install, by the name of the distribution."""
+    owners: dict[str, set[str]] = {}
+    for distribution in found:
+        name = distribution.metadata["Name"]
+        tops = {path.parts[0].removesuffix(".py") for path in distribution.files or () if path.suffix == ".py"}
+        if name != "clean-swarm" and tops & set(PACKAGES):
+            owners[name] = tops & set(PACKAGES)
+    return owners
+
+
+def test_no_other_installed_package_claims_one_of_our_names():
+    # `selector`, `train` and `configs` are fixed, and others might use them: who installs last would shadow the other
+    assert _others_with_our_names(distributions()) == {}
+
+
+def test_a_foreign_package_of_our_name_would_be_noticed(tmp_path):
+    (tmp_path / "selector").mkdir()
+    (tmp_path / "selector" / "__init__.py").write_text("")
+    info = tmp_path / "foreign-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: foreign\nVersion: 1.0\n")
+    (info / "RECORD").write_text("selector/__init__.py,,\nforeign-1.0.dist-info/METADATA,,\n")
+    assert _others_with_our_names(distributions(path=[str(tmp_path)])) == {"foreign": {"selector"}}

@@ -1,1 +1,1 @@
-"""Command line, evaluation, training and reports (knows all)."""
+"""Command line, evaluation, training and reports ; imports all other packages."""

@@ -1,11 +1,15 @@
-"""Which knowledge store a command uses: the one named, or the user's own."""
+"""Open the knowledge store of a command, and read what a user names to import."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import platformdirs
 
-from selector.store import KnowledgeStore, StoreError
+from selector.documents.errors import DocumentError
+from selector.knowledge import load_knowledge
+from selector.store import KnowledgeStore, StoredKnowledge, StoreError, document
+from selector.store.stored_knowledge import stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
 """Environment variable that names the store unless `--store` does."""
@@ -17,7 +21,10 @@ def default_path() -> Path:
 
 
 def opened(url: str | None, *, create: bool) -> KnowledgeStore:
-    """Return the store of a URL, else of the environment, else the user's own, whose directory is made if need be."""
+    """Return the store of a URL, else the one that the environment names, else the user's own.
+
+    With `create`, the directory of the user's own store is made if there is none.
+    """
     named = url or os.environ.get(VARIABLE)
     if named:
         return KnowledgeStore(named, create=create)
@@ -28,3 +35,31 @@ def opened(url: str | None, *, create: bool) -> KnowledgeStore:
         except OSError as error:
             raise StoreError(f"{path.parent}: cannot be made ({error.strerror})") from error
     return KnowledgeStore(str(path), create=create)
+
+
+def contents_named(given: str, source: str, directories: Sequence[Path] = ()) -> StoredKnowledge:
+    """Return what a file holds, expert knowledge or an exported store, or the expert knowledge of a name.
+
+    Args:
+        given: path of the file, or name of expert knowledge.
+        source: whom expert knowledge comes from.
+        directories: searched for expert knowledge before the shipped one.
+
+    """
+    path = Path(given)
+    if path.is_file():
+        return document.read(path, source)
+    if path.suffix or path.name != given:
+        raise DocumentError(f"{given}: no such file")
+    return stored(load_knowledge(given, directories), source)
+
+
+def amount(contents: StoredKnowledge) -> str:
+    """Return the numbers of expert options and updates in words."""
+    updates = sum(entry.moments.count for entry in contents.learned.values())
+    return f"{counted(len(contents.expert), 'expert option')}, {counted(updates, 'update')}"
+
+
+def counted(number: int, one: str, many: str = "") -> str:
+    """Return a number with its noun."""
+    return f"{number} {one if number == 1 else many or one + 's'}"

@@ -56,7 +56,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         return observations[0], _first(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
-        """Let all robots act for one decision period; the period ends early when the mission does."""
+        """Run one decision period; the period ends early when the mission does."""
         if self._over:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         seen, rewards, terminated, truncated, infos = self._envs.step(np.asarray(action)[None])

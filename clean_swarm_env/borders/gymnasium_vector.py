@@ -5,7 +5,7 @@
     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
 
 A world whose mission is over begins anew in the same step (`AutoresetMode.SAME_STEP`): the observation returned is the
-first of the new episode, the last of the old one is in `infos["final_obs"]`, what the mission came to in
+first of the new episode, the last of the old one is in `infos["final_obs"]`, the figures of the mission in
 `infos["final_info"]`. World w of `reset(seed=S)` has the seed S + w.
 """
 
@@ -23,9 +23,8 @@ from clean_swarm_env.borders.spaces import action_space, observation_space, star
 from clean_swarm_env.learning.batch import Batch, Finished
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.learning.progress import EVENTS
+from selforg.arrays import Flags, Floats
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
 Infos = dict[str, Any]
 
 
@@ -60,7 +59,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         return self._joined(observations), self._infos()
 
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Infos]:
-        """Let all robots act for one decision period."""
+        """Run one decision period."""
         step = self.batch.step(self._rows_of(np.asarray(actions)))
         infos = self._infos()
         if self.batch.finished:
@@ -97,7 +96,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         return infos
 
     def _add_final(self, infos: Infos, finished: Sequence[Finished], final: Observations) -> None:
-        """Add the last observations of the missions that ended, and what they came to."""
+        """Add the last observations of the missions that ended, and their figures."""
         ended = np.zeros(self.num_envs, dtype=np.bool_)
         last = np.full(self.num_envs, None, dtype=object)
         happened = {name: values for name, values in infos.items() if not name.startswith("_")}

@@ -18,22 +18,22 @@ from typing import Any
 import gymnasium
 import pettingzoo
 
-TEAM, ONE_FOR_ALL, ROBOTS = "CleanSwarm-v0", "CleanSwarmOneForAll-v0", "CleanSwarmRobots-v0"
+TEAM_ID, ONE_FOR_ALL_ID, ROBOTS_ID = "CleanSwarm-v0", "CleanSwarmOneForAll-v0", "CleanSwarmRobots-v0"
 
 
 def register_gymnasium() -> None:
     """Register the environments of Gymnasium; those that are registered already stay as they are."""
     specs: dict[str, dict[str, Any]] = {
-        TEAM: {
+        TEAM_ID: {
             "entry_point": "clean_swarm_env.borders.gymnasium_team:CleanSwarmTeam",
             "vector_entry_point": "clean_swarm_env.borders.gymnasium_vector:TeamVectorEnv",
         },
-        ONE_FOR_ALL: {
+        ONE_FOR_ALL_ID: {
             "entry_point": "clean_swarm_env.borders.gymnasium_team:CleanSwarmTeam",
             "vector_entry_point": "clean_swarm_env.borders.gymnasium_vector:TeamVectorEnv",
             "kwargs": {"one_for_all": True},
         },
-        ROBOTS: {"vector_entry_point": "clean_swarm_env.borders.gymnasium_vector:RobotVectorEnv"},
+        ROBOTS_ID: {"vector_entry_point": "clean_swarm_env.borders.gymnasium_vector:RobotVectorEnv"},
     }
     for name, spec in specs.items():
         if name not in gymnasium.registry:
@@ -44,8 +44,8 @@ def register_pettingzoo() -> None:
     """Register the environments of PettingZoo; those that are registered already stay as they are."""
     for kind, entry in (("parallel", "parallel_env"), ("aec", "env")):
         registry = pettingzoo.parallel_registry if kind == "parallel" else pettingzoo.aec_registry
-        if TEAM not in registry:
-            pettingzoo.register(kind, TEAM, f"clean_swarm_env.clean_swarm_v0:{entry}")
+        if TEAM_ID not in registry:
+            pettingzoo.register(kind, TEAM_ID, f"clean_swarm_env.clean_swarm_v0:{entry}")
 
 
 register_gymnasium()

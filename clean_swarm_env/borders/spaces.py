@@ -33,14 +33,14 @@ def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
 
 
 def masks_of(batch: Batch) -> Iterable[Mask]:
-    """Return for each row what can serve next, as `sample` of the action space of one robot takes it."""
+    """Return for each row which options can serve next, as `sample` of the action space of one robot takes it."""
     whole = batch.masks().astype(np.int8)
     counts = batch.choices.counts
     return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
 
 
 def start_of(options: Mapping[str, Any] | None) -> StartConfiguration | None:
-    """Return the start that the options of a reset give; other keys are left alone."""
+    """Return the start that the options of a reset give; other keys are ignored."""
     start = (options or {}).get("start")
     if start is not None and not isinstance(start, StartConfiguration):
         raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")

@@ -10,7 +10,7 @@ mission is over begins anew in the same step. Infos are empty but for rows where
 
 - in the period: `own_picked`, `own_recycled`, `own_dumped`, `own_collision`, where they are not 0;
 - at the end of a mission: `terminal_observation`, `TimeLimit.truncated` (the time was over, garbage left), `episode`
-  (return, length and time, as `VecMonitor` writes them), and what the mission came to: `duration_s`, `garbage_done`,
+  (return, length and time, as `VecMonitor` writes them), and the figures of the mission: `duration_s`, `garbage_done`,
   `mission_collision_events`, `completed`, which `VecMonitor` keeps by `info_keywords`.
 
 World w of `seed(S)` has the seed S + w. Options of `set_options` may give a `start`; a world's first robot counts.
@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from clean_swarm_env.borders.spaces import action_space, observation_space, start_of
-from clean_swarm_env.learning.batch import Batch, Finished, Step
+from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.learning.progress import COLLISION, EVENTS
+from clean_swarm_env.learning.progress import COLLISIONS, EVENTS
 
 Info = dict[str, Any]
 
@@ -89,8 +89,8 @@ class RobotVecEnv(VecEnv):
         settings: further arguments of `Batch`.
 
     Attributes:
-        batches: the batches, one unless told otherwise.
-        finished: the missions that came to their end in the last period.
+        batches: the batches, one unless others are given.
+        finished: the missions that ended in the last period.
 
     """
 
@@ -119,7 +119,7 @@ class RobotVecEnv(VecEnv):
         super().__init__(self._joined.rows, observation_space(first), action_space(first))
 
     def reset(self) -> Observations:
-        """Begin an episode in every world; seeds and options given before count this once."""
+        """Begin an episode in every world; seeds and options given before are used once."""
         firsts = self._joined.first_rows.tolist()
         starts = [start_of(self._options[row]) for row in firsts]
         observations = self._joined.reset([self._seeds[row] for row in firsts], starts)
@@ -130,7 +130,7 @@ class RobotVecEnv(VecEnv):
         return observations
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Give world w the seed `seed` + w from the next reset on; without one, seeds that nobody knows."""
+        """Give world w the seed `seed` + w from the next reset on; without one, seeds drawn from the system."""
         first = int(np.random.default_rng().integers(2**32)) if seed is None else seed
         self._seeds = [first + world for world in self._joined.world_of.tolist()]
         return self._seeds
@@ -140,7 +140,7 @@ class RobotVecEnv(VecEnv):
         self._actions = np.asarray(actions)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Let all robots act for one decision period."""
+        """Run one decision period."""
         step = self._joined.step(self._actions)
         self.finished = self._joined.finished
         self._returns += step.rewards
@@ -154,13 +154,13 @@ class RobotVecEnv(VecEnv):
     def _infos(self) -> list[Info]:
         """Return what happened in the period, for each row."""
         infos: list[Info] = [{} for _ in range(self.num_envs)]
-        events = self._joined.events[: COLLISION + 1]
+        events = self._joined.events[: COLLISIONS + 1]
         for kind, row in np.argwhere(events).tolist():
             infos[row][f"own_{EVENTS[kind]}"] = int(events[kind, row])
         return infos
 
-    def _add_end(self, infos: list[Info], end: Finished, step: Step) -> None:
-        """Add what a mission came to and begin the sums of the next one."""
+    def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
+        """Add the figures of a mission and begin the sums of the next one."""
         elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
             infos[row] |= end.statistics

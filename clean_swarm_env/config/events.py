@@ -8,8 +8,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.types import Count, Index, Point, Pose, impossible
-from selector.documents.yaml import Closed, Flag, NonNegative, Positive, Share
+from clean_swarm_env.config.types import Count, Index, Point, Pose
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
 
 EVERYWHERE = 1e9
 """Range of a message that all robots receive [m]."""
@@ -58,7 +59,7 @@ class Join(At):
 
 
 class Remove(At):
-    """Robots are taken away: they are gone; what they carried lies where they were."""
+    """Robots are taken away; what they carried lies where they were."""
 
     do: Literal["remove"]
     """What happens."""

@@ -5,9 +5,10 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.types import Count, impossible
+from clean_swarm_env.config.types import Count
 from selector.coordination.selection import BY_SCORE
-from selector.documents.yaml import Closed, Number
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, Number
 from selector.strategies.registry import StrategySpec
 
 Scores = dict[str, dict[str, Number]]
@@ -36,7 +37,7 @@ class PublishedFigures(Closed):
 
 
 class ExperimentConfig(Closed):
-    """A mission, the conditions to compare on it and the start configurations they share."""
+    """A mission, the conditions to compare on it and their start configurations."""
 
     name: str
     """Name of the experiment."""

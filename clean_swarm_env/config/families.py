@@ -16,8 +16,9 @@ from clean_swarm_env.config.events import Event
 from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_events, random_stations
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
-from clean_swarm_env.config.types import Count, Index, impossible
-from selector.documents.yaml import Closed, Positive
+from clean_swarm_env.config.types import Count, Index
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, Positive
 
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")
@@ -84,7 +85,7 @@ class FamilyConfig(Closed):
             counts = {len(getattr(start, name)) for start in self.starts}
             if counts and counts != set(getattr(self, name)):
                 raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
-        self.scenario(0, 0, "train")  # a family of which no scenario can be made is refused when it is read
+        self.scenario(0, 0, "train")  # refuse a family now if it has no possible scenario
         return self
 
     def scenario(self, seed: int, index: int, split: Split) -> Scenario:

@@ -5,10 +5,12 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from clean_swarm_env.config.types import Index, Point, impossible
-from selector.documents.yaml import Closed, NonNegative, Positive, Share
+from clean_swarm_env.config.starts import nearest_distance
+from clean_swarm_env.config.types import Index, Point
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, NonNegative, Positive, Share
 
-Kind = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
+Change = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
 Span = tuple[NonNegative, NonNegative]
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
@@ -21,7 +23,7 @@ class ChangesConfig(Closed):
 
     number: tuple[Index, Index] = (0, 0)
     """Least and largest number of events."""
-    kinds: tuple[Kind, ...] = ()
+    kinds: tuple[Change, ...] = ()
     """What can happen; each event is one of these, all equally likely."""
     items: tuple[Index, Index] = (5, 5)
     """Least and largest number of items that land at a time."""
@@ -53,7 +55,7 @@ def draw_events(
 ) -> list[dict[str, Any]]:
     """Return the events of one scenario that begins with `robots`, in the order of their times.
 
-    Where the last robot but one would go, one joins instead if robots may join, else nothing happens.
+    An event that would leave fewer than two robots becomes a join if robots may join; otherwise it is left out.
     """
     number = int(rng.integers(changes.number[0], changes.number[1] + 1))
     times = np.sort(rng.uniform(QUIET, 1.0 - QUIET, size=number)) * time_limit
@@ -96,6 +98,5 @@ def random_stations(size: tuple[float, float], rng: np.random.Generator) -> tupl
     recycling = rng.uniform(size=2) * extent
     while True:
         dump = rng.uniform(size=2) * extent
-        offset = np.abs(dump - recycling)
-        if np.hypot(*np.minimum(offset, extent - offset)) >= gap:
+        if nearest_distance(dump, recycling[None], extent) >= gap:
             return (float(recycling[0]), float(recycling[1])), (float(dump[0]), float(dump[1]))

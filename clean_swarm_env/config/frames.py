@@ -23,10 +23,16 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
     delivery = mission.delivery.model_copy(update=ideal)
     return mission.model_copy(
         update={
-            "name": "", "robots": robots, "garbage": garbage, "stations": stations, "events": (), "time_limit": 1.0,
-            "collision_cost": 0.0, "delivery": delivery,
+            "name": "",
+            "robots": robots,
+            "garbage": garbage,
+            "stations": stations,
+            "events": (),
+            "time_limit": 1.0,
+            "collision_cost": 0.0,
+            "delivery": delivery,
         }
-    )  # fmt: skip
+    )
 
 
 def grouped(missions: Sequence[MissionConfig]) -> list[list[int]]:

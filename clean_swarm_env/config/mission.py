@@ -22,9 +22,10 @@ from clean_swarm_env.config.events import (
     check_team,
 )
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.config.types import Count, Index, Point, Pose, impossible
+from clean_swarm_env.config.types import Count, Index, Point, Pose
 from clean_swarm_env.config.world import WorldConfig, robots_that_fit
-from selector.documents.yaml import Closed, NonNegative, Positive, Share
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, NonNegative, Positive, Share
 
 RANDOM_ITEMS = 40
 """Items that find room in a world in which garbage keeps coming, unless told otherwise."""

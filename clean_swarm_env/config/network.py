@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from clean_swarm_env.config.types import Count
-from selector.documents.yaml import Positive
+from selector.documents.fields import Positive
 from selector.vocabulary.settings import SettingsSpec
 
 

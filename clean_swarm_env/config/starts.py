@@ -1,7 +1,7 @@
 """Start configurations: random ones by seed, and files of given ones with the figures measured on them.
 
 Randomness: scenario k of seed S draws from `SeedSequence(S, spawn_key=(k,))`, with one child for the robots and one for
-the items, so that it stays the same whatever the number of scenarios or workers, and the items whatever the robots.
+the items. So a scenario does not depend on the number of scenarios or workers, nor its items on the number of robots.
 """
 
 import zlib
@@ -10,17 +10,19 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from clean_swarm_env.config.errors import ConfigurationError, one_line
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.types import Point, impossible
-from selector.documents.yaml import Closed, Positive
+from clean_swarm_env.config.types import Point
+from selector.documents.errors import impossible, validated_json
+from selector.documents.fields import Closed, Positive
+from selforg.arrays import Floats
+from selforg.space import Torus
 
 START_GAP = 0.01
 """Clearance between solid robots at the start [m]."""
-MAX_TRIES = 20_000
+START_TRIES = 20_000
 """Draws for the place of one robot before the placement is given up."""
 
 
@@ -48,13 +50,11 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     )
 
 
-def _positions_apart(
-    count: int, size: NDArray[np.float64], apart: float, rng: np.random.Generator
-) -> NDArray[np.float64]:
+def _positions_apart(count: int, size: Floats, apart: float, rng: np.random.Generator) -> Floats:
     """Return (N, 2) uniform positions [m] on the torus `size` (2,) whose distances are at least `apart` [m]."""
     positions = np.empty((count, 2))
     for placed in range(count):
-        for _ in range(MAX_TRIES):
+        for _ in range(START_TRIES):
             candidate = rng.uniform(size=2) * size
             if nearest_distance(candidate, positions[:placed], size) >= apart:
                 positions[placed] = candidate
@@ -65,10 +65,10 @@ def _positions_apart(
     return positions
 
 
-def nearest_distance(point: NDArray[np.float64], others: NDArray[np.float64], size: NDArray[np.float64]) -> float:
+def nearest_distance(point: Floats, others: Floats, size: Floats) -> float:
     """Return the distance [m] of `point` (2,) to the nearest of `others` (N, 2) on the torus; infinite without any."""
-    offset = np.abs(others - point)
-    return float(np.hypot(*np.minimum(offset, size - offset).T).min(initial=np.inf))
+    offsets = Torus(float(size[0]), float(size[1])).offsets(point, others)
+    return float(np.hypot(*offsets.T).min(initial=np.inf))
 
 
 def run_seed(seed: int, scenario: str) -> int:
@@ -85,7 +85,7 @@ class StartsCase(StartConfiguration, extra="ignore"):
 
 
 class StartsFile(Closed, extra="ignore"):
-    """A file of start configurations with its torus and stations (data of others: further keys are left alone)."""
+    """A file of start configurations with its torus and stations (data of others: further keys are ignored)."""
 
     torus_m: tuple[Positive, Positive]
     """Lengths of the torus along x and y [m]."""
@@ -126,13 +126,12 @@ class StartsFile(Closed, extra="ignore"):
 def load_starts(path: Path) -> StartsFile:
     """Read a JSON file of start configurations; a file that cannot be used raises ConfigurationError."""
     try:
-        return StartsFile.model_validate_json(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"{path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise ConfigurationError(f"{path}: expected JSON text in UTF-8") from error
-    except ValidationError as error:
-        raise ConfigurationError(one_line(error, str(path), StartsFile)) from error
+    return validated_json(StartsFile, text, str(path))
 
 
 def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfig:

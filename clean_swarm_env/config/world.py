@@ -5,8 +5,8 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from clean_swarm_env.config.types import impossible
-from selector.documents.yaml import Closed, Positive
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, Positive
 
 MAX_COVERED_SHARE = 0.45
 """Largest share of the torus that solid discs may cover [-]: random sequential placement jams at 0.547."""

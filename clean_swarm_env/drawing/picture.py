@@ -1,7 +1,7 @@
 """A picture of the world: robots with their gradients, garbage, stations and the pheromone trail, on the torus.
 
 Plain arrays in, a Matplotlib figure out; nothing here knows the mission. Colours are those of Okabe and Ito, which
-colour-blind readers can tell apart; what matters is told by shape as well.
+colour-blind readers can tell apart; shapes differ too.
 Shapes: N robots, G items of garbage, M pheromones.
 """
 
@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Wedge
 from numpy.typing import NDArray
 
-SEARCHING: Final = 0  # what a robot carries, `Scene.cargo`: nothing,
+SEARCHING: Final = 0  # what a robot carries, `Canvas.cargo`: nothing,
 GARBAGE: Final = 1  # an item on its way to the recycling station,
 LEFTOVERS: Final = 2  # or what is left of it, on its way to the dump station
 
@@ -31,12 +31,12 @@ TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
 
 
 def no_places() -> NDArray[np.float64]:
-    """Nothing anywhere: (0, 2)."""
+    """Return no places: (0, 2)."""
     return np.zeros((0, 2))
 
 
 @dataclass(frozen=True)
-class Scene:
+class Canvas:
     """What there is to see. Arrays of another shape than stated raise ValueError."""
 
     positions: NDArray[np.float64]  # (N, 2) [m] of the robots
@@ -70,49 +70,49 @@ class Scene:
                 raise ValueError(f"{name}: expected shape {shape}, got {np.shape(getattr(self, name))}")
 
 
-def draw_world(scene: Scene, title: str = "", inches: float = 7.0) -> Figure:
-    """Draw the scene on a figure that is `inches` wide; save it with `figure.savefig(path)`.
+def draw_world(canvas: Canvas, title: str = "", inches: float = 7.0) -> Figure:
+    """Draw the canvas on a figure that is `inches` wide; save it with `figure.savefig(path)`.
 
-    >>> scene = Scene(np.array([[0.1, 5.0]]), np.zeros(1), recycling=(2.75, 5.5), dump=(8.25, 5.5))
-    >>> figure = draw_world(scene, title="one robot on the seam")
+    >>> canvas = Canvas(np.array([[0.1, 5.0]]), np.zeros(1), recycling=(2.75, 5.5), dump=(8.25, 5.5))
+    >>> figure = draw_world(canvas, title="one robot on the seam")
     """
     side, under, above = 0.12, 0.62, 0.36 if title else 0.12  # [inch] margins: the legend is under the world
-    tall = under + (inches - 2.0 * side) * scene.height / scene.width + above
+    tall = under + (inches - 2.0 * side) * canvas.height / canvas.width + above
     figure = Figure(figsize=(inches, tall), facecolor="white", dpi=150)
     axes = figure.add_axes((side / inches, under / tall, 1.0 - 2.0 * side / inches, 1.0 - (under + above) / tall))
-    axes.set(xlim=(0.0, scene.width), ylim=(0.0, scene.height), aspect="equal", xticks=[], yticks=[], facecolor=PAPER)
+    axes.set(xlim=(0.0, canvas.width), ylim=(0.0, canvas.height), aspect="equal", xticks=[], yticks=[], facecolor=PAPER)
     for spine in axes.spines.values():
         spine.set(color=INK, linestyle=(0, (6, 4)), linewidth=1.0)  # dashed: no wall
-    if len(scene.pheromones):
+    if len(canvas.pheromones):
         # One cell more than the world on each side, so that smoothing does not show the seam.
-        reach = (-TRAIL_PITCH, scene.width + TRAIL_PITCH, -TRAIL_PITCH, scene.height + TRAIL_PITCH)
-        raster = np.pad(trail_strength(scene), 1, mode="wrap")
+        reach = (-TRAIL_PITCH, canvas.width + TRAIL_PITCH, -TRAIL_PITCH, canvas.height + TRAIL_PITCH)
+        raster = np.pad(trail_strength(canvas), 1, mode="wrap")
         axes.imshow(raster, TRAIL, extent=reach, origin="lower", interpolation="bicubic", vmin=0.0, vmax=1.0, zorder=0)
-        axes.set(xlim=(0.0, scene.width), ylim=(0.0, scene.height))
-    draw_station(axes, scene, scene.recycling, RECYCLING_COLOUR, "recycling")
-    draw_station(axes, scene, scene.dump, DUMP_COLOUR, "dump")
-    for place in scene.garbage:
-        draw_item(axes, scene, place, 0.11)
-    cargo = np.zeros(len(scene.positions), np.int64) if scene.cargo is None else scene.cargo
-    for place, heading, load in zip(scene.positions, scene.headings, cargo, strict=True):
-        draw_robot(axes, scene, place, float(heading), int(load))
-    draw_ruler(axes, scene)
-    draw_legend(figure, scene)
+        axes.set(xlim=(0.0, canvas.width), ylim=(0.0, canvas.height))
+    draw_station(axes, canvas, canvas.recycling, RECYCLING_COLOUR, "recycling")
+    draw_station(axes, canvas, canvas.dump, DUMP_COLOUR, "dump")
+    for place in canvas.garbage:
+        draw_item(axes, canvas, place, 0.11)
+    cargo = np.zeros(len(canvas.positions), np.int64) if canvas.cargo is None else canvas.cargo
+    for place, heading, load in zip(canvas.positions, canvas.headings, cargo, strict=True):
+        draw_robot(axes, canvas, place, float(heading), int(load))
+    draw_ruler(axes, canvas)
+    draw_legend(figure, canvas)
     if title:
         axes.set_title(title, color=INK, fontsize=11, pad=6)
     return figure
 
 
-def trail_strength(scene: Scene) -> NDArray[np.float64]:
-    """How strongly the pheromones are felt, on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
+def trail_strength(canvas: Canvas) -> NDArray[np.float64]:
+    """Return how strong the pheromones are on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
 
     In each cell the strongest one counts, by the linear fall of Balch and Hybinette's repulsion from 1 at its
     centre to 0 at its diffusion radius.
     """
-    lines, columns = round(scene.height / TRAIL_PITCH), round(scene.width / TRAIL_PITCH)
-    pitch = np.array([scene.width / columns, scene.height / lines])
+    lines, columns = round(canvas.height / TRAIL_PITCH), round(canvas.width / TRAIL_PITCH)
+    pitch = np.array([canvas.width / columns, canvas.height / lines])
     strength = np.zeros((lines, columns))
-    for place, diffusion in zip(scene.pheromones, scene.pheromone_diffusions, strict=True):
+    for place, diffusion in zip(canvas.pheromones, canvas.pheromone_diffusions, strict=True):
         if diffusion <= 0.0:
             continue
         across, up = (int(cells) for cells in np.minimum(np.ceil(diffusion / pitch), (columns // 2, lines // 2)))
@@ -125,69 +125,69 @@ def trail_strength(scene: Scene) -> NDArray[np.float64]:
     return strength
 
 
-def draw_robot(axes: Axes, scene: Scene, place: NDArray[np.float64], heading: float, cargo: int) -> None:
+def draw_robot(axes: Axes, canvas: Canvas, place: NDArray[np.float64], heading: float, cargo: int) -> None:
     """Draw a disc with a bright front, its cargo, and the radii of its pose gradient (dashed: goal radius)."""
     colour = ROBOT_COLOURS[cargo]
-    reach = scene.goal_radius + scene.diffusion
-    for x, y in appearances(scene, place, reach):
+    reach = canvas.goal_radius + canvas.diffusion
+    for x, y in appearances(canvas, place, reach):
         axes.add_patch(Circle((x, y), reach, facecolor=colour, alpha=0.07, edgecolor="none", zorder=2))
         axes.add_patch(Circle((x, y), reach, fill=False, edgecolor=colour, alpha=0.45, linewidth=0.7, zorder=2))
         axes.add_patch(
             Circle(
-                (x, y), scene.goal_radius, fill=False, edgecolor=colour, linestyle=(0, (3, 3)), linewidth=0.8, zorder=2
+                (x, y), canvas.goal_radius, fill=False, edgecolor=colour, linestyle=(0, (3, 3)), linewidth=0.8, zorder=2
             )
         )
-        axes.add_patch(Circle((x, y), scene.radius, facecolor=colour, edgecolor="white", linewidth=1.0, zorder=5))
+        axes.add_patch(Circle((x, y), canvas.radius, facecolor=colour, edgecolor="white", linewidth=1.0, zorder=5))
         angle = np.degrees(heading)
         axes.add_patch(
             Wedge(
-                (x, y), 0.92 * scene.radius, angle - 24.0, angle + 24.0, facecolor="white", edgecolor="none", zorder=6
+                (x, y), 0.92 * canvas.radius, angle - 24.0, angle + 24.0, facecolor="white", edgecolor="none", zorder=6
             )
         )
     if cargo != SEARCHING:
-        behind = place - 0.35 * scene.radius * np.array([np.cos(heading), np.sin(heading)])
-        draw_item(axes, scene, behind, (0.45 if cargo == GARBAGE else 0.3) * scene.radius, zorder=7.0)
+        behind = place - 0.35 * canvas.radius * np.array([np.cos(heading), np.sin(heading)])
+        draw_item(axes, canvas, behind, (0.45 if cargo == GARBAGE else 0.3) * canvas.radius, zorder=7.0)
 
 
-def draw_item(axes: Axes, scene: Scene, place: NDArray[np.float64], half: float, zorder: float = 4.0) -> None:
+def draw_item(axes: Axes, canvas: Canvas, place: NDArray[np.float64], half: float, zorder: float = 4.0) -> None:
     """Draw an item of garbage as a diamond of `half` its height [m]."""
-    for x, y in appearances(scene, place, half):
+    for x, y in appearances(canvas, place, half):
         corners = [(x - half, y), (x, y + half), (x + half, y), (x, y - half)]
         axes.fill(*zip(*corners, strict=True), facecolor=GARBAGE_COLOUR, edgecolor=INK, linewidth=0.7, zorder=zorder)
 
 
-def draw_station(axes: Axes, scene: Scene, place: tuple[float, float], colour: str, name: str) -> None:
+def draw_station(axes: Axes, canvas: Canvas, place: tuple[float, float], colour: str, name: str) -> None:
     """Draw a station as a rounded square with its name, and the circle in which a robot is there (dotted)."""
-    for x, y in appearances(scene, np.array(place), scene.station_radius):
-        half = 0.55 * scene.station_radius
-        axes.add_patch(Circle((x, y), scene.station_radius, facecolor=colour, edgecolor="none", alpha=0.12, zorder=1))
+    for x, y in appearances(canvas, np.array(place), canvas.station_radius):
+        half = 0.55 * canvas.station_radius
+        axes.add_patch(Circle((x, y), canvas.station_radius, facecolor=colour, edgecolor="none", alpha=0.12, zorder=1))
         axes.add_patch(
-            Circle((x, y), scene.station_radius, fill=False, edgecolor=colour, linestyle=":", linewidth=1.3, zorder=3)
+            Circle((x, y), canvas.station_radius, fill=False, edgecolor=colour, linestyle=":", linewidth=1.3, zorder=3)
         )
         box = FancyBboxPatch((x - half, y - half), 2 * half, 2 * half, boxstyle="round,pad=0,rounding_size=0.08")
         box.set(facecolor=colour, edgecolor="white", linewidth=1.0, zorder=3)
         axes.add_patch(box)
         axes.text(x, y, name[0].upper(), color="white", fontsize=10, weight="bold", ha="center", va="center", zorder=3)
-        axes.text(x, y - scene.station_radius - 0.06, name, color=colour, fontsize=8, ha="center", va="top", zorder=3)
+        axes.text(x, y - canvas.station_radius - 0.06, name, color=colour, fontsize=8, ha="center", va="top", zorder=3)
 
 
-def draw_ruler(axes: Axes, scene: Scene) -> None:
+def draw_ruler(axes: Axes, canvas: Canvas) -> None:
     """Draw one metre in the lower left corner."""
-    left, low = 0.03 * scene.width, 0.025 * scene.height
+    left, low = 0.03 * canvas.width, 0.025 * canvas.height
     axes.plot([left, left + 1.0], [low, low], color=INK, linewidth=2.0, solid_capstyle="butt", zorder=8)
     axes.text(left + 0.5, low + 0.06, "1 m", color=INK, fontsize=8, ha="center", va="bottom", zorder=8)
 
 
-def draw_legend(figure: Figure, scene: Scene) -> None:
-    """Explain the signs under the world, those that can occur in this scene."""
+def draw_legend(figure: Figure, canvas: Canvas) -> None:
+    """Explain the signs under the world, those that can occur in this canvas."""
     entries = [sign("o", ROBOT_COLOURS[SEARCHING], "white", "robot, searching")]
-    if scene.cargo is not None:
+    if canvas.cargo is not None:
         entries.append(sign("o", ROBOT_COLOURS[GARBAGE], "white", "carrying garbage"))
         entries.append(sign("o", ROBOT_COLOURS[LEFTOVERS], "white", "carrying leftovers"))
     entries.append(sign("D", GARBAGE_COLOUR, INK, "garbage"))
     entries.append(Line2D([], [], color=ROBOT_COLOURS[SEARCHING], lw=0.8, linestyle=(0, (3, 3)), label="goal radius"))
     entries.append(Line2D([], [], color=ROBOT_COLOURS[SEARCHING], lw=0.8, alpha=0.6, label="reach of its gradient"))
-    if len(scene.pheromones):
+    if len(canvas.pheromones):
         entries.append(Line2D([], [], color=TRAIL(1.0), lw=8, label="pheromones"))
     figure.legend(
         handles=entries, loc="lower center", ncols=(len(entries) + 1) // 2, frameon=False, fontsize=8, labelcolor=INK
@@ -201,9 +201,9 @@ def sign(marker: str, colour: str, edge: str, label: str) -> Line2D:
     )
 
 
-def appearances(scene: Scene, place: NDArray[np.float64], extent: float) -> Iterator[tuple[float, float]]:
+def appearances(canvas: Canvas, place: NDArray[np.float64], extent: float) -> Iterator[tuple[float, float]]:
     """Yield the places [m] at which something of this half size [m] shows on the map: more than one at a seam."""
     for right, up in product((-1, 0, 1), repeat=2):
-        x, y = float(place[0]) + right * scene.width, float(place[1]) + up * scene.height
-        if -extent < x < scene.width + extent and -extent < y < scene.height + extent:
+        x, y = float(place[0]) + right * canvas.width, float(place[1]) + up * canvas.height
+        if -extent < x < canvas.width + extent and -extent < y < canvas.height + extent:
             yield x, y

@@ -1,4 +1,4 @@
-"""A batch's world as a scene to draw."""
+"""The picture of one world of a batch."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 
-from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING, Scene, draw_world
+from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING, Canvas, draw_world
 from clean_swarm_env.world.garbage import LYING, NOTHING
-from clean_swarm_env.world.worlds import PHEROMONES, Worlds
+from clean_swarm_env.world.minds import PHEROMONES
+from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.queries import Filter, Queries
 
 
-def scene_of(worlds: Worlds, world: int) -> Scene:
-    """Return what there is to see of a world now."""
+def canvas_of(worlds: Worlds, world: int) -> Canvas:
+    """Return what is to be drawn of a world now."""
     garbage, mission = worlds.garbage, worlds.mission
     rows = worlds.rows_of(world)
     rows = rows[worlds.physics.present[rows]]
@@ -21,28 +22,36 @@ def scene_of(worlds: Worlds, world: int) -> Scene:
     loaded = garbage.cargo[rows] != NOTHING
     cargo = np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING)
     trail, diffusions = _trail(worlds, world)
-    return Scene(
-        worlds.physics.positions[rows].copy(), worlds.physics.headings[rows].copy(), recycling, dump,
-        width=mission.world.width, height=mission.world.height, radius=mission.robots.radius,
-        goal_radius=mission.robots.pose_goal_radius, diffusion=mission.robots.pose_diffusion,
-        station_radius=mission.stations.reach, cargo=cargo,
-        garbage=garbage.positions[world][garbage.stage[world] == LYING], pheromones=trail,
+    return Canvas(
+        worlds.physics.positions[rows].copy(),
+        worlds.physics.headings[rows].copy(),
+        recycling,
+        dump,
+        width=mission.world.width,
+        height=mission.world.height,
+        radius=mission.robots.radius,
+        goal_radius=mission.robots.pose_goal_radius,
+        diffusion=mission.robots.pose_diffusion,
+        station_radius=mission.stations.reach,
+        cargo=cargo,
+        garbage=garbage.positions[world][garbage.stage[world] == LYING],
+        pheromones=trail,
         pheromone_diffusions=diffusions,
-    )  # fmt: skip
+    )
 
 
 def _trail(worlds: Worlds, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones of a world."""
     everything = Filter((PHEROMONES,), moving=False, view_distance=np.inf)
-    trail = Queries(worlds.pheromones).gradients(int(worlds.rows_of(world)[0]), worlds.now, everything)
+    trail = Queries(worlds.minds.pheromones).gradients(int(worlds.rows_of(world)[0]), worlds.now, everything)
     places = np.array([gradient.position for gradient in trail], dtype=np.float64).reshape(-1, 2)
     return places, np.array([gradient.diffusion for gradient in trail], dtype=np.float64)
 
 
 def portrait(worlds: Worlds, world: int) -> NDArray[np.uint8]:
     """Return a picture (height, width, 3) of a world now."""
-    figure = draw_world(scene_of(worlds, world), title=f"{worlds.ticks[world] * worlds.period:.0f} s")
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()  # type: ignore[no-untyped-call]
-    pixels = np.asarray(canvas.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
+    figure = draw_world(canvas_of(worlds, world), title=f"{worlds.ticks[world] * worlds.period:.0f} s")
+    agg = FigureCanvasAgg(figure)
+    agg.draw()  # type: ignore[no-untyped-call]
+    pixels = np.asarray(agg.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
     return pixels[:, :, :3].copy()

@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from clean_swarm_env.learning.observation.terms import PHASES
+from clean_swarm_env.learning.phases import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.yaml import Closed, DocumentError, Name, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-Phase = Literal["patrol", "approach", "to_recycling", "to_dump"]
+from selforg.registry import unknown
 
 
 class ActionConfig(Closed):
@@ -34,7 +32,7 @@ class ActionConfig(Closed):
 class OptionActions:
     """Options as actions: one whole number for each coordinated goal.
 
-    An option that cannot serve gives way to the one of the highest expert score that can.
+    An option that cannot serve in a phase is replaced by the option of the highest expert score that can.
 
     Attributes:
         counts: (C,) number of options of each goal.
@@ -97,7 +95,7 @@ class VelocityActions:
     """Movement vectors as actions: ahead and left in the robot's frame, in shares of the largest speed.
 
     The vector keeps its direction in the world through the decision period, and the drive follows it as it follows the
-    vectors of behaviours. The robot's network rests; cargo is picked, recycled and dumped wherever that is possible.
+    vectors of behaviours. The robot's network decides nothing; the robot picks, recycles and dumps wherever it can.
     """
 
     def __init__(self, worlds: Worlds) -> None:
@@ -106,7 +104,7 @@ class VelocityActions:
         self._max_speed = worlds.mission.robots.max_speed
 
     def steer(self, actions: NDArray[Any]) -> None:
-        """Let every robot follow its vector of `actions` (R, 2), components within [-1, 1] (beyond: the bound)."""
+        """Set what the robots follow: vectors `actions` (R, 2), components within [-1, 1] (beyond: the bound)."""
         given, expected = np.asarray(actions), (self._worlds.rows, 2)
         if given.shape != expected or not np.isfinite(given).all():
             raise ValueError(f"actions: expected finite numbers of shape {expected}, got {given.shape}")

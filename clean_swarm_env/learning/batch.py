@@ -8,33 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
-from clean_swarm_env.learning.episodes import Series, Size, Source, episodes_of
+from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.observation.terms import ObservationConfig
-from clean_swarm_env.learning.progress import COMPLETED, TIMED_OUT, Progress
+from clean_swarm_env.learning.progress import COMPLETED, TIME_OVER, MissionProgress
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from selforg.arrays import Flags, Floats
 
 
-class Step(NamedTuple):
+class BatchStep(NamedTuple):
     """What one decision period brought; the arrays are the batch's own, valid until the next call."""
 
     observations: Observations
@@ -51,20 +47,20 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class Finished:
-    """A mission that came to its end in the last period."""
+    """A mission that ended in the last period."""
 
     world: int
     """Which world of the batch."""
     scenario: Scenario
     """What the world did."""
     result: MissionResult
-    """What the mission came to."""
+    """Its figures."""
     collision_events: int
     """How often a pair came closer than the first collision distance."""
 
     @property
     def statistics(self) -> dict[str, float | int | bool]:
-        """What borders report of a mission."""
+        """The figures that borders report of a mission."""
         return {
             "duration_s": self.result.duration_s,
             "garbage_done": self.result.garbage_done,
@@ -73,26 +69,28 @@ class Finished:
         }
 
 
+class BatchSettings(EpisodeSettings, total=False):
+    """Further settings of a batch, as keyword arguments."""
+
+    source: EpisodeSource | None
+    """What each world does next, in place of episodes that follow from seeds; the mission, or a scenario of the family,
+    then shows the frame that all have (`frames`). A world without a next scenario stays as it is, and counts no more,
+    until `reset`."""
+    begin_anew: bool
+    """Whether a world whose mission is over begins its next episode at the end of that period, by default
+    yes. If not, the world stays as it is, and counts no more, until `reset`."""
+
+
 class Batch:
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
         mission: a mission, or the name of one in `configs/missions`.
         worlds: W.
-        family: a family of scenarios, or the name of one in `configs/families`, in place of the mission: the episodes
-            are its scenarios.
-        split: which scenarios of the family.
-        size: width and height of the torus [m], for a family that draws from several: its scenarios on that torus.
-        source: what each world does next, in place of episodes that follow from seeds; the mission, or a scenario of
-            the family, then shows the frame that all have (`frames`). A world that gets nothing stays as it is, and
-            counts no more, until `reset`.
-        knowledge: name of the expert knowledge, in place of that of the mission.
         observation: terms of the observation.
         reward: weights of the reward's terms.
         action: what an action is.
-        begin_anew: whether a world whose mission is over begins its next episode at the end of that period. If not,
-            it stays as it is, and counts no more, until `reset`.
-        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
+        settings: see `BatchSettings` and `EpisodeSettings`.
 
     Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
     on the torus of `size`).
@@ -118,22 +116,19 @@ class Batch:
         mission: MissionConfig | str = "table1",
         worlds: int = 1,
         *,
-        family: FamilyConfig | str | None = None,
-        split: Split = "train",
-        size: Size | None = None,
-        source: Source | None = None,
-        knowledge: str | None = None,
         observation: ObservationConfig | None = None,
         reward: RewardConfig | None = None,
         action: ActionConfig | None = None,
-        begin_anew: bool = True,
-        directories: tuple[Path, ...] = (),
+        **settings: Unpack[BatchSettings],
     ) -> None:
-        episodes = episodes_of(mission, family, split, size, knowledge, directories)
+        unknown = settings.keys() - BatchSettings.__optional_keys__
+        if unknown:
+            raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
+        episodes, directories = episodes_of(mission, settings), settings.get("directories", ())
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
-        self._source: Source = self._series if source is None else source
-        self.action, self.begin_anew = action or ActionConfig(), begin_anew
+        self._source: EpisodeSource = settings.get("source") or self._series
+        self.action, self.begin_anew = action or ActionConfig(), settings.get("begin_anew", True)
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories)
@@ -143,7 +138,7 @@ class Batch:
         self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
-        self.progress = Progress(self.worlds)
+        self.progress = MissionProgress(self.worlds)
         self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
         self.observer = Observer(self.worlds, self.progress, observation)
         self.width = self.observer.width
@@ -159,8 +154,8 @@ class Batch:
     ) -> Observations:
         """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
 
-        `seeds` (W,) begin the series of episodes anew; without one (None) a world goes on with its series, or begins
-        one nobody knows. `starts` (W,) take the place of random starts.
+        `seeds` (W,) begin the series of episodes anew; a world without one (None) goes on with its series, or begins
+        one of a seed drawn from the system. `starts` (W,) take the place of random starts.
         """
         nothing = [None] * self.worlds.worlds
         for name, given in (("seeds", seeds), ("starts", starts)):
@@ -180,16 +175,16 @@ class Batch:
         return self.observations
 
     def share(self, seed: int) -> None:
-        """Deal the episodes of one seed out to the worlds, from the next reset on: world w does w, w + W, ... of it."""
+        """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""
         self._series.share(seed)
 
     @property
     def finished(self) -> tuple[Finished, ...]:
-        """The missions that came to their end in the last period."""
+        """The missions that ended in the last period."""
         return tuple(self._finished)
 
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
-        """Begin the next episode of a world, robots holding what the expert rates highest."""
+        """Begin the next episode of a world; robots hold the options of the highest expert score."""
         scenario = self._source(world)
         if scenario is None:
             self.progress.stay(world)
@@ -207,8 +202,8 @@ class Batch:
         """Return which options (R, O) can serve in the coming period, those of all goals one after the other."""
         return self.choices.masks(self.observer.phases)
 
-    def step(self, actions: NDArray[Any]) -> Step:
-        """Let each robot act for one decision period; in a world whose mission ends the period ends early.
+    def step(self, actions: NDArray[Any]) -> BatchStep:
+        """Run one decision period; in a world whose mission ends the period ends early.
 
         `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
         """
@@ -228,7 +223,7 @@ class Batch:
                 if progress.outcome.all():  # no world runs
                     break
         self.rewards.of(progress, self._gained)
-        terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIMED_OUT
+        terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self._finished:
                 self._begin(end.world)
@@ -236,10 +231,10 @@ class Batch:
         if not self.begin_anew and progress.outcome.any():
             over = np.repeat(terminated | truncated, self.robots)
             self.observations[over] = self._final[over]
-        return Step(self.observations, self._gained, terminated, truncated, self._final)
+        return BatchStep(self.observations, self._gained, terminated, truncated, self._final)
 
     def _keep_ends(self) -> None:
-        """Keep what the missions came to that ended with the last tick, and what their robots see."""
+        """Keep the figures and the last observations of the missions that ended with the last tick."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
         for world in ended.tolist():

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import count
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
 
@@ -19,14 +20,14 @@ from clean_swarm_env.config.starts import random_start, run_seed
 
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
-Source = Callable[[int], Scenario | None]
+EpisodeSource = Callable[[int], Scenario | None]
 """From a world of a batch to what it does next, None if there is nothing left for it."""
 Episodes = Callable[[int, int, int], Iterator[Scenario]]
 """From a seed, the number of an episode and a step to that episode and every one a step further, without end."""
 
 
 class Series:
-    """A source for W worlds in which everything follows from seeds.
+    """The source of W worlds whose episodes follow from seeds.
 
     >>> series = Series(episodes_of("table1"), worlds=2)
     >>> series.begin([5, 6])
@@ -51,7 +52,7 @@ class Series:
     def begin(self, seeds: Sequence[int | None]) -> None:
         """Give each world (W,) the episodes 0, 1, ... of its seed.
 
-        Without one (None) a world goes on with what it has, or begins with a seed that nobody knows.
+        A world without one (None) goes on with its episodes, or begins those of a seed drawn from the system.
         """
         for world, seed in enumerate(seeds):
             if seed is not None or self._running[world] is None:
@@ -59,26 +60,39 @@ class Series:
                 self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
 
     def share(self, seed: int) -> None:
-        """Deal the episodes of one seed out: world w of W gets the episodes w, w + W, ..."""
+        """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
         worlds = len(self._running)
         self._running = [self._episodes(seed, world, worlds) for world in range(worlds)]
 
 
-def episodes_of(
-    mission: MissionConfig | str,
-    family: FamilyConfig | str | None = None,
-    split: Split = "train",
-    size: Size | None = None,
-    knowledge: str | None = None,
-    directories: tuple[Path, ...] = (),
-) -> Episodes:
-    """Return the episodes of a mission, or of a family if there is one; see `Batch` for the arguments."""
+class EpisodeSettings(TypedDict, total=False):
+    """What the episodes of a mission are; without settings the mission from random starts."""
+
+    family: FamilyConfig | str | None
+    """A family of scenarios, or the name of one in `configs/families`, in place of the mission: its scenarios are the
+    episodes."""
+    split: Split
+    """Which scenarios of the family, "train" unless given."""
+    size: Size | None
+    """Torus of a family that draws from several: its scenarios on that torus."""
+    knowledge: str | None
+    """Name of the expert knowledge, in place of that of the mission."""
+    directories: tuple[Path, ...]
+    """The user's configurations, knowledge and robots, searched before the shipped ones."""
+
+
+def episodes_of(mission: MissionConfig | str, settings: EpisodeSettings | None = None) -> Episodes:
+    """Return the episodes of a mission, or of the family that the settings name."""
+    chosen = settings or {}
+    family, directories = chosen.get("family"), chosen.get("directories", ())
+    size, knowledge = chosen.get("size"), chosen.get("knowledge")
     if family is None:
         given = load_mission(mission, directories) if isinstance(mission, str) else mission
         return _of_mission(_with_knowledge(given, knowledge))
     drawn = load_family(family, directories) if isinstance(family, str) else family
     _check_size(drawn, size)
-    return _of_family(drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)}), split, size)
+    known = drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)})
+    return _of_family(known, chosen.get("split", "train"), size)
 
 
 def _of_mission(mission: MissionConfig) -> Episodes:
@@ -108,7 +122,7 @@ def _of_family(family: FamilyConfig, split: Split, size: Size | None) -> Episode
 
 
 def _check_size(family: FamilyConfig, size: Size | None) -> None:
-    """Raise ValueError unless the size says with which torus, of those of the family, the scenarios are meant."""
+    """Raise ValueError unless `size` is a torus of the family, or the family has one torus only."""
     sizes = family.tori
     if size not in sizes and (size is not None or len(sizes) > 1):
         known = ", ".join(f"{own}" for own in sizes)

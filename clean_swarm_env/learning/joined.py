@@ -18,16 +18,14 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.files import load_family
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.learning.batch import Batch, Finished, Step
+from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.observation.observer import Observations
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int64]
+from selforg.arrays import Flags, Ints
 
 
 class Joined:
-    """Some batches as if they were one; all arrays given are the caller's.
+    """Several batches used as one. Arrays that are returned belong to the caller.
 
     Args:
         batches: B batches, at least one, with the same options, actions and observations.
@@ -71,17 +69,17 @@ class Joined:
             seen.append(batch.reset((seeds or nothing)[own], (starts or nothing)[own]))
         return np.concatenate(seen)
 
-    def step(self, actions: NDArray[Any]) -> Step:
-        """Let each robot act for one decision period; see `Batch.step`."""
+    def step(self, actions: NDArray[Any]) -> BatchStep:
+        """Run one decision period; see `Batch.step`."""
         if actions.shape[:1] != (self.rows,):
             raise ValueError(f"actions: expected one for each of {self.rows} rows, got shape {actions.shape}")
         parts = np.split(actions, self._cuts)
         steps = [batch.step(own) for batch, own in zip(self.batches, parts, strict=True)]
-        return Step(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
+        return BatchStep(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
 
     @property
     def finished(self) -> tuple[Finished, ...]:
-        """The missions that came to their end in the last period."""
+        """The missions that ended in the last period."""
         return tuple(
             replace(end, world=first + end.world)
             for batch, first in zip(self.batches, self._first_worlds, strict=True)
@@ -95,7 +93,7 @@ class Joined:
 
     @property
     def events(self) -> Ints:
-        """(E, R) what happened in the last period; see `Progress.events`."""
+        """(E, R) what happened in the last period; see `Period.events`."""
         return np.concatenate([batch.progress.events for batch in self.batches], axis=1)
 
     def masks(self) -> Flags:
@@ -140,7 +138,7 @@ def _check_alike(batches: Sequence[Batch]) -> None:
 
 
 def _compared(batch: Batch) -> dict[str, Any]:
-    """Return what batches have in common that are joined."""
+    """Return what must be equal in batches that are joined."""
     return {
         "options": dict(batch.options),
         "action": batch.action.model_dump(),

@@ -1,74 +1,116 @@
-"""What happened in the decision period that is running, counted tick by tick, and how long ago each robot got on.
+"""What happened in the present decision period, counted tick by tick, and how long each robot has achieved nothing.
 
-Shapes: W worlds, N robots a world, R = W * N rows.
+Shapes: W worlds, N robots a world, R = W * N rows, E kinds of events.
 """
 
 from __future__ import annotations
 
+from typing import Annotated, NamedTuple
+
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.world.garbage import NOTHING
+from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
-from selforg.compiler.decorators import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from selforg.arrays import Flags, Ints
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Recording, Words
 
 EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
-"""Rows of `Progress.events`: items picked, recycled and dumped by the robot, collision events in which it took part,
-ticks at whose end somebody was closer than the collision distance, ticks in which it avoided others."""
-PICKED, RECYCLED, DUMPED, COLLISION, CONTACT, AVOIDING = range(6)
-RUNS, COMPLETED, TIMED_OUT = range(3)
+"""Rows of `Period.events`: items picked, recycled and dumped by the robot, collision events in which it took part,
+ticks at whose end another robot was closer than the collision distance, ticks in which it avoided others."""
+PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
+RUNNING, COMPLETED, TIME_OVER = range(3)
 
 
-class Progress:
+class Period(NamedTuple):
+    """What happened in a decision period."""
+
+    events: Annotated[Ints, "E R"]  # in the order of EVENTS
+    ticks: Annotated[Ints, "W"]  # ticks that counted
+    dumped: Annotated[Ints, "W"]  # items that the team dumped
+    outcome: Annotated[Ints, "W"]  # RUNNING, COMPLETED (all garbage dumped) or TIME_OVER, at the end
+    took_part: Annotated[Flags, "R"]  # robots that were at work
+
+
+class Followed(NamedTuple):
+    """What is followed from tick to tick: arrays of the worlds, and how they were at the tick before."""
+
+    working: Annotated[Flags, "R"]  # robots at work
+    in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
+    cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
+    recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
+    done: Annotated[Ints, "W"]  # items dumped
+    had: Annotated[Ints, "R"]  # cargo at the tick before
+    had_recycled: Annotated[Ints, "R"]  # recycled at the tick before
+    had_done: Annotated[Ints, "W"]  # done at the tick before
+    limits: Annotated[Ints, "W"]  # ticks after which each mission is over
+    elapsed: Annotated[Ints, "W"]  # ticks since the mission began, up to its end
+    idle: Annotated[Ints, "R"]  # ticks since the robot last picked, recycled or dumped, or since the mission began
+    ended: Annotated[Ints, "W"]  # the first of them: worlds whose missions ended with the last tick
+
+
+PERIOD_RECORD = Recording(Period)
+FOLLOWED_RECORD = Recording(Followed)
+open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
+
+
+class MissionProgress:
     """Counts of a batch of worlds; what a world does after its mission is over does not count.
 
     Attributes:
-        events: (E, R) int64, in the order of EVENTS, since the beginning of the period.
-        ticks: (W,) int64, ticks of the period that counted.
-        dumped: (W,) int64, items that the team dumped since the beginning of the period.
+        period: the record `Period`, with its words; its arrays are attributes here too: `events` (E, R), `ticks` (W,),
+            `dumped` (W,), `outcome` (W,), `took_part` (R,).
         elapsed: (W,) int64, ticks since the mission began, up to its end.
-        outcome: (W,) int64, RUNS, COMPLETED (all garbage dumped) or TIMED_OUT.
         limits: (W,) int64, ticks after which each mission is over.
-        took_part: (R,) bool, robots that were at work in the period.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
         ended: (K,) int64, worlds whose missions ended with the last tick.
 
     """
 
     def __init__(self, worlds: Worlds) -> None:
+        def numbers(*shape: int) -> Ints:
+            return np.zeros(shape, dtype=np.int64)
+
         self._worlds = worlds
-        self.limits: Ints = np.ones(worlds.worlds, dtype=np.int64)
-        self.events: Ints = np.zeros((len(EVENTS), worlds.rows), dtype=np.int64)
-        self.ticks: Ints = np.zeros(worlds.worlds, dtype=np.int64)
-        self.dumped: Ints = np.zeros(worlds.worlds, dtype=np.int64)
-        self.elapsed: Ints = np.zeros(worlds.worlds, dtype=np.int64)
-        self.outcome: Ints = np.zeros(worlds.worlds, dtype=np.int64)
-        self.took_part: Flags = np.zeros(worlds.rows, dtype=np.bool_)
-        self.idle: Ints = np.zeros(worlds.rows, dtype=np.int64)
-        self._cargo: Ints = np.full(worlds.rows, NOTHING, dtype=np.int64)
-        self._recycled: Ints = np.zeros(worlds.rows, dtype=np.int64)
-        self._ended: Ints = np.zeros(worlds.worlds, dtype=np.int64)
-        self.ended = self._ended[:0]
-        self._done: Ints = np.zeros(worlds.worlds, dtype=np.int64)
+        self._avoiding = avoidance_column(worlds)
+        count, rows, garbage = worlds.worlds, worlds.rows, worlds.garbage
+        self.events, self.ticks, self.dumped = numbers(len(EVENTS), rows), numbers(count), numbers(count)
+        self.outcome, self.took_part = numbers(count), np.zeros(rows, dtype=np.bool_)
+        self.period = PERIOD_RECORD.pack(Period(self.events, self.ticks, self.dumped, self.outcome, self.took_part))
+        self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
+        self.ended: Ints = numbers(0)
+        self._followed = FOLLOWED_RECORD.pack(
+            Followed(
+                working=worlds.team.working,
+                in_contact=worlds.collisions.in_contact,
+                cargo=garbage.cargo,
+                recycled=garbage.recycled,
+                done=garbage.done,
+                had=numbers(rows) + NOTHING,
+                had_recycled=numbers(rows),
+                had_done=numbers(count),
+                limits=self.limits,
+                elapsed=self.elapsed,
+                idle=self.idle,
+                ended=numbers(count),
+            )
+        )
 
     def reset(self, world: int) -> None:
         """Begin anew with a world that has just been reset."""
-        mission, rows = self._worlds.missions[world], self._worlds.rows_of(world)
+        mission, rows, followed = self._worlds.missions[world], self._worlds.rows_of(world), self._followed.record
         self.limits[world] = max(round(mission.time_limit * mission.world.control_rate), 1)
-        self.outcome[world] = RUNS
+        self.outcome[world] = RUNNING
         self.idle[rows] = 0
-        self._cargo[rows] = self._worlds.garbage.cargo[rows]
-        self._recycled[rows] = self._worlds.garbage.recycled[rows]
-        self._done[world] = self._worlds.garbage.done[world]
+        followed.had[rows] = followed.cargo[rows]
+        followed.had_recycled[rows] = followed.recycled[rows]
+        followed.had_done[world] = followed.done[world]
 
     def stay(self, world: int) -> None:
-        """Let a world that has nothing to do count no more until it is reset; how its last mission ended remains."""
-        if self.outcome[world] == RUNS:
-            self.outcome[world] = TIMED_OUT
+        """Count a world that has nothing to do no more until it is reset; how its last mission ended remains."""
+        if self.outcome[world] == RUNNING:
+            self.outcome[world] = TIME_OVER
 
     def begin_period(self) -> None:
         """Set the counts of the period to zero."""
@@ -81,56 +123,53 @@ class Progress:
 
         A mission that ended stays ended, and counts no more, until its world is reset.
         """
-        worlds, garbage = self._worlds, self._worlds.garbage
-        count = count_tick(
-            entered, worlds.collisions.in_contact, worlds.network.executing, worlds.coordinator.index, garbage.cargo,
-            garbage.recycled, garbage.done, worlds.team.working, worlds.cleaned, worlds.ticks, self.limits,
-            self._cargo, self._recycled, self._done, self.events, self.ticks, self.dumped, self.elapsed, self.outcome,
-            self.took_part, self.idle, self._ended,
-        )  # fmt: skip
-        self.ended = self._ended[:count]
+        worlds, executing = self._worlds, self._worlds.network.executing
+        avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
+        count = count_tick(self.period.words, self._followed.words, entered, avoids, worlds.cleaned, worlds.ticks)
+        self.ended = self._followed.record.ended[:count]
         return count > 0
 
 
-@kernel
-def count_tick(
-    entered: Ints, in_contact: Flags, executing: Ints, avoidance: int, cargo: Ints, recycled: Ints, done: Ints,
-    working: Flags, cleaned: Flags, ticks: Ints, limits: Ints, had: Ints, had_recycled: Ints, had_done: Ints,
-    events: Ints, counted: Ints, dumped_now: Ints, elapsed: Ints, outcome: Ints, took_part: Flags,
-    idle: Ints, ends: Ints,
-) -> int:  # fmt: skip
-    """Add one tick to `events` (E, R) of the worlds that run; list those that end and return their number.
+def avoidance_column(worlds: Worlds) -> int:
+    """Return which behaviour of the robots' networks is the coordinator that avoids others; -1 without one."""
+    return next((coordinator.index for coordinator in worlds.coordinators if coordinator.model.goal == GOAL), -1)
 
-    executing (R, B): `avoidance` is the column of avoiding. A robot that is not `working` (R,) has lost its cargo, not
-    dumped it. had, had_recycled (R,) and had_done (W,): cargo and items done at the tick
-    before.
+
+@lean_kernel
+def count_tick(
+    period: Words[Period], followed: Words[Followed], entered: Ints, avoids: Ints, cleaned: Flags, ticks: Ints
+) -> int:
+    """Add one tick to the period of the worlds that run; list those that end and return their number.
+
+    entered, avoids (R,): collision events of the robot, and whether it avoids others. cleaned, ticks (W,): whether the
+    world is clean for good, and ticks since its reset. A robot that does not work has lost its cargo, not dumped it.
     """
-    ended = 0
-    robots = cargo.shape[0] // outcome.shape[0]
-    for world in range(outcome.shape[0]):
-        if outcome[world] != RUNS:
+    p, f = open_period(period), open_followed(followed)
+    ended, robots = 0, f.cargo.shape[0] // ticks.shape[0]
+    for world in range(ticks.shape[0]):
+        if p.outcome[world] != RUNNING:
             continue
-        counted[world] += 1
+        p.ticks[world] += 1
         for row in range(world * robots, (world + 1) * robots):
-            picked = had[row] == NOTHING and cargo[row] != NOTHING
-            dumped = working[row] and had[row] != NOTHING and cargo[row] == NOTHING and had_recycled[row] == 1
-            reworked = cargo[row] != NOTHING and not picked and recycled[row] > had_recycled[row]
-            took_part[row] |= working[row]
-            idle[row] = 0 if picked or dumped or reworked else idle[row] + 1
-            events[PICKED, row] += picked
-            events[RECYCLED, row] += reworked
-            events[DUMPED, row] += dumped
-            events[COLLISION, row] += entered[row]
-            events[CONTACT, row] += in_contact[row]
-            events[AVOIDING, row] += executing[row, avoidance]
-            had[row] = cargo[row]
-            had_recycled[row] = recycled[row]
-        dumped_now[world] += done[world] - had_done[world]
-        had_done[world] = done[world]
-        elapsed[world] = ticks[world]
-        completed = cleaned[world]
-        if completed or ticks[world] >= limits[world]:
-            outcome[world] = COMPLETED if completed else TIMED_OUT
-            ends[ended] = world
+            picked = f.had[row] == NOTHING and f.cargo[row] != NOTHING
+            lost = f.had[row] != NOTHING and f.cargo[row] == NOTHING
+            dumped = f.working[row] and lost and f.had_recycled[row] == 1
+            recycled = f.cargo[row] != NOTHING and not picked and f.recycled[row] > f.had_recycled[row]
+            p.took_part[row] |= f.working[row]
+            f.idle[row] = 0 if picked or dumped or recycled else f.idle[row] + 1
+            p.events[PICKINGS, row] += picked
+            p.events[RECYCLINGS, row] += recycled
+            p.events[DUMPINGS, row] += dumped
+            p.events[COLLISIONS, row] += entered[row]
+            p.events[CONTACTS, row] += f.in_contact[row]
+            p.events[AVOIDINGS, row] += avoids[row]
+            f.had[row] = f.cargo[row]
+            f.had_recycled[row] = f.recycled[row]
+        p.dumped[world] += f.done[world] - f.had_done[world]
+        f.had_done[world] = f.done[world]
+        f.elapsed[world] = ticks[world]
+        if cleaned[world] or ticks[world] >= f.limits[world]:
+            p.outcome[world] = COMPLETED if cleaned[world] else TIME_OVER
+            f.ended[ended] = world
             ended += 1
     return ended

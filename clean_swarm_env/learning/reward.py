@@ -6,26 +6,15 @@ best: a robot paid for picking could carry things about. They are 0 unless asked
 
 from __future__ import annotations
 
+from typing import Annotated, NamedTuple
+
 import numpy as np
-from numpy.typing import NDArray
 
-from clean_swarm_env.learning.progress import (
-    AVOIDING,
-    COLLISION,
-    COMPLETED,
-    CONTACT,
-    DUMPED,
-    EVENTS,
-    PICKED,
-    RECYCLED,
-    Progress,
-)
-from selector.documents.yaml import Closed, Number, Share
-from selforg.compiler.decorators import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from clean_swarm_env.learning.progress import COMPLETED, EVENTS, MissionProgress, Period, open_period
+from selector.documents.fields import Closed, Number, Share
+from selforg.arrays import Floats
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Recording, Words
 
 
 class RewardConfig(Closed):
@@ -53,53 +42,67 @@ class RewardConfig(Closed):
     """Share of a robot's own terms (collisions and shaping) that goes to all robots of its world alike [-]."""
 
 
+class Prices(NamedTuple):
+    """What is paid, for ticks in place of seconds; see `RewardConfig`."""
+
+    own: Annotated[Floats, "E"]  # for each event of a robot, in the order of EVENTS
+    dumped: float
+    tick: float
+    completed: float
+    shared: float
+
+
+PRICES_RECORD = Recording(Prices)
+open_prices = PRICES_RECORD.open
+
+
 class Rewards:
     """Rewards (R,) of a batch of worlds, from what its progress counted in a period.
 
     Attributes:
-        own: (E,) weight of each kind of event of a robot, in the order of EVENTS.
+        prices: what is paid, `Prices` with its words.
 
     """
 
     def __init__(self, config: RewardConfig, period: float) -> None:
         """`period` [s]: of one tick."""
         self.config = config
-        self._period = period
-        self.own: Floats = np.zeros(len(EVENTS))
-        self.own[[PICKED, RECYCLED, DUMPED, COLLISION]] = (
-            config.own_picked, config.own_recycled, config.own_dumped, config.collision,
-        )  # fmt: skip
-        self.own[[CONTACT, AVOIDING]] = config.contact * period, config.avoiding * period
+        own = {
+            "picked": config.own_picked,
+            "recycled": config.own_recycled,
+            "dumped": config.own_dumped,
+            "collision": config.collision,
+            "contact": config.contact * period,
+            "avoiding": config.avoiding * period,
+        }
+        weights = np.array([own[event] for event in EVENTS])
+        self.prices = PRICES_RECORD.pack(
+            Prices(weights, config.dumped, config.time * period, config.completed, config.shared)
+        )
 
-    def of(self, progress: Progress, rewards: Floats) -> None:
-        """Fill `rewards` (R,) with those of the period that `progress` counted; who took no part in it gets none."""
-        config = self.config
-        add_up(
-            self.own, progress.events, progress.ticks, progress.dumped, progress.outcome, progress.took_part,
-            config.dumped, config.time * self._period, config.completed, config.shared, rewards,
-        )  # fmt: skip
+    def of(self, progress: MissionProgress, rewards: Floats) -> None:
+        """Fill `rewards` (R,) with those of the period that `progress` counted; robots that took no part get none."""
+        pay(progress.period.words, self.prices.words, rewards)
 
 
-@kernel
-def add_up(
-    own: Floats, events: Ints, ticks: Ints, dumped: Ints, outcome: Ints, took_part: Flags, for_dumped: float,
-    for_tick: float, for_completing: float, shared: float, rewards: Floats,
-) -> None:  # fmt: skip
-    """Fill `rewards` (R,); see `RewardConfig`. ticks, dumped and outcome (W,) of the period, events (E, R)."""
-    robots = rewards.shape[0] // ticks.shape[0]
-    for world in range(ticks.shape[0]):
-        team = for_dumped * dumped[world] + for_tick * ticks[world]
-        if outcome[world] == COMPLETED and ticks[world] > 0:
-            team += for_completing
+@lean_kernel
+def pay(period: Words[Period], prices: Words[Prices], rewards: Floats) -> None:
+    """Fill `rewards` (R,) of a period; see `RewardConfig`."""
+    counted, price = open_period(period), open_prices(prices)
+    robots = rewards.shape[0] // counted.ticks.shape[0]
+    for world in range(counted.ticks.shape[0]):
+        team = price.dumped * counted.dumped[world] + price.tick * counted.ticks[world]
+        if counted.outcome[world] == COMPLETED and counted.ticks[world] > 0:
+            team += price.completed
         total, members = 0.0, 0
         for row in range(world * robots, (world + 1) * robots):
             rewards[row] = 0.0
-            if not took_part[row]:
+            if not counted.took_part[row]:
                 continue
-            for kind in range(own.shape[0]):
-                rewards[row] += own[kind] * events[kind, row]
+            for kind in range(price.own.shape[0]):
+                rewards[row] += price.own[kind] * counted.events[kind, row]
             total += rewards[row]
             members += 1
         for row in range(world * robots, (world + 1) * robots):
-            if took_part[row]:
-                rewards[row] = team + (1.0 - shared) * rewards[row] + shared * total / members
+            if counted.took_part[row]:
+                rewards[row] = team + (1.0 - price.shared) * rewards[row] + price.shared * total / members

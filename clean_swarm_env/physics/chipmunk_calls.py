@@ -6,12 +6,11 @@ by world, as a table of handles; a world without handles is not for compiled cod
 
 from typing import Any, TypeAlias
 
-import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
-from numpy.typing import NDArray
 
+from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
 
 Compiler: TypeAlias = Any  # Numba and LLVM are not typed
@@ -99,8 +98,8 @@ def compiled_each(function: Compiler, space: Compiler, visitor: Compiler, data: 
 
 
 @inlined
-def touch(world: int, handles: NDArray[np.int64], current: bool, timestep: float) -> None:
-    """Let Chipmunk do a substep of a world: bodies are loaded unless `current`, forces written, bodies read back."""
+def touch(world: int, handles: Ints, current: bool, timestep: float) -> None:
+    """Have Chipmunk do a substep of a world: bodies are loaded unless `current`, forces written, bodies read back."""
     space, each = handles[world, SPACE], handles[world, EACH]
     if not current:
         each_body(each, space, handles[world, WRITE], handles[world, BODIES], handles[world, BODIES_DONE])

@@ -8,8 +8,10 @@ import pymunk
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics import chipmunk_calls as calls
-from clean_swarm_env.physics import motion as motion
+from clean_swarm_env.physics.motion import COPY_ABOVE, COPY_RIGHT, COPY_RIGHT_ABOVE, COPY_RIGHT_BELOW
 from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.uncopied import Uncopied
+from selforg.arrays import Floats
 from selforg.compiler.switches import COMPILED, PLAIN
 
 try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
@@ -22,16 +24,16 @@ COLLISION_SLOP: Final = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25
 SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch, whatever the last bit says
 PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
 ORIGINALS: Final = pymunk.ShapeFilter(categories=0b01, mask=0b11)
-ABSENT: Final = pymunk.ShapeFilter(categories=0, mask=0)
+UNTOUCHED: Final = pymunk.ShapeFilter(categories=0, mask=0)
 COPY_OFFSETS: Final = {
-    motion.COPY_RIGHT: (1, 0),
-    motion.COPY_ABOVE: (0, 1),
-    motion.COPY_RIGHT_ABOVE: (1, 1),
-    motion.COPY_RIGHT_BELOW: (1, -1),
+    COPY_RIGHT: (1, 0),
+    COPY_ABOVE: (0, 1),
+    COPY_RIGHT_ABOVE: (1, 1),
+    COPY_RIGHT_BELOW: (1, -1),
 }  # copy bit -> offset in world sizes
 
 
-class ContactSpace:
+class ContactSpace(Uncopied):
     """One world in pymunk: N discs without rotation, and their seam copies.
 
     `bodies` (N, 4) float64 x, y, vx, vy [m, m/s] goes to pymunk by `load` and comes back by `step`, which drives with
@@ -42,8 +44,8 @@ class ContactSpace:
     def __init__(
         self,
         settings: PhysicsSettings,
-        bodies: NDArray[np.float64],
-        forces: NDArray[np.float64],
+        bodies: Floats,
+        forces: Floats,
         shared_memory: bool = SHARED_MEMORY,
     ) -> None:
         self._bodies, self._forces = bodies, forces
@@ -54,7 +56,7 @@ class ContactSpace:
         self._space.collision_slop = COLLISION_SLOP
         self._space.collision_persistence = PERSISTENCE
         self._discs = [pymunk.Body(settings.mass, inf) for _ in range(settings.robots)]
-        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy; a body never forgets one
+        self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, copy bit) -> copy, kept once made
         self._circles = [pymunk.Circle(disc, self._radius) for disc in self._discs]
         for disc, circle in zip(self._discs, self._circles, strict=True):
             circle.filter = ORIGINALS
@@ -67,7 +69,7 @@ class ContactSpace:
             self._force = _channel(forces, lib.FORCE)
 
     def handles(self) -> list[int]:
-        """Return the row of `contact_calls` for this space, zeros where compiled code cannot call pymunk."""
+        """Return the row of `chipmunk_calls` for this space, zeros where compiled code cannot call pymunk."""
         if not self._shared_memory or not COMPILED or PLAIN:
             return [0] * calls.HANDLES
         step, each = ffi.addressof(lib, "cpSpaceStep"), ffi.addressof(lib, "cpSpaceEachBody")
@@ -99,7 +101,7 @@ class ContactSpace:
 
     def let_touch(self, row: int, wanted: bool) -> None:
         """Let a disc touch others, or not; it stays in the space, so that what others do is computed as before."""
-        self._circles[row].filter = ORIGINALS if wanted else ABSENT
+        self._circles[row].filter = ORIGINALS if wanted else UNTOUCHED
 
     def set_copies(self, copies: NDArray[np.uint8]) -> None:
         """Add and remove seam copies until each body has those that `copies` (N,) names."""
@@ -130,7 +132,7 @@ class ContactSpace:
         lib.cpSpaceEachBody(self._space._space, direction, request)
 
 
-def _channel(array: NDArray[np.float64], fields: int) -> tuple[Any, Any]:
+def _channel(array: Floats, fields: int) -> tuple[Any, Any]:
     """View of a C-contiguous float64 array as pymunk's batch buffer, and the request that names its fields."""
     buffer = ffi.new("pmFloatArray *")
     buffer.arr = ffi.cast("cpFloat *", array.ctypes.data)

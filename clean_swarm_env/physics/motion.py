@@ -1,18 +1,21 @@
 """Free motion on the torus: what robots do as long as nobody touches (compiled, all worlds at once).
 
-Shapes: W worlds, N robots a world, R = W * N rows; world w has the rows w*N .. (w+1)*N - 1. A body row is
-(x, y, vx, vy) [m, m/s]: where the last substep began, and the velocity it moved with.
+Shapes: W worlds, N robots a world, R = W * N rows; world w has the rows w*N .. (w+1)*N - 1.
 """
 
-from typing import Final
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.records import Recording, Words
+from selforg.space import nearest_image, wrapped
 
-ALONE: Final = 0  # contact search of `fly`: nobody ever touches
-PAIRS: Final = 1  # look at every pair of a world
-ALWAYS: Final = 2  # take every world to be in contact
+NOBODY_TOUCHES: Final = 0  # search for contacts: nobody ever touches
+SEARCH_PAIRS: Final = 1  # look at every pair of a world
+ALWAYS_TOUCHING: Final = 2  # take every world to be in contact
 
 COPY_RIGHT: Final = 1  # seam copies of a body, one bit each: at (+width, 0),
 COPY_ABOVE: Final = 2  # at (0, +height),
@@ -20,29 +23,38 @@ COPY_RIGHT_ABOVE: Final = 4  # at (+width, +height),
 COPY_RIGHT_BELOW: Final = 8  # at (+width, -height)
 
 
-@inlined
-def wrapped(coordinate: float, size: float) -> float:
-    """Coordinate on a circle [m] -> the same place in [0, size)."""
-    if 0.0 <= coordinate < size:
-        return coordinate
-    inside = coordinate - size * np.floor(coordinate / size)
-    # A tiny negative number plus the size rounds to the size itself, which is the place 0.
-    return 0.0 if inside >= size else inside
+class Motion(NamedTuple):
+    """The bodies of all worlds, and the sizes that their motion depends on."""
+
+    positions: Annotated[Floats, "R 2"]  # in [0, width) x [0, height) [m]
+    headings: Annotated[Floats, "R"]  # in (-pi, pi] [rad]
+    bodies: Annotated[Floats, "R 4"]  # x, y where the last substep began [m], and its velocity vx, vy [m/s]
+    wanted: Annotated[Floats, "R 2"]  # velocity that each robot wants [m/s]
+    forces: Annotated[Floats, "R 2"]  # [N]
+    present: Annotated[Flags, "R"]  # robots that are not there touch nobody and do not move
+    copies: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that each body needs
+    copied: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that pymunk has
+    patience: Annotated[Ints, "W"]  # substeps until a world is free of contacts
+    handles: Annotated[Ints, "W HANDLES"]  # see `chipmunk_calls`
+    current: Annotated[Flags, "W"]  # pymunk holds `bodies` as they are
+    left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
+    search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
+    width: float  # of the torus [m]
+    height: float  # [m]
+    reach: float  # distance of two centres below which robots touch [m]
+    zone: float  # distance from a seam within which a body needs copies [m]
+    timestep: float  # [s]
+    settling: int  # substeps for which a world stays in contact after its last touch
+    stiffness: float  # force by missing velocity [kg/s]
 
 
-@inlined
-def shorter_way(offset: float, size: float) -> float:
-    """Difference of two coordinates in [0, size) [m] -> the same difference the shorter way round."""
-    if offset > 0.5 * size:
-        return offset - size
-    if offset < -0.5 * size:
-        return offset + size
-    return offset
+MOTION = Recording(Motion)
+open_motion = MOTION.open
 
 
 @inlined
 def wrapped_angle(angle: float) -> float:
-    """Angle [rad] -> the same direction in (-pi, pi]."""
+    """Return the direction of an angle [rad] in (-pi, pi]."""
     if -np.pi < angle <= np.pi:
         return angle
     inside = angle - 2.0 * np.pi * np.ceil((angle - np.pi) / (2.0 * np.pi))
@@ -50,148 +62,117 @@ def wrapped_angle(angle: float) -> float:
 
 
 @inlined
-def touching(
-    positions: np.ndarray, present: np.ndarray, first: int, end: int, width: float, height: float, reach: float
-) -> bool:
-    """Is any pair of the rows first .. end - 1 that are present (R,) closer than `reach` [m]? positions (R, 2) [m]."""
+def touching(first: int, end: int, m: Motion) -> bool:
+    """Tell whether any pair of the rows first .. end - 1 that are present touches."""
     for i in range(first, end):
-        if not present[i]:
+        if not m.present[i]:
             continue
         for j in range(first, i):
-            if not present[j]:
+            if not m.present[j]:
                 continue
-            dx = shorter_way(positions[i, 0] - positions[j, 0], width)
-            if abs(dx) < reach:
-                dy = shorter_way(positions[i, 1] - positions[j, 1], height)
-                if dx * dx + dy * dy < reach * reach:
+            dx = nearest_image(m.positions[i, 0] - m.positions[j, 0], m.width)
+            if abs(dx) < m.reach:
+                dy = nearest_image(m.positions[i, 1] - m.positions[j, 1], m.height)
+                if dx * dx + dy * dy < m.reach * m.reach:
                     return True
     return False
 
 
 @inlined
-def move(positions: np.ndarray, bodies: np.ndarray, row: int, width: float, height: float, timestep: float) -> bool:
-    """Let a body row move on for one timestep [s]; True if it crossed a seam.
+def move(row: int, m: Motion) -> bool:
+    """Move a body on for one timestep; return whether it crossed a seam.
 
-    positions (R, 2) [m] gets the new place; the start in bodies (R, 4) is shifted along when the place wraps, so
-    that start + velocity * timestep is the new place without another wrap.
+    Where the place wraps, the start of the substep is shifted along, so that start + velocity * timestep is the new
+    place without another wrap.
     """
-    x = bodies[row, 0] + bodies[row, 2] * timestep
-    y = bodies[row, 1] + bodies[row, 3] * timestep
-    positions[row, 0] = wrapped(x, width)
-    positions[row, 1] = wrapped(y, height)
-    if positions[row, 0] == x and positions[row, 1] == y:
+    x = m.bodies[row, 0] + m.bodies[row, 2] * m.timestep
+    y = m.bodies[row, 1] + m.bodies[row, 3] * m.timestep
+    m.positions[row, 0] = wrapped(x, m.width)
+    m.positions[row, 1] = wrapped(y, m.height)
+    if m.positions[row, 0] == x and m.positions[row, 1] == y:
         return False
-    bodies[row, 0] += positions[row, 0] - x
-    bodies[row, 1] += positions[row, 1] - y
+    m.bodies[row, 0] += m.positions[row, 0] - x
+    m.bodies[row, 1] += m.positions[row, 1] - y
     return True
 
 
 @inlined
-def search_contacts(
-    world: int, positions: np.ndarray, present: np.ndarray, patience: np.ndarray, search: int, width: float,
-    height: float, reach: float, settling: int,
-) -> bool:  # fmt: skip
-    """Set the patience (W,) of a world for the substep that begins; returns whether it is in contact."""
-    robots = positions.shape[0] // patience.shape[0]
+def search_contacts(world: int, m: Motion) -> bool:
+    """Set the patience of a world for the substep that begins; return whether it is in contact."""
+    robots = m.positions.shape[0] // m.patience.shape[0]
     first = world * robots
-    if search == ALWAYS or (
-        search == PAIRS and touching(positions, present, first, first + robots, width, height, reach)
-    ):
-        patience[world] = settling
-    elif patience[world] > 0:
-        patience[world] -= 1
-    return bool(patience[world] > 0)
+    if m.search == ALWAYS_TOUCHING or (m.search == SEARCH_PAIRS and touching(first, first + robots, m)):
+        m.patience[world] = m.settling
+    elif m.patience[world] > 0:
+        m.patience[world] -= 1
+    return bool(m.patience[world] > 0)
 
 
 @inlined
-def steer_world(
-    first: int, end: int, free: bool, positions: np.ndarray, headings: np.ndarray, bodies: np.ndarray,
-    wanted: np.ndarray, present: np.ndarray, speed: np.ndarray, turn_rate: np.ndarray, width: float, height: float,
-    timestep: float,
-) -> None:  # fmt: skip
-    """Take up what the rows first .. end - 1 want in this substep, turn them and, where `free`, move them."""
-    for row in range(first, end):
-        if not present[row]:
+def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Motion) -> None:
+    """Set the velocity that each robot of a world wants in this substep, turn robots and, where `free`, move them."""
+    robots = m.positions.shape[0] // m.patience.shape[0]
+    for row in range(world * robots, (world + 1) * robots):
+        if not m.present[row]:
             continue
-        wanted[row, 0] = speed[row] * np.cos(headings[row])
-        wanted[row, 1] = speed[row] * np.sin(headings[row])
-        headings[row] = wrapped_angle(headings[row] + turn_rate[row] * timestep)
+        m.wanted[row, 0] = speed[row] * np.cos(m.headings[row])
+        m.wanted[row, 1] = speed[row] * np.sin(m.headings[row])
+        m.headings[row] = wrapped_angle(m.headings[row] + turn_rate[row] * m.timestep)
         if free:
-            bodies[row, 0], bodies[row, 1] = positions[row, 0], positions[row, 1]
-            bodies[row, 2], bodies[row, 3] = wanted[row, 0], wanted[row, 1]
-            move(positions, bodies, row, width, height, timestep)
+            m.bodies[row, 0], m.bodies[row, 1] = m.positions[row, 0], m.positions[row, 1]
+            m.bodies[row, 2], m.bodies[row, 3] = m.wanted[row, 0], m.wanted[row, 1]
+            move(row, m)
 
 
 @lean_kernel
-def fly(
-    positions: np.ndarray, headings: np.ndarray, bodies: np.ndarray, wanted: np.ndarray, present: np.ndarray,
-    patience: np.ndarray, speed: np.ndarray, turn_rate: np.ndarray, search: int, width: float, height: float,
-    reach: float, timestep: float, settling: int,
-) -> int:  # fmt: skip
-    """One substep of every world that is free of contacts; returns the number of the others.
+def fly(speed: Floats, turn_rate: Floats, motion: Words[Motion]) -> int:
+    """Do one substep of every world that is free of contacts; return the number of the others.
 
-    positions (R, 2) [m], headings (R,) [rad] and bodies (R, 4) are updated in place, headings of all worlds;
-    wanted (R, 2) [m/s] gets speed (R,) [m/s] along the heading at the beginning of the substep;
-    present (R,) bool: rows that are not stay as they are;
-    patience (W,) counts down from `settling` since the last contact: a world is free at 0.
+    speed (R,) [m/s] along the heading at the beginning of the substep, turn_rate (R,) [rad/s]. A world is free when
+    its patience, which counts down from `settling` since the last contact, is 0; headings turn in all worlds.
     """
-    robots = positions.shape[0] // patience.shape[0]
+    m = open_motion(motion)
     engaged = 0
-    for world in range(patience.shape[0]):
-        contact = search_contacts(world, positions, present, patience, search, width, height, reach, settling)
-        steer_world(
-            world * robots, (world + 1) * robots, not contact, positions, headings, bodies, wanted, present, speed,
-            turn_rate, width, height, timestep,
-        )  # fmt: skip
+    for world in range(m.patience.shape[0]):
+        contact = search_contacts(world, m)
+        steer_world(world, not contact, speed, turn_rate, m)
         engaged += contact
     return engaged
 
 
 @lean_kernel
-def push(
-    forces: np.ndarray,
-    copies: np.ndarray,
-    positions: np.ndarray,
-    bodies: np.ndarray,
-    wanted: np.ndarray,
-    present: np.ndarray,
-    first: int,
-    end: int,
-    height: float,
-    zone: float,
-    stiffness: float,
-) -> None:
-    """Set forces and seam copies for the rows first .. end - 1 of one world in contact.
+def push(world: int, motion: Words[Motion]) -> None:
+    """Set forces and seam copies of a world in contact.
 
-    forces (R, 2) [N] = stiffness [kg/s] * (wanted (R, 2) - velocity): the force that gives the wanted velocity in
-    one timestep. copies (R,) uint8 names, bit by bit, the copies that a body within `zone` [m] of a seam needs, if it
-    is present (R,) at all.
+    The force is the one that gives the wanted velocity in one timestep. A body within `zone` of a seam needs copies,
+    if it is present at all.
     """
-    for row in range(first, end):
-        forces[row, 0] = stiffness * (wanted[row, 0] - bodies[row, 2])
-        forces[row, 1] = stiffness * (wanted[row, 1] - bodies[row, 3])
+    m = open_motion(motion)
+    robots = m.positions.shape[0] // m.patience.shape[0]
+    for row in range(world * robots, (world + 1) * robots):
+        m.forces[row, 0] = m.stiffness * (m.wanted[row, 0] - m.bodies[row, 2])
+        m.forces[row, 1] = m.stiffness * (m.wanted[row, 1] - m.bodies[row, 3])
         needed = 0
-        if not present[row]:
-            copies[row] = needed
+        if not m.present[row]:
+            m.copies[row] = needed
             continue
-        if positions[row, 0] < zone:
+        if m.positions[row, 0] < m.zone:
             needed |= COPY_RIGHT
-            if positions[row, 1] < zone:
+            if m.positions[row, 1] < m.zone:
                 needed |= COPY_RIGHT_ABOVE
-            if positions[row, 1] > height - zone:
+            if m.positions[row, 1] > m.height - m.zone:
                 needed |= COPY_RIGHT_BELOW
-        if positions[row, 1] < zone:
+        if m.positions[row, 1] < m.zone:
             needed |= COPY_ABOVE
-        copies[row] = needed
+        m.copies[row] = needed
 
 
 @lean_kernel
-def land(
-    positions: np.ndarray, bodies: np.ndarray, first: int, end: int, width: float, height: float, timestep: float
-) -> bool:
-    """Move the rows first .. end - 1 on with the velocities that the contacts left; True if any crossed a seam."""
-    crossed = False
-    for row in range(first, end):
-        if move(positions, bodies, row, width, height, timestep):
+def land(world: int, motion: Words[Motion]) -> bool:
+    """Move the robots of a world with the velocities that the contacts left; return whether any crossed a seam."""
+    m = open_motion(motion)
+    robots, crossed = m.positions.shape[0] // m.patience.shape[0], False
+    for row in range(world * robots, (world + 1) * robots):
+        if move(row, m):
             crossed = True
     return crossed

@@ -1,53 +1,56 @@
-"""FindBarycenter and MaxValue: nobody moves, all decide by what they hear of the others."""
+"""FindBarycenter and MaxValue: robots stand and decide by what they hear of the others."""
 
 from typing import ClassVar
 
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.scenes.arena import RIVALS
+from clean_swarm_env.scenes.arena import BASELINES
 from clean_swarm_env.scenes.baselines import Controller, StandStill
 from clean_swarm_env.scenes.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.scenes.measures.order import barycentre
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from clean_swarm_env.scenes.served import ServedTeam
 from selforg.arrays import Floats, Ints
 
 EARSHOT = 3.0
 """How far a robot is heard [m], the range of the configurations."""
-MAX_TRIES = 1000
+NETWORK_TRIES = 1000
 """Draws of places until the robots form one network."""
 CENTER = 1
 """State of a robot that has elected itself the centre."""
 
 
-class Standing(Scene):
+class StandingRobots(Scene):
     """Robots that stand where they are."""
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)
 
     def _decisions(self) -> tuple[Floats, Ints]:
         """Return what the robots have decided: values and states (W, N)."""
-        assert isinstance(self.controller, ServedTeam)  # the baselines are worked out otherwise
+        assert isinstance(self.controller, ServedTeam)  # baselines have no decisions
         values, states = self.controller.decisions()
         return self.arena.by_world(values), self.arena.by_world(states)
 
 
-@register
-class FindBarycenter(Standing):
+@SCENES.register
+class FindBarycenter(StandingRobots):
     """The robot nearest to the middle of the team is to be found by itself."""
 
     goal = "FindBarycenter"
     story = "9 robots on 10 m x 10 m find out which of them stands in the middle"
     measures = (
         Measure(
-            "distance of the elected robot to the barycentre", "m", "lower", 2.0,
+            "distance of the elected robot to the barycentre",
+            "m",
+            "lower",
+            2.0,
             "the nearest of 9 robots on 100 m2 is 1.7 m away on average",
         ),
         Measure("robots elected", "-", "lower", 1.1, "one; two where two stand alike", guard=True),
-    )  # fmt: skip
+    )
     baseline = "a robot drawn by lot"
     setting = Setting(robots=9, seconds=5.0, ground="open")
     fewest = 2
@@ -69,8 +72,8 @@ class FindBarycenter(Standing):
         return {self.measures[0].name: error, self.measures[1].name: count.astype(np.float64)}
 
 
-@register
-class MaxValue(Standing):
+@SCENES.register
+class MaxValue(StandingRobots):
     """Each robot has measured something; all are to know the largest value."""
 
     goal = "MaxValue"
@@ -86,7 +89,7 @@ class MaxValue(Standing):
     torus_side = 18.0
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        for _ in range(MAX_TRIES):
+        for _ in range(NETWORK_TRIES):
             places = scattered(rng, self.chosen.robots, self.ground, 0.6)
             if connected(in_earshot(places[None], EARSHOT, self.ground)[0]):
                 return places, any_headings(rng, self.chosen.robots)
@@ -103,14 +106,14 @@ class MaxValue(Standing):
     def _look(self) -> None:
         if not self.served:
             return
-        told = (self._decisions()[0] == self._values.max(axis=1, keepdims=True)).all(axis=1)
-        rounds = self.arena.ticks - 1  # in the first period everybody has told the own value, no more
-        self._agreed = np.where(told, np.minimum(self._agreed, rounds), self._agreed)
+        agreed = (self._decisions()[0] == self._values.max(axis=1, keepdims=True)).all(axis=1)
+        rounds = self.arena.ticks - 1  # in the first period every robot tells its own value only
+        self._agreed = np.where(agreed, np.minimum(self._agreed, rounds), self._agreed)
 
     def _result(self) -> dict[str, Floats]:
         if not self.served:
             for world, hears in enumerate(self._hears):
-                rng = self.arena.chance(world, RIVALS)
+                rng = self.arena.chance(world, BASELINES)
                 self._agreed[world] = rounds_by_calls(hears, self._values[world], rng, self.chosen.ticks)
         fewest = [rounds_needed(h, int(v.argmax())) for h, v in zip(self._hears, self._values, strict=True)]
         return {self.measures[0].name: self._agreed, self.measures[1].name: self._agreed - np.array(fewest)}

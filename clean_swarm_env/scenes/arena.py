@@ -1,4 +1,4 @@
-"""W worlds of N robots on one ground, with nothing in their heads: bodies, drives, poses, clock and chance.
+"""W worlds of N robots on one ground, without networks: bodies, drives, poses, clock and random draws.
 
 Rows are robots, R = W * N; a world depends on its own seed only, alone or in a batch.
 """
@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.drive import DifferentialDrive
+from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
 from clean_swarm_env.physics.physics import Physics
-from clean_swarm_env.physics.settings import Contacts
+from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
 from selforg.components import Commands
@@ -26,9 +26,9 @@ DriveKind = Literal["differential", "holonomic"]
 
 SUBSTEPS: Final = 4  # physics steps in a control period
 TIMESTEP: Final = 0.05  # [s] of physics
-PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
+CONTROL_PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
 CLOSE: Final = 0.55  # [m] between centres below which a pair counts as colliding, as in the mission
-PLACES, THINGS, STREAMS, DRAWS, RIVALS = range(5)  # what the seed of a world is split into
+PLACES, THINGS, STREAMS, DRAWS, BASELINES = range(5)  # kinds of random draws, each with a seed of its own
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Body:
 
 
 class Arena:
-    """The bodies of W worlds; what commands them is for others to say.
+    """The bodies of W worlds; a `Controller` commands them.
 
     Attributes:
         positions, headings: (R, 2) [m] and (R,) [rad]; the same arrays all the time.
@@ -68,15 +68,18 @@ class Arena:
         self.ground, self.robots, self.worlds, self.body = ground, robots, len(seeds), body
         self.rows = self.worlds * robots
         side = ground.side
-        self.physics = Physics(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP)
+        self.physics = Physics(PhysicsSettings(self.worlds, robots, side, side, body.radius, body.contacts, TIMESTEP))
         self.positions, self.headings = self.physics.positions, self.physics.headings
-        self.drive = DifferentialDrive(self.rows, body.max_speed)
+        self.drive = DifferentialDrive(self.rows, DriveSettings(max_speed=body.max_speed))
         self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
         self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
         self.poses = OwnPoses(
-            ground.space, self.rows, self.world_of_row, diffusion=body.pose_diffusion,
+            ground.space,
+            self.rows,
+            self.world_of_row,
+            diffusion=body.pose_diffusion,
             goal_radius=body.pose_goal_radius,
-        )  # fmt: skip
+        )
         self._seeds = [np.random.SeedSequence(seed).spawn(5) for seed in seeds]
         self.directions = DirectionStream(self.generators(STREAMS))
         self.ticks = 0
@@ -84,14 +87,14 @@ class Arena:
     @property
     def now(self) -> float:
         """Time since the start [s]."""
-        return self.ticks * PERIOD
+        return self.ticks * CONTROL_PERIOD
 
     def chance(self, world: int, what: int) -> np.random.Generator:
-        """Return the generator of a world for one of its parts of chance, as at the beginning."""
+        """Return a new generator of a world for one kind of its random draws."""
         return np.random.default_rng(self._seeds[world][what])
 
     def generators(self, what: int) -> list[np.random.Generator]:
-        """Return a generator for each row (R,), as at the beginning."""
+        """Return a new generator for each row (R,)."""
         roots = [np.random.SeedSequence(s[what].entropy, spawn_key=s[what].spawn_key) for s in self._seeds]
         return [np.random.default_rng(child) for root in roots for child in root.spawn(self.robots)]
 
@@ -100,11 +103,11 @@ class Arena:
         return values.reshape(self.worlds, self.robots, *values.shape[1:])
 
     def announce(self) -> None:
-        """Let every robot spread its pose at this instant."""
+        """Spread the poses of all robots now."""
         self.poses.update(self.positions, self.headings, self.now)
 
     def move(self, commands: Commands) -> None:
-        """Let the robots do what they are told for one control period."""
+        """Move the robots by their commands for one control period."""
         vectors, commanded = commands.vectors, commands.commanded
         if self.body.drive == "holonomic":
             turned = commanded & ~commands.in_place & (vectors != 0.0).any(axis=1)

@@ -6,11 +6,11 @@ ones would push against each other for ever, which would count as one.
 
 import numpy as np
 
-from clean_swarm_env.scenes.arena import PERIOD, Body
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
 from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill, Together
 from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 OBSTACLES, OBSTACLE_RADIUS = 12, 0.5  # [-], [m]
@@ -37,7 +37,7 @@ class Crossing(Scene):
     def _with_errand(self, controller: Controller) -> Controller:
         return Together(controller, GoStraight(self.arena, self._directions))
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)  # in place of the mechanism: only the errand is left
 
     def _look(self) -> None:
@@ -48,7 +48,7 @@ class Crossing(Scene):
     @property
     def _progress(self) -> Floats:
         """Mean speed (W,) [m/s] in the wanted direction."""
-        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.arena.ticks * PERIOD)
+        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.arena.ticks * CONTROL_PERIOD)
         return speed
 
     @property
@@ -56,29 +56,34 @@ class Crossing(Scene):
         return self.chosen.robots * self.chosen.seconds / 60.0
 
 
-@register
-class CollisionAvoidance(Crossing):
+@SCENES.register
+class CrossingObstacles(Crossing):
     """Obstacles stand in the way; robots do too."""
 
     goal = "CollisionAvoidance"
     story = "5 robots cross a torus of 225 m2 with 12 obstacles for 120 s"
     measures = (
         Measure(
-            "collisions per robot and minute", "1/min", "lower", 0.7,
+            "collisions per robot and minute",
+            "1/min",
+            "lower",
+            0.7,
             "a tenth of what chance gives: 4.8 with obstacles, 1.5 with robots",
         ),
         PROGRESS,
-    )  # fmt: skip
+    )
     setting = Setting(robots=5, seconds=120.0, ground="torus")
     side = 15.0
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         super()._prepare(chances)
         starts = self.positions
-        self._obstacles = np.stack([
-            scattered(rng, OBSTACLES, self.ground, 2.0, free_of=starts[world], gap=1.6)
-            for world, rng in enumerate(chances)
-        ])  # fmt: skip
+        self._obstacles = np.stack(
+            [
+                scattered(rng, OBSTACLES, self.ground, 2.0, free_of=Taken(starts[world], 1.6))
+                for world, rng in enumerate(chances)
+            ]
+        )
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
 
     def _around(self) -> tuple[Gradients, ...]:
@@ -93,18 +98,16 @@ class CollisionAvoidance(Crossing):
         return {"collisions per robot and minute": events / self._robot_minutes, PROGRESS.name: self._progress}
 
 
-@register
-class AgentCollisionAvoidance(Crossing):
+@SCENES.register
+class CrossingRobots(Crossing):
     """Nothing but robots."""
 
     goal = "AgentCollisionAvoidance"
     story = "10 robots cross a torus of 121 m2 for 120 s"
     measures = (
-        Measure(
-            "collisions per robot and minute", "1/min", "lower", 0.6, "a tenth of the 6.2 that chance gives"
-        ),
+        Measure("collisions per robot and minute", "1/min", "lower", 0.6, "a tenth of the 6.2 that chance gives"),
         PROGRESS,
-    )  # fmt: skip
+    )
     setting = Setting(robots=10, seconds=120.0, ground="torus")
     fewest = 2
     side = 11.0

@@ -1,11 +1,11 @@
-"""What robots do without the mechanism: the baselines, and the errands beside which a mechanism works."""
+"""What robots do without the mechanism: the baselines, and the errands that a mechanism is combined with."""
 
 from abc import ABC, abstractmethod
 from typing import final
 
 import numpy as np
 
-from clean_swarm_env.scenes.arena import PERIOD, RIVALS, Arena
+from clean_swarm_env.scenes.arena import BASELINES, CONTROL_PERIOD, Arena
 from selforg.arrays import Floats
 from selforg.components import Commands
 
@@ -37,7 +37,7 @@ class StandStill(Controller):
     """Nobody moves."""
 
     def _command(self, commands: Commands) -> None:
-        """Nobody is told anything."""
+        """Leave all robots without a command."""
 
 
 class Wander(Controller):
@@ -45,8 +45,8 @@ class Wander(Controller):
 
     def __init__(self, arena: Arena, every: float = 2.0) -> None:
         super().__init__(arena)
-        self._ticks = max(round(every / PERIOD), 1)
-        self._generators = arena.generators(RIVALS)
+        self._ticks = max(round(every / CONTROL_PERIOD), 1)
+        self._generators = arena.generators(BASELINES)
 
     def _command(self, commands: Commands) -> None:
         if self.arena.ticks % self._ticks == 0:
@@ -98,7 +98,7 @@ class Instead(Controller):
 class Together(Controller):
     """The vectors of two controllers added, as motor schemas are: how avoidance bends the way of an errand.
 
-    The sum is not limited here; drives limit it. Nobody turns in place.
+    The drive limits the sum. No robot turns in place.
     """
 
     def __init__(self, first: Controller, second: Controller) -> None:

@@ -1,17 +1,17 @@
-"""CollectiveExploration and IndividualExploration: see as much of the ground as possible, together or each alone."""
+"""CollectiveExploration and IndividualExploration: see as much of the ground as possible, as a team or alone."""
 
 import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.coverage import Coverage
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats, Ints
 
 SIGHT, PITCH = 0.5, 0.25  # [m]
 
 
-class Exploration(Scene):
+class ExploringScene(Scene):
     """Robots that look at the ground while they move."""
 
     baseline = "random walk, a new direction every 2 s"
@@ -29,25 +29,28 @@ class Exploration(Scene):
         side = self.ground.side - self.ground.side % PITCH
         self.coverage = Coverage(self._map_of_rows(), side, 0.0, SIGHT, PITCH, closed)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _look(self) -> None:
         self.coverage.look(self.arena.positions, self.arena.now)
 
 
-@register
-class CollectiveExploration(Exploration):
+@SCENES.register
+class CollectiveExploration(ExploringScene):
     """The area that the team has seen counts once, whoever saw it."""
 
     goal = "CollectiveExploration"
     story = "6 robots that see 0.5 m far look at a torus of 400 m2 for 60 s"
     measures = (
         Measure(
-            "area seen", "m2", "higher", 237.0,
+            "area seen",
+            "m2",
+            "higher",
+            237.0,
             "what as many straight independent paths see by chance, 400 (1 - exp(-360 / 400))",
         ),
-    )  # fmt: skip
+    )
     setting = Setting(robots=6, seconds=60.0, ground="torus")
     side = 20.0
 
@@ -55,18 +58,21 @@ class CollectiveExploration(Exploration):
         return {"area seen": self.coverage.area}
 
 
-@register
-class IndividualExploration(Exploration):
-    """Every robot has a map of its own, and nobody tells it what others have seen."""
+@SCENES.register
+class IndividualExploration(ExploringScene):
+    """Every robot has a map of its own and does not learn what others have seen."""
 
     goal = "IndividualExploration"
     story = "4 robots that see 0.5 m far look at a torus of 256 m2 for 120 s, each for itself"
     measures = (
         Measure(
-            "area seen by each robot", "m2", "higher", 96.0,
+            "area seen by each robot",
+            "m2",
+            "higher",
+            96.0,
             "what a straight path sees by chance, 256 (1 - exp(-120 / 256))",
         ),
-    )  # fmt: skip
+    )
     setting = Setting(robots=4, seconds=120.0, ground="torus")
     side = 16.0
 

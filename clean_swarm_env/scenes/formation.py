@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from clean_swarm_env.scenes.arena import PERIOD, Body
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
 from clean_swarm_env.scenes.baselines import Controller, GoStraight, Instead, StandStill
 from clean_swarm_env.scenes.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 SPACING = 1.5
@@ -19,7 +19,7 @@ LAST = 10.0
 """Seconds at the end over which the order of a flock is averaged."""
 
 
-@register
+@SCENES.register
 class FormationControl(Scene):
     """A flock forms out of robots that move anywhere; it shares the momentum that they have."""
 
@@ -49,11 +49,11 @@ class FormationControl(Scene):
         # Momentum is what a flock shares: robots that start at rest stay there.
         return Instead(controller, GoStraight(self.arena, self._directions, SET_OUT))
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)
 
     def _look(self) -> None:
-        if (self.chosen.ticks - self.arena.ticks) * PERIOD >= LAST:
+        if (self.chosen.ticks - self.arena.ticks) * CONTROL_PERIOD >= LAST:
             return
         self._order += polarisation(self.headings)
         self._error += np.abs(nearest_neighbours(self.positions, self.ground) - SPACING).mean(axis=1)
@@ -63,7 +63,7 @@ class FormationControl(Scene):
         return {"polarisation": self._order / self._looks, "error of spacing": self._error / self._looks}
 
 
-@register
+@SCENES.register
 class CircleFormation(Scene):
     """A ring forms around a beacon."""
 
@@ -88,7 +88,7 @@ class CircleFormation(Scene):
         beacons = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
         return (Gradients("centre", beacons, +1, diffusion=5.0, goal_radius=CIRCLE),)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return StandStill(self.arena)
 
     def _result(self) -> dict[str, Floats]:

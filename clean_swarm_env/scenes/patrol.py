@@ -1,4 +1,4 @@
-"""ExplorationPatrol: come back everywhere, again and again."""
+"""ExplorationPatrol: see every place again and again."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.exploration import PITCH, SIGHT
 from clean_swarm_env.scenes.measures.coverage import Coverage
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 SETTLING = 0.5
-"""Share of the run that is over before idleness counts: at the start nothing has been idle for long."""
+"""Share of the run before idleness counts: at the start no place has been idle for long."""
 
 
-@register
+@SCENES.register
 class ExplorationPatrol(Scene):
     """Idleness of a place is the time since somebody saw it; its mean over the field and the second half counts."""
 
@@ -21,10 +21,13 @@ class ExplorationPatrol(Scene):
     story = "5 robots that see 0.5 m far patrol a torus of 225 m2 for 240 s"
     measures = (
         Measure(
-            "time since a place was seen", "s", "lower", 45.0,
+            "time since a place was seen",
+            "s",
+            "lower",
+            45.0,
             "straight independent paths: 225 m2 seen at 5 m2/s, by chance; a perfect round trip gives half",
         ),
-    )  # fmt: skip
+    )
     baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=5, seconds=240.0, ground="torus")
     side = 15.0
@@ -39,7 +42,7 @@ class ExplorationPatrol(Scene):
         self._coverage = Coverage(arena.world_of_row, self.side, self.ground.corner, SIGHT, PITCH, closed)
         self._idle, self._looks = np.zeros(arena.worlds), 0
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _look(self) -> None:

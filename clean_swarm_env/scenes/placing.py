@@ -1,4 +1,6 @@
-"""Places to start from: drawn one after the other, never on top of each other."""
+"""Places to start from: drawn one after the other, with a least distance."""
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -6,14 +8,30 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Floats
 
-MAX_TRIES = 10_000
+PLACE_TRIES = 10_000
 """Draws for one place before the placement is given up."""
 
 
+class Taken(NamedTuple):
+    """Places that are taken already."""
+
+    places: Floats
+    """(K, 2) [m]."""
+    gap: float | Floats
+    """Least distance from them [m], one or one for each (K,)."""
+
+
+NOTHING_TAKEN = Taken(np.zeros((0, 2)), 0.0)
+
+
 def scattered(
-    rng: np.random.Generator, count: int, ground: Ground, apart: float, side: float | None = None,
-    centre: Floats | None = None, free_of: Floats | None = None, gap: float | Floats = 0.0,
-) -> Floats:  # fmt: skip
+    rng: np.random.Generator,
+    count: int,
+    ground: Ground,
+    apart: float,
+    side: float | None = None,
+    free_of: Taken = NOTHING_TAKEN,
+) -> Floats:
     """Return (count, 2) uniform places [m] in a square at least `apart` [m] from each other.
 
     Args:
@@ -21,24 +39,21 @@ def scattered(
         count: how many.
         ground: whose metric counts.
         apart: least distance [m].
-        side: of the square [m]; the whole field unless given.
-        centre: of the square (2,) [m]; the field's unless given.
-        free_of: places (K, 2) [m] that are taken already.
-        gap: least distance from those [m], one or one for each (K,).
+        side: of the square in the middle of the field [m]; the whole field unless given.
+        free_of: what else the places keep away from.
 
     Raises:
         ConfigurationError: no room for as many.
 
     """
     side = ground.field_side if side is None else side
-    corner = (ground.centre if centre is None else centre) - 0.5 * side
-    taken = np.zeros((0, 2)) if free_of is None else free_of
+    corner = ground.centre - 0.5 * side
     places = np.empty((count, 2))
     for placed in range(count):
-        for _ in range(MAX_TRIES):
+        for _ in range(PLACE_TRIES):
             place = ground.space.wrap(corner + rng.uniform(size=2) * side)
-            others, things = ground.distances(place, places[:placed]), ground.distances(place, taken)
-            if (others >= apart).all() and (things >= gap).all():
+            others, things = ground.distances(place, places[:placed]), ground.distances(place, free_of.places)
+            if (others >= apart).all() and (things >= free_of.gap).all():
                 places[placed] = place
                 break
         else:

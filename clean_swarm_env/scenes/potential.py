@@ -4,17 +4,17 @@ import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller, GoTo, Wander
 from clean_swarm_env.scenes.measures.field import Field, height
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
-HILLS, START_AWAY = 5, 5.0  # [-], [m]
-REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
+HILLS, START_FROM_TOP = 5, 5.0  # [-], [m]
+SOURCE_REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
 SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 
 
-@register
+@SCENES.register
 class FollowPotentialField(Scene):
     """Height is the potential of which the gradients' forces are the slope; 0 is the top."""
 
@@ -29,18 +29,20 @@ class FollowPotentialField(Scene):
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         top = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=top, gap=START_AWAY)
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_FROM_TOP))
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         top = self.ground.centre[None]
-        hills = [scattered(rng, HILLS, self.ground, 2.0, side=12.0, free_of=top, gap=4.0) for rng in chances]
+        hills = [scattered(rng, HILLS, self.ground, 2.0, side=12.0, free_of=Taken(top, 4.0)) for rng in chances]
         self._hills = np.stack(hills)
         tops = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
         self._field = Field(
-            np.concatenate([tops, self._hills], axis=1), np.array([1.0] + [-1.0] * HILLS),
-            np.array([HOLLOW] + [HILL] * HILLS), np.array([SOURCE_RADIUS] + [0.0] * HILLS),
-        )  # fmt: skip
+            np.concatenate([tops, self._hills], axis=1),
+            np.array([1.0] + [-1.0] * HILLS),
+            np.array([HOLLOW] + [HILL] * HILLS),
+            np.array([SOURCE_RADIUS] + [0.0] * HILLS),
+        )
         self._start = self._height()
 
     def _height(self) -> Floats:
@@ -55,14 +57,14 @@ class FollowPotentialField(Scene):
             Gradients("field", self._hills, -1, diffusion=HILL),
         )
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _result(self) -> dict[str, Floats]:
         return {"share of the height climbed": 1.0 - self._height() / self._start}
 
 
-@register
+@SCENES.register
 class FollowMaxPotential(Scene):
     """Three sources; the one that reaches farthest is to be found, though another one may be nearer."""
 
@@ -79,17 +81,17 @@ class FollowMaxPotential(Scene):
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
-        self._sources = np.stack([scattered(rng, len(REACHES), self.ground, 6.0) for rng in chances])
+        self._sources = np.stack([scattered(rng, len(SOURCE_REACHES), self.ground, 6.0) for rng in chances])
 
     def _around(self) -> tuple[Gradients, ...]:
-        return (Gradients("field", self._sources, +1, diffusion=np.array(REACHES), goal_radius=SOURCE_RADIUS),)
+        return (Gradients("field", self._sources, +1, diffusion=np.array(SOURCE_REACHES), goal_radius=SOURCE_RADIUS),)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         away = self.ground.distances(self.positions[:, :, None], self._sources[:, None])
         nearest = np.take_along_axis(self._sources, away.argmin(axis=2)[..., None], axis=1)
         return GoTo(self.arena, nearest.reshape(-1, 2), SOURCE_RADIUS + self.body.pose_goal_radius)
 
     def _result(self) -> dict[str, Floats]:
-        away = self.ground.distances(self.positions, self._sources[:, None, int(np.argmax(REACHES))])
+        away = self.ground.distances(self.positions, self._sources[:, None, int(np.argmax(SOURCE_REACHES))])
         there = away <= SOURCE_RADIUS + self.body.pose_goal_radius + self.body.radius
         return {"robots at the source of most reach": there.mean(axis=1)}

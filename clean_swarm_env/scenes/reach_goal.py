@@ -2,19 +2,20 @@
 
 import numpy as np
 
+from clean_swarm_env.scenes.avoidance import OBSTACLE_RADIUS
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Gradients, Measure, Scene, Setting, register
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
-OBSTACLES, OBSTACLE_RADIUS = 8, 0.5  # [-], [m]
+OBSTACLES_BETWEEN = 8
 GOAL_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
-OFF_GOAL, OFF_START = 4.5, 2.2  # [m] of obstacles: so far off, they repel nobody who has arrived or not yet begun
+OFF_GOAL, OFF_START = 4.5, 2.2  # [m] from obstacles: they repel no robot at the goal or at its start
 FIELD = 20.0  # [m]
 
 
-@register
+@SCENES.register
 class ReachGoal(Scene):
     """Robots start around the goal, at least START_AWAY from it; obstacles lie in between."""
 
@@ -23,26 +24,32 @@ class ReachGoal(Scene):
     measures = (
         Measure("distance to the goal area", "m", "lower", 0.5, "a robot's length beyond touching it"),
         Measure(
-            "obstacles hit per robot and minute", "1/min", "lower", 0.3,
-            "a tenth of what going straight through them gives by chance", guard=True,
+            "obstacles hit per robot and minute",
+            "1/min",
+            "lower",
+            0.3,
+            "a tenth of what going straight through them gives by chance",
+            guard=True,
         ),
-    )  # fmt: skip
+    )
     baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=6, seconds=90.0, ground="torus")
     side = FIELD
 
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         goal = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=goal, gap=START_AWAY)
+        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(goal, START_AWAY))
         return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         goal = self.ground.centre[None]
-        self._obstacles = np.empty((self.arena.worlds, OBSTACLES, 2))
+        self._obstacles = np.empty((self.arena.worlds, OBSTACLES_BETWEEN, 2))
         for world, rng in enumerate(chances):
             taken = np.concatenate([goal, self.positions[world]])
             gaps = np.array([OFF_GOAL] + [OFF_START] * self.chosen.robots)
-            self._obstacles[world] = scattered(rng, OBSTACLES, self.ground, 3.0, side=14.0, free_of=taken, gap=gaps)
+            self._obstacles[world] = scattered(
+                rng, OBSTACLES_BETWEEN, self.ground, 3.0, side=14.0, free_of=Taken(taken, gaps)
+            )
         self._bumps = Bumps(self._obstacles, OBSTACLE_RADIUS + self.body.radius, self.ground)
 
     def _around(self) -> tuple[Gradients, ...]:
@@ -52,7 +59,7 @@ class ReachGoal(Scene):
             Gradients("obstacle", self._obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),
         )
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _look(self) -> None:

@@ -5,29 +5,29 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeVar, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.scenes.arena import PERIOD, PLACES, THINGS, Arena, Body
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD, PLACES, THINGS, Arena, Body
 from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.ground import Ground, GroundKind
-from selector.documents.yaml import unknown
 from selforg.arrays import Floats
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.settings import BufferSettings
+from selforg.registry import Registry, UnknownNameError
 
-LYING = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
+AROUND_SETTINGS = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
 """Settings of the buffer of everything but pheromones: what lies in one place is one thing."""
-TRAILS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
+TRAIL_SETTINGS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
 """Settings of the buffer of pheromones: those of the cleaning mission."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What tells success.
+    """A figure that tells how well a goal is reached.
 
     Attributes:
         name: what is measured.
@@ -62,7 +62,7 @@ class Setting:
     @property
     def ticks(self) -> int:
         """Control periods to run."""
-        return max(round(self.seconds / PERIOD), 1)
+        return max(round(self.seconds / CONTROL_PERIOD), 1)
 
 
 @dataclass(frozen=True)
@@ -76,22 +76,26 @@ class Gradients:
     goal_radius: float | Floats = 0.0
 
     def store(self, buffer: SoBuffer) -> None:
-        """Put them into a buffer whose teams are the worlds."""
+        """Store the gradients in a buffer whose teams are the worlds."""
         worlds, count, _ = self.places.shape
         buffer.store_static(
-            np.repeat(np.arange(worlds), count), self.channel, self.places.reshape(-1, 2), 0.0,
-            attraction=self.attraction, diffusion=np.tile(np.broadcast_to(self.diffusion, count), worlds),
+            np.repeat(np.arange(worlds), count),
+            self.channel,
+            self.places.reshape(-1, 2),
+            0.0,
+            attraction=self.attraction,
+            diffusion=np.tile(np.broadcast_to(self.diffusion, count), worlds),
             goal_radius=np.tile(np.broadcast_to(self.goal_radius, count), worlds),
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of one run.
+    """The results of one run.
 
     Attributes:
         values: measure -> (W,).
-        tracks: (T + 1, R, 2) [m] where everybody was at the start and after each control period.
+        tracks: (T + 1, R, 2) [m] places of all robots at the start and after each control period.
 
     """
 
@@ -103,7 +107,7 @@ class Scene(ABC):
     """W worlds in which one goal is to be reached.
 
     The class says what the goal is, how success is measured and what the scene's own setting is. An object is good for
-    one `run`. Subclasses implement `_place`, `_rival` and `_result`, and of the other hooks those that they need.
+    one `run`. Subclasses implement `_place`, `_baseline` and `_result`, and of the other hooks those that they need.
 
     Attributes:
         chosen: the setting of this run.
@@ -147,7 +151,7 @@ class Scene(ABC):
         """Run to the end with the controller that `make` makes for this scene; without one, with the baseline."""
         arena = self.arena
         self.served = make is not None
-        self.controller = self._rival() if make is None else make(self)
+        self.controller = self._baseline() if make is None else make(self)
         controller = self._with_errand(self.controller)
         tracks = [arena.positions.copy()]
         for _ in range(self.chosen.ticks):
@@ -160,23 +164,23 @@ class Scene(ABC):
     def buffers(self) -> dict[str, SoBuffer]:
         """Return new buffers, by the names that configurations use, with what lies around.
 
-        What a robot puts into `own_pheromones` nobody else finds.
+        No other robot finds what a robot puts into `own_pheromones`.
         """
         space, poses = self.ground.space, self.arena.poses
-        gradients = SoBuffer(LYING, space, poses)
+        gradients = SoBuffer(AROUND_SETTINGS, space, poses)
         for lying in self.around:
             lying.store(gradients)
-        own = SoBuffer(TRAILS, space, poses, Delivery(reach=0.0))
-        return {"gradients": gradients, "pheromones": SoBuffer(TRAILS, space, poses), "own_pheromones": own}
+        own = SoBuffer(TRAIL_SETTINGS, space, poses, Delivery(reach=0.0))
+        return {"gradients": gradients, "pheromones": SoBuffer(TRAIL_SETTINGS, space, poses), "own_pheromones": own}
 
     @property
     def positions(self) -> Floats:
-        """Where the robots are (W, N, 2) [m]."""
+        """Positions of the robots (W, N, 2) [m]."""
         return self.arena.by_world(self.arena.positions)
 
     @property
     def headings(self) -> Floats:
-        """Where the robots look (W, N) [rad]."""
+        """Headings of the robots (W, N) [rad]."""
         return self.arena.by_world(self.arena.headings)
 
     @abstractmethod
@@ -184,7 +188,7 @@ class Scene(ABC):
         """Return the start of the robots of one world: positions (N, 2) [m] and headings (N,) [rad]."""
 
     @abstractmethod
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         """Return the baseline."""
 
     @abstractmethod
@@ -210,25 +214,18 @@ class Scene(ABC):
         """Look at the robots after each control period."""
 
 
-_scenes: dict[str, type[Scene]] = {}
-Class = TypeVar("Class", bound=type[Scene])
-
-
-def register(scene: Class) -> Class:
-    """Enter a scene under its goal; a goal that has one raises ValueError."""
-    if scene.goal in _scenes:
-        raise ValueError(f"goal {scene.goal!r} has a scene already, in {_scenes[scene.goal].__module__}")
-    _scenes[scene.goal] = scene
-    return scene
+SCENES: Registry[Scene] = Registry("goal", lambda scene: scene.goal)
+"""Scenes by their goals."""
 
 
 def goals() -> tuple[str, ...]:
     """Return the goals that have a scene, sorted."""
-    return tuple(sorted(_scenes))
+    return SCENES.names()
 
 
 def find(goal: str) -> type[Scene]:
     """Return the scene of a goal; an unknown one raises ConfigurationError and lists the known ones."""
-    if goal not in _scenes:
-        raise ConfigurationError(unknown("goal", goal, goals()))
-    return _scenes[goal]
+    try:
+        return SCENES.find(goal)
+    except UnknownNameError as error:
+        raise ConfigurationError(str(error)) from error

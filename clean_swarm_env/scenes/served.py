@@ -12,17 +12,17 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.arena import DRAWS
 from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.scene import Scene
-from selector.configurations.host import Host, host_knowledge
+from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
-from selector.documents.yaml import unknown
 from selector.knowledge import load_knowledge
 from selector.strategies.max_score import MaxScore
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.components import Commands
 from selforg.mechanisms import DecisionMechanism
+from selforg.registry import unknown
 
 KNOWLEDGE = "library"
 """Name of the expert knowledge in which the goals of the scenes stand."""
@@ -68,7 +68,7 @@ class ServedTeam(Controller):
     """Robots that consist of one coordinator; what it commands is what they do.
 
     Attributes:
-        knowledge: what every robot knows whatever option it holds, to begin with what the scene says.
+        memory: what every robot knows whatever option it holds, at first what the scene says.
 
     """
 
@@ -76,11 +76,11 @@ class ServedTeam(Controller):
         super().__init__(scene.arena)
         arena = scene.arena
         self._goal, self._buffers = expert.model.goal, scene.buffers()
-        self.knowledge = host_knowledge(expert.model.configurations, arena.rows)
+        self.memory = host_memory(expert.model.configurations, arena.rows)
         for name, values in scene.known.items():
-            if name in self.knowledge.kinds:
-                self.knowledge.write(name, np.arange(arena.rows), values)
-        host = Host(arena.poses, self._buffers, arena.directions, arena.generators(DRAWS), self.knowledge)
+            if name in self.memory.kinds:
+                self.memory[name].write(np.arange(arena.rows), values)
+        host = Host(arena.poses, self._buffers, arena.directions, arena.generators(DRAWS), self.memory)
         self._robots = CoordinatedRobots(expert.model, host)
         self._robots.hold(np.full(arena.rows, expert.option))
         self._content = self._robots.coordinators[0].contents[expert.option]
@@ -95,5 +95,6 @@ class ServedTeam(Controller):
     def _command(self, commands: Commands) -> None:
         for buffer in self._buffers.values():
             buffer.deliver(self.arena.now)
-        told = self._robots.tick(self.arena.now)
-        commands.vectors[:], commands.commanded[:], commands.in_place[:] = told.vectors, told.commanded, told.in_place
+        orders = self._robots.tick(self.arena.now)
+        commands.vectors[:], commands.commanded[:] = orders.vectors, orders.commanded
+        commands.in_place[:] = orders.in_place

@@ -6,11 +6,11 @@ from clean_swarm_env.scenes.arena import Body
 from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.order import nearest_neighbours, unevenness
 from clean_swarm_env.scenes.placing import any_headings, scattered
-from clean_swarm_env.scenes.scene import Measure, Scene, Setting, register
+from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats
 
 
-@register
+@SCENES.register
 class UniformDistribution(Scene):
     """Distances to the nearest neighbour tell: equal and large on a lattice, unequal and small by chance."""
 
@@ -18,11 +18,14 @@ class UniformDistribution(Scene):
     story = "24 robots from a square of 5 m x 5 m spread over a torus of 196 m2 within 120 s"
     measures = (
         Measure(
-            "spread of nearest-neighbour distances / their mean", "-", "lower", 0.26,
+            "spread of nearest-neighbour distances / their mean",
+            "-",
+            "lower",
+            0.26,
             "half of 0.52, which places at random give",
         ),
         Measure("mean nearest-neighbour distance", "m", "higher", 2.15, "0.7 of the 3.07 m on a hexagonal lattice"),
-    )  # fmt: skip
+    )
     baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=24, seconds=120.0, ground="torus")
     fewest = 2
@@ -33,7 +36,7 @@ class UniformDistribution(Scene):
         places = scattered(rng, self.chosen.robots, self.ground, 0.6, side=5.0)
         return places, any_headings(rng, self.chosen.robots)
 
-    def _rival(self) -> Controller:
+    def _baseline(self) -> Controller:
         return Wander(self.arena)
 
     def _result(self) -> dict[str, Floats]:

@@ -1,8 +1,8 @@
 """How well the messages of the robots reach the others, world by world: their poses, and the pheromones of the patrol.
 
-Missions with ideal delivery need nothing of this: all robots of a world share one content. In the others every robot
-has its own pheromones, and sees the last pose it received from each other robot for `pose_memory`. Everything else
-robots sense by themselves (garbage, stations) or the coordinators' mechanisms spread (which always arrives).
+Missions with ideal delivery need none of this: all robots of a world share one content. In the others every robot has
+pheromones of its own, and sees the last pose that it received from each other robot for `pose_memory`. Robots sense
+garbage and stations by themselves; what the mechanisms of coordinators spread always arrives.
 """
 
 from __future__ import annotations
@@ -10,14 +10,13 @@ from __future__ import annotations
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import MissionConfig
+from selforg.arrays import Floats
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.pose_delivery import Hearing
 from selforg.gradients.poses import OwnPoses
 
-Floats = NDArray[np.float64]
 LOSSES = 0xFFFFFFFD
 """Spawn key of the streams by which messages of a world get lost; its other streams have other keys."""
 
@@ -43,12 +42,12 @@ class Reception:
         return Delivery(self._reaches, self._losses, 0.0, self._generators) if self.own_contents else Delivery()
 
     def hear(self, poses: OwnPoses) -> None:
-        """Let this also decide who receives the `poses`."""
+        """Decide from now on who receives the `poses`, too."""
         if self.own_contents:
             self._hearing = Hearing(poses, self._reaches, self._losses, self._generators)
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
-        """Let a world begin anew."""
+        """Set range, losses and chance of a world that begins anew."""
         if self.own_contents:
             robots = len(self._generators) // len(self._losses)
             streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, LOSSES)).spawn(robots)
@@ -57,7 +56,7 @@ class Reception:
             self.set(world, mission.delivery.reach, mission.delivery.loss)
 
     def set(self, world: int, reach: float, loss: float) -> None:
-        """Let messages of a world reach robots within `reach` [m] and get lost with the probability `loss`.
+        """Set the delivery of a world: messages reach robots within `reach` [m] and get lost with probability `loss`.
 
         Raises ValueError if the robots share one content (`delivery.own_contents`).
         """

@@ -8,23 +8,38 @@ only, never on what robots do: all options that are compared get the same garbag
 from __future__ import annotations
 
 from math import ceil
-from typing import TYPE_CHECKING, Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.littering import land
+from clean_swarm_env.world.clock import Clock
+from clean_swarm_env.world.floor import Floor
+from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.world.team import Place, Team
+from selforg.arrays import Flags, Floats
 
-if TYPE_CHECKING:
-    from clean_swarm_env.world.worlds import Worlds
-
-NEVER: Final = 1 << 62
+NO_TICK: Final = 1 << 62
 """Tick of what never happens."""
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; those of its robots have their numbers."""
 TOLERANCE: Final = 1e-9
 """Share of a tick by which times of events may be rounded."""
+
+
+class Affected(NamedTuple):
+    """What events change."""
+
+    floor: Floor
+    minds: Minds
+    team: Team
+    clock: Clock
+
+    def land(self, world: int, position: Floats) -> None:
+        """Put an item at `position` (2,) [m]; it is lost if there is no room for more items."""
+        if self.floor.garbage.arrive(world, position):
+            self.minds.show_items(world, position[None], self.clock.now)
 
 
 class Agenda:
@@ -44,7 +59,7 @@ class Agenda:
         self._events: list[tuple[int, Event]] = [
             (ceil(event.at * per_tick - TOLERANCE), event) for _, event in in_order(mission.events)
         ]
-        self._joining: list[tuple[float, float, float] | None] = []
+        self._joining: list[Place | None] = []
         self._ticks_per_minute = 60.0 * per_tick
         self._ticket = float(self._arrivals.exponential())  # items expected until the next one comes
         self._set_rate(mission.garbage.respawn, 0.0)
@@ -52,15 +67,17 @@ class Agenda:
         self._ends = not mission.continuous
         self._find_due(0)
 
-    def run(self, worlds: Worlds, world: int) -> None:
-        """Let happen what is due in `world` of `worlds`."""
-        tick = int(worlds.ticks[world])
+    def run(self, world: int, affected: Affected) -> None:
+        """Apply what is due in `world`."""
+        tick, extent = int(affected.clock.ticks[world]), affected.floor.extent
         while self._next_item <= tick:
-            land(worlds, world, self._arrivals.uniform(size=2) * worlds.extent)
+            affected.land(world, self._arrivals.uniform(size=2) * extent)
             self._ticket = float(self._arrivals.exponential())
             self._set_rate(self._rate, self._next_time)
-        while (not self._joining or self._let_join(worlds, world)) and self._events and self._events[0][0] <= tick:
-            self._happen(self._events.pop(0)[1], worlds, world)
+        while (
+            (not self._joining or self._let_join(world, affected.team)) and self._events and self._events[0][0] <= tick
+        ):
+            self._apply(self._events.pop(0)[1], world, affected)
         self._find_due(tick)
 
     @property
@@ -69,73 +86,76 @@ class Agenda:
         return self._ends and self._landing == 0
 
     def _find_due(self, tick: int) -> None:
-        next_event = self._events[0][0] if self._events else NEVER
+        next_event = self._events[0][0] if self._events else NO_TICK
         self.due = tick + 1 if self._joining else min(next_event, self._next_item)
 
     def _set_rate(self, rate: float, since: float) -> None:
         """Let items come at `rate` [1/min] from the time `since` [ticks] on, from which the ticket counts."""
         self._rate, self._since = rate, since
-        self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NEVER)
+        self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
         self._next_item = ceil(self._next_time)
 
-    def _let_join(self, worlds: Worlds, world: int) -> bool:
-        """Let robots join that have waited; False if one has to wait on."""
+    def _let_join(self, world: int, team: Team) -> bool:
+        """Let robots join that have waited; return whether none has to wait on."""
         while self._joining:
-            place = self._joining[0] or worlds.team.free_place(world, self._places)
-            if place is None or not worlds.team.is_free(world, np.array(place[:2])):
+            place = self._joining[0] or team.free_place(world, self._places)
+            if place is None or not team.is_free(world, np.array(place[:2])):
                 return False
             self._joining.pop(0)
-            worlds.team.add(world, place)
+            team.add(world, place)
         return True
 
-    def _happen(self, event: Event, worlds: Worlds, world: int) -> None:
-        tick, first = int(worlds.ticks[world]), world * worlds.robots
+    def _apply(self, event: Event, world: int, affected: Affected) -> None:
+        floor, minds, team, clock = affected
+        tick, first = int(clock.ticks[world]), world * floor.robots
         if isinstance(event, Join):
             self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
         elif isinstance(event, Remove):
-            worlds.team.remove(first + np.array(event.robots))
+            team.remove(first + np.array(event.robots))
         elif isinstance(event, Fail):
-            worlds.team.fail(first + np.array(event.robots))
+            team.fail(first + np.array(event.robots))
         elif isinstance(event, Land):
-            for position in self._landings.uniform(size=(event.items, 2)) * worlds.extent:
-                land(worlds, world, position)
+            for position in self._landings.uniform(size=(event.items, 2)) * floor.extent:
+                affected.land(world, position)
             self._landing -= event.items
         elif isinstance(event, Respawn):
             self._ticket = max(self._ticket - (tick - self._since) * self._rate / self._ticks_per_minute, 0.0)
             self._set_rate(event.rate, float(tick))
         elif isinstance(event, MoveStations):
-            worlds.stations[world] = event.recycling, event.dump
+            floor.stations[world] = event.recycling, event.dump
         else:
-            worlds.reception.set(world, event.reach, event.loss)
+            minds.reception.set(world, event.reach, event.loss)
 
 
 class Agendas:
     """The agendas of all worlds of a batch.
 
     Attributes:
-        due: number of the batch's tick at which something happens next in any world.
         over: (W,) bool, worlds into which no more garbage will come.
 
     """
 
-    def __init__(self, worlds: Worlds) -> None:
-        self._worlds = worlds
-        self._agendas: list[Agenda | None] = [None] * worlds.worlds
-        self.due = NEVER
-        self.over = np.zeros(worlds.worlds, dtype=np.bool_)
+    def __init__(self, affected: Affected) -> None:
+        self._affected = affected
+        self._agendas: list[Agenda | None] = [None] * affected.floor.worlds
+        self._due = NO_TICK  # tick of the batch at which something happens next in any world
+        self.over: Flags = np.zeros(affected.floor.worlds, dtype=np.bool_)
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
-        """Let a world begin anew; its agenda depends on `mission` and `seed` only."""
+        """Begin a world anew; its agenda depends on `mission` and `seed` only."""
         agenda = self._agendas[world] = Agenda(mission, seed)
         self.over[world] = agenda.over
-        self.due = 0
+        self._due = 0
 
-    def let_happen(self, now: int) -> None:
-        """Let happen what is due in any world at the batch's tick `now`."""
-        self.due = NEVER
+    def apply_due(self) -> None:
+        """Apply the events that are due at this tick in any world."""
+        clock = self._affected.clock
+        if clock.tick < self._due:
+            return
+        self._due = NO_TICK
         for world, agenda in enumerate(self._agendas):
             if agenda is not None:
-                if agenda.due <= self._worlds.ticks[world]:
-                    agenda.run(self._worlds, world)
+                if agenda.due <= clock.ticks[world]:
+                    agenda.run(world, self._affected)
                     self.over[world] = agenda.over
-                self.due = min(self.due, now + agenda.due - int(self._worlds.ticks[world]))
+                self._due = min(self._due, clock.tick + agenda.due - int(clock.ticks[world]))

@@ -7,13 +7,10 @@ again where its robot is lost. Rows of items that are absent or done are free fo
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.space import nearest_image
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from clean_swarm_env.physics.cells import distance
+from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import lean_kernel
 
 LYING, CARRIED, DONE, ABSENT = range(4)
 NOTHING = -1
@@ -57,7 +54,7 @@ class Garbage:
         self.arrived[world] = len(positions)
 
     def arrive(self, world: int, position: Floats) -> bool:
-        """Let an item come into a world at `position` (2,) [m]; False if all its rows are taken."""
+        """Put an item that comes into a world at `position` (2,) [m]; return whether there was a free row for it."""
         free = np.flatnonzero(self.stage[world] >= DONE)
         if not len(free):
             return False
@@ -68,7 +65,7 @@ class Garbage:
         return True
 
     def drop(self, row: int, position: Floats) -> bool:
-        """Let what a robot carries lie at `position` (2,) [m], recycled or not; False if it carries nothing."""
+        """Lay what a robot carries, recycled or not, at `position` (2,) [m]; return whether it carried anything."""
         item, world = int(self.cargo[row]), row // self.robots
         if item == NOTHING:
             return False
@@ -78,13 +75,6 @@ class Garbage:
         self.cargo[row] = NOTHING
         self.recycled[row] = 0
         return True
-
-
-@inlined
-def distance(ax: float, ay: float, bx: float, by: float, extent: Floats) -> float:
-    """Distance [m] of two points on the torus `extent` (2,)."""
-    x, y = nearest_image(bx - ax, extent[0]), nearest_image(by - ay, extent[1])
-    return float(np.sqrt(x * x + y * y))
 
 
 @lean_kernel
@@ -97,41 +87,3 @@ def nearest_lying(x: float, y: float, positions: Floats, stage: Ints, extent: Fl
             if d < shortest:
                 best, shortest = item, d
     return best, shortest
-
-
-@lean_kernel
-def handle_cargo(
-    started: Ints, columns: Ints, robots: Floats, extent: Floats, pick_distance: float, nearest: Ints,
-    positions: Floats, stage: Ints, leftover: Ints, cargo: Ints, recycled: Ints, done: Ints, picked: Ints,
-) -> int:  # fmt: skip
-    """Let the rows act that have just started to pick, recycle or dump, in the order of rows.
-
-    started (R, B): `columns` (3,) of it are picking, recycling and dumping. robots (R, 2) and extent (2,) [m].
-    pick_distance [m]: within which the nearest item is taken; nearest (R,): the item that was the nearest one lying
-    when the robots looked, NOTHING where none was near. positions, stage, leftover, cargo, recycled, done: of
-    `Garbage`, changed in place. picked (R, 2): filled with (row, item) of what was picked; their number is returned.
-    """
-    count = 0
-    per_world = robots.shape[0] // positions.shape[0]
-    for row in range(robots.shape[0]):
-        world = row // per_world
-        if started[row, columns[0]] and cargo[row] == NOTHING:
-            x, y, item, near = robots[row, 0], robots[row, 1], nearest[row], np.inf
-            if item != NOTHING and stage[world, item] == LYING:
-                near = distance(x, y, positions[world, item, 0], positions[world, item, 1], extent)
-            elif item != NOTHING:  # another robot has just taken it
-                item, near = nearest_lying(x, y, positions[world], stage[world], extent)
-            if item != NOTHING and near <= pick_distance:
-                cargo[row] = item
-                recycled[row] = leftover[world, item]
-                stage[world, item] = CARRIED
-                picked[count, 0], picked[count, 1] = row, item
-                count += 1
-        if started[row, columns[1]] and cargo[row] != NOTHING:
-            recycled[row] = 1
-        if started[row, columns[2]] and cargo[row] != NOTHING and recycled[row]:
-            stage[world, cargo[row]] = DONE
-            cargo[row] = NOTHING
-            recycled[row] = 0
-            done[world] += 1
-    return count

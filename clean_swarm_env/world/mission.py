@@ -19,30 +19,48 @@ Scores = Mapping[str, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class MissionResult:
-    """What a mission came to.
+    """What a mission came to: the one declaration of these figures, in the order of `runs.csv`."""
+
+    completed: bool
+    """Whether all garbage was dumped in time."""
+    duration_s: float
+    """Time at which the last item was dumped, or the time limit [s]."""
+    collision_samples_per_s: tuple[float, ...]
+    """For each collision distance, pairs closer than it, counted at every physics step [1/s]."""
+    collision_events_per_s: tuple[float, ...]
+    """For each collision distance, pairs that came closer than it [1/s]."""
+    garbage_done: int
+    """Items dumped."""
+    robots: int
+    """Robots that took part."""
+    ticks: int
+    """Control periods run."""
+    items_per_min: float
+    """Items dumped per minute [1/min]."""
+    cost_s: float
+    """See `mission_cost` [s]."""
+
+
+@dataclass(frozen=True)
+class MissionRun:
+    """What one mission is run with.
 
     Attributes:
-        completed: whether all garbage was dumped in time.
-        duration_s: time at which the last item was dumped, or the time limit [s].
-        collision_samples_per_s: for each collision distance, pairs closer than it, counted at every physics step [1/s].
-        collision_events_per_s: for each collision distance, pairs that came closer than it [1/s].
-        garbage_done: items dumped.
-        robots: number of robots that took part.
-        ticks: control periods run.
-        items_per_min: items dumped per minute [1/min].
-        cost_s: see `mission_cost` [s].
+        mission: the mission.
+        start: where it starts.
+        seed: of everything random in it.
+        scores: goal -> option -> score, laid over the expert knowledge.
+        strategy: which decides in every decision period what each robot's coordinators hold.
+        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
 
     """
 
-    completed: bool
-    duration_s: float
-    collision_samples_per_s: tuple[float, ...]
-    collision_events_per_s: tuple[float, ...]
-    garbage_done: int
-    robots: int
-    ticks: int
-    items_per_min: float
-    cost_s: float
+    mission: MissionConfig
+    start: StartConfiguration
+    seed: int
+    scores: Scores
+    strategy: StrategySpec = BY_SCORE
+    directories: tuple[Path, ...] = ()
 
 
 def run_mission(
@@ -53,8 +71,8 @@ def run_mission(
     strategy: StrategySpec = BY_SCORE,
     directories: tuple[Path, ...] = (),
 ) -> MissionResult:
-    """Run one mission; the arguments are those of `Course`."""
-    course = Course(mission, start, seed, scores, strategy, directories)
+    """Run one mission to its end; the arguments are those of `MissionRun`."""
+    course = Course(MissionRun(mission, start, seed, scores, strategy, directories))
     while course.in_progress:
         course.tick()
     return result_of(course.worlds, 0)
@@ -63,33 +81,20 @@ def run_mission(
 class Course:
     """One mission in one world, control period by control period.
 
-    Args:
-        mission: the mission.
-        start: where it starts.
-        seed: of everything random in it.
-        scores: goal -> option -> score, laid over the expert knowledge.
-        strategy: which decides in every decision period what each robot's coordinators hold.
-        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
-        explained: whether the networks note why each behaviour runs or does not.
+    With `explained` the networks note why each behaviour runs or does not; the course is the same.
+
+    Attributes:
+        worlds: the one world.
 
     """
 
-    def __init__(
-        self,
-        mission: MissionConfig,
-        start: StartConfiguration,
-        seed: int,
-        scores: Scores,
-        strategy: StrategySpec = BY_SCORE,
-        directories: tuple[Path, ...] = (),
-        *,
-        explained: bool = False,
-    ) -> None:
-        knowledge = load_knowledge(mission.knowledge, directories).with_scores(scores)
+    def __init__(self, run: MissionRun, *, explained: bool = False) -> None:
+        mission, directories = run.mission, run.directories
+        knowledge = load_knowledge(mission.knowledge, directories).with_scores(run.scores)
         models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
         self.worlds = Worlds(mission, models, directories=directories, explained=explained)
-        self.worlds.reset(0, start, seed)
-        self._selection = Selection(self.worlds.coordinators, seed, strategy)
+        self.worlds.reset(0, run.start, run.seed)
+        self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy, directories=directories)
         self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
         self._limit = round(mission.time_limit / self.worlds.period)
         self.worlds.hold(self._selection.decide())
@@ -101,7 +106,7 @@ class Course:
         return bool(not worlds.cleaned[0] and worlds.ticks[0] < self._limit)
 
     def tick(self) -> None:
-        """One control period; with the first one of a decision period it is decided what serves each goal."""
+        """Run one control period; at the first one of a decision period, decide what serves each goal."""
         ticks = self.worlds.ticks[0]
         if ticks > 0 and ticks % self._decision_ticks == 0:
             self.worlds.hold(self._selection.decide())

@@ -1,62 +1,143 @@
-"""What compiled code needs of the ground and the robots in a tick, as one bundle, and the two calls that take it."""
+"""The stages of a tick that concern the floor and the minds: own sensors, cargo, and ways to the stations (compiled).
 
-from collections.abc import Callable
+Shapes: see `clean_swarm_env.world.records`.
+"""
+
+from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from clean_swarm_env.world.garbage import handle_cargo
-from clean_swarm_env.world.movement import begin_acting
-from clean_swarm_env.world.robot import read_sensors
-from selforg.compiler.bundles import Bundle, Layout
-from selforg.compiler.decorators import kernel, lean_kernel
+from clean_swarm_env.physics.cells import distance, fill_cells, nearest_point
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, nearest_lying
+from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
+from clean_swarm_env.world.robot import (
+    AT_DUMP,
+    AT_RECYCLING,
+    CARRYING,
+    DIST_DUMP,
+    DIST_RECYCLING,
+    GARBAGE_AT,
+    GARBAGE_FOUND,
+    GARBAGE_SEEN,
+    RECYCLED,
+)
+from selforg.arrays import Flags
+from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.records import Words
 from selforg.network.state import state as st
+from selforg.space import nearest_image
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-
-# robots (R, 2), extent (2,), stations (W, 2, 2), limits (4,) [m] as `read_sensors` takes them
-GROUND = ("f2", "f1", "f3", "f1")
-# of `Garbage`: positions (W, M, 2) [m], stage (W, M), leftover (W, M), cargo (R,), recycled (R,), done (W,); and
-# the nearest item (R,), room for what is picked (R, 2)
-ITEMS = ("f3", "i2", "i2", "i1", "i1", "i1", "i1", "i2")
-# readings (R, S) and mark table (R, MARK_LAYERS, B) of the network; its behaviours that handle cargo (3,), go to
-# stations (K,), follow a mechanism (L,)
-MINDS = ("f2", "i3", "i1", "i1", "i1")
-# vectors (R, 2) [m/s], whether there is one (R,), whether to turn in place (R,), rows in which each of the L
-# behaviours runs (L, R), how many (L,)
-ORDERS = ("f2", "b1", "b1", "i2", "i1")
-WORLD_TABLES = Layout(*GROUND, *ITEMS, *MINDS, *ORDERS)
-Tables = tuple[
-    Floats, Floats, Floats, Floats, Floats, Ints, Ints, Ints, Ints, Ints, Ints, Ints, Floats, Ints, Ints, Ints, Ints,
-    Floats, Flags, Flags, Ints, Ints,
-]  # fmt: skip
-tables_of: Callable[[Bundle], Tables] = WORLD_TABLES.unbundle
-
-
-@kernel
-def sense(tables: Bundle) -> None:
-    """Write the robots' own sensors into the readings; see `read_sensors`."""
-    robots, extent, stations, limits, items, stage, _, cargo, recycled, _, nearest, _, readings = tables_of(tables)[:13]
-    read_sensors(robots, extent, stations, limits, items, stage, cargo, recycled, readings, nearest)
+PICK, RECYCLE, DUMP = range(3)  # columns of `MindsRecord.starting`
 
 
 @lean_kernel
-def begin_to_act(tables: Bundle, pick_distance: float) -> int:
-    """Handle cargo, forget the orders of the tick before and give those that need no mechanism.
+def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
+    """Write the robots' own sensors into the readings, and note the nearest item that each could see or take."""
+    f, readings = open_floor(floor), open_minds(minds).readings
+    worlds, items = f.stage.shape
+    per_world, sight = f.robots.shape[0] // worlds, max(f.sight, f.at_item, f.pick_distance)
+    for world in range(worlds):
+        recycling, dump = f.stations[world, 0], f.stations[world, 1]
+        for item in range(items):
+            f.lying[item] = f.stage[world, item] == LYING
+        fill_cells(f.items[world], 0, f.lying, f.extent, f.cells, f.links)
+        for row in range(world * per_world, (world + 1) * per_world):
+            x, y = f.robots[row, 0], f.robots[row, 1]
+            f.nearest[row], near = NOTHING, np.inf
+            if items > 0:
+                f.nearest[row], near = nearest_point(x, y, sight, f.items[world], f.lying, f.extent, f.cells, f.links)
+            carrying = f.cargo[row] != NOTHING
+            to_recycling = distance(x, y, recycling[0], recycling[1], f.extent)
+            to_dump = distance(x, y, dump[0], dump[1], f.extent)
+            readings[row, GARBAGE_SEEN] = 1.0 if near <= f.sight else 0.0
+            readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item else 0.0
+            readings[row, GARBAGE_FOUND] = 1.0 if near <= f.sight or carrying else 0.0
+            readings[row, CARRYING] = 1.0 if carrying else 0.0
+            readings[row, RECYCLED] = 1.0 if f.recycled[row] else 0.0
+            readings[row, AT_RECYCLING] = 1.0 if to_recycling <= f.at_station else 0.0
+            readings[row, AT_DUMP] = 1.0 if to_dump <= f.at_station else 0.0
+            readings[row, DIST_RECYCLING] = to_recycling
+            readings[row, DIST_DUMP] = to_dump
 
-    Returns how many items were picked; see `handle_cargo` and `begin_acting`.
+
+@lean_kernel
+def handle_cargo_as_decided(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
+    """Let robots pick, recycle and dump whose behaviours have just started to; see `handle_cargo`."""
+    m = open_minds(minds)
+    for row in range(m.starting.shape[0]):
+        for k in range(3):
+            m.starting[row, k] = m.marks[row, st.STARTED, m.handling[k]] != 0
+    return handle_cargo(floor, minds)
+
+
+@lean_kernel
+def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], working: Flags) -> int:
+    """Let robots that are `working` (R,) pick, recycle and dump wherever their sensors say that they can.
+
+    See `handle_cargo`.
     """
-    (
-        robots, extent, stations, _, items, stage, leftover, cargo, recycled, done, nearest, picked, _, marks, handling,
-        transport, movers, vectors, commanded, in_place, running, counts,
-    ) = tables_of(tables)  # fmt: skip
-    number = handle_cargo(
-        marks[:, st.STARTED], handling, robots, extent, pick_distance, nearest, items, stage, leftover, cargo, recycled,
-        done, picked,
-    )  # fmt: skip
-    begin_acting(
-        marks, transport, movers, robots, extent, stations, vectors, commanded, in_place, running, counts
-    )  # fmt: skip
-    return number
+    m = open_minds(minds)
+    for row in range(m.starting.shape[0]):
+        carrying, recycled = m.readings[row, CARRYING] == 1.0, m.readings[row, RECYCLED] == 1.0
+        m.starting[row, PICK] = working[row] and not carrying and m.readings[row, GARBAGE_AT] == 1.0
+        m.starting[row, RECYCLE] = working[row] and carrying and not recycled and m.readings[row, AT_RECYCLING] == 1.0
+        m.starting[row, DUMP] = working[row] and carrying and recycled and m.readings[row, AT_DUMP] == 1.0
+    return handle_cargo(floor, minds)
+
+
+@inlined
+def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
+    """Handle the cargo of the robots that start to pick, recycle or dump, in the order of rows.
+
+    A robot picks the item that was the nearest one when it sensed; where another one has just taken that, the nearest
+    one now. Fills `picked` and returns how many items were picked.
+    """
+    f, starting = open_floor(floor), open_minds(minds).starting
+    count = 0
+    per_world = f.robots.shape[0] // f.items.shape[0]
+    for row in range(f.robots.shape[0]):
+        world = row // per_world
+        if starting[row, PICK] and f.cargo[row] == NOTHING:
+            x, y, item, near = f.robots[row, 0], f.robots[row, 1], f.nearest[row], np.inf
+            if item != NOTHING and f.stage[world, item] == LYING:
+                near = distance(x, y, f.items[world, item, 0], f.items[world, item, 1], f.extent)
+            elif item != NOTHING:
+                item, near = nearest_lying(x, y, f.items[world], f.stage[world], f.extent)
+            if item != NOTHING and near <= f.pick_distance:
+                f.cargo[row] = item
+                f.recycled[row] = f.leftover[world, item]
+                f.stage[world, item] = CARRIED
+                f.picked[count, 0], f.picked[count, 1] = row, item
+                count += 1
+        if starting[row, RECYCLE] and f.cargo[row] != NOTHING:
+            f.recycled[row] = 1
+        if starting[row, DUMP] and f.cargo[row] != NOTHING and f.recycled[row]:
+            f.stage[world, f.cargo[row]] = DONE
+            f.cargo[row] = NOTHING
+            f.recycled[row] = 0
+            f.done[world] += 1
+    return count
+
+
+@lean_kernel
+def begin_orders(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
+    """Clear the orders of the tick before, order the ways to stations, and list the rows in which each mover runs."""
+    f, m = open_floor(floor), open_minds(minds)
+    per_world = f.robots.shape[0] // f.stations.shape[0]
+    for mover in range(m.movers.shape[0]):
+        m.counts[mover] = 0
+    for row in range(m.commanded.shape[0]):
+        m.commanded[row] = m.in_place[row] = False
+        for k in range(m.transport.shape[0]):
+            if m.marks[row, st.EXECUTING, m.transport[k]]:
+                station = f.stations[row // per_world, k]
+                x = nearest_image(station[0] - f.robots[row, 0], f.extent[0])
+                y = nearest_image(station[1] - f.robots[row, 1], f.extent[1])
+                length = np.sqrt(x * x + y * y)
+                m.vectors[row, 0] = x / length if length > 0.0 else 0.0
+                m.vectors[row, 1] = y / length if length > 0.0 else 0.0
+                m.commanded[row] = True
+        for mover in range(m.movers.shape[0]):
+            if m.marks[row, st.EXECUTING, m.movers[mover]]:
+                m.running[mover, m.counts[mover]] = row
+                m.counts[mover] += 1

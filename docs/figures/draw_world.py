@@ -8,7 +8,7 @@ import numpy as np
 from clean_swarm_env.config.files import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.picture import draw_world
-from clean_swarm_env.drawing.world_picture import scene_of
+from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -24,7 +24,7 @@ def world_after(seconds: float, seed: int) -> Worlds:
     mission = load_mission("table1")
     worlds = Worlds(mission, CoordinatorModel(GOAL, load_knowledge(mission.knowledge), Library()))
     worlds.reset(0, random_start(mission, seed, 0), seed)
-    worlds.hold(np.full(worlds.rows, worlds.coordinator.model.options.index(OPTION)))
+    worlds.hold(np.full(worlds.rows, worlds.minds.coordinator_of(GOAL).model.options.index(OPTION)))
     for _ in range(round(seconds / worlds.period)):
         worlds.tick()
     return worlds
@@ -37,7 +37,7 @@ def main() -> None:
     worlds = world_after(seconds, SEED)
     done, items = worlds.garbage.done[0], worlds.mission.garbage.count
     title = f"{seconds:.0f} s into a mission: {done} of {items} items are dumped"
-    draw_world(scene_of(worlds, 0), title).savefig(file, dpi=110)
+    draw_world(canvas_of(worlds, 0), title).savefig(file, dpi=110)
 
 
 if __name__ == "__main__":

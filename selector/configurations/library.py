@@ -7,12 +7,13 @@ from typing import Any
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
-from selector.configurations.running import Content
+from selector.configurations.running import RunningConfiguration
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.files import files_of
 from selector.documents.parameters import check_parameters_used, resolved
-from selector.documents.yaml import DocumentError, read_mapping, roots, shown, unknown, validated
+from selector.documents.reading import read_mapping
 from selector.knowledge import Knowledge, Option
-
-KIND = "mechanisms"
+from selforg.registry import unknown
 
 
 class Library:
@@ -32,10 +33,7 @@ class Library:
     """
 
     def __init__(self, directories: Sequence[Path] = ()) -> None:
-        self._paths: dict[str, Path] = {}
-        for root in roots(directories):
-            for path in sorted((root / KIND).glob("*.yaml")):
-                self._paths.setdefault(path.stem, path)
+        self._paths = files_of("mechanisms", directories)
         self._documents: dict[str, dict[str, Any]] = {key: read_mapping(path) for key, path in self._paths.items()}
         for key, path in self._paths.items():
             self.configuration(key)
@@ -47,7 +45,7 @@ class Library:
     @property
     def keys(self) -> tuple[str, ...]:
         """Names of all configurations, sorted."""
-        return tuple(sorted(self._paths))
+        return tuple(self._paths)
 
     def configuration(self, key: str, parameters: Mapping[str, Any] | None = None) -> ConfigurationSpec:
         """Return a configuration with `parameters` laid over its own."""
@@ -59,7 +57,7 @@ class Library:
         except DocumentError as error:
             raise DocumentError(f"{where}: {error}") from error
         configuration = validated(ConfigurationSpec, content, where)
-        Content(configuration, trial_host(configuration), where)
+        RunningConfiguration(configuration, trial_host(configuration), where)
         return configuration
 
     def of_option(self, option: Option) -> ConfigurationSpec:

@@ -1,49 +1,34 @@
-"""The content of a coordinator: a configuration built from components, for the rows of a host."""
+"""A configuration at work: a network with its mechanisms, sensors and actions, built for the rows of a host."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from selector.configurations.configuration import ConfigurationSpec
+from selector.configurations.acting_network import ActingNetworkSpec
 from selector.configurations.host import Host
-from selector.documents.yaml import DocumentError
-from selector.vocabulary.components import (
-    ActionSpec,
-    ActSpec,
-    ChangedSpec,
-    DecideSpec,
-    DecideStateSpec,
-    FartherThanSpec,
-    GoalDistanceSpec,
-    GoalPresentSpec,
-    GoalReachedSpec,
-    KnownSpec,
-    MechanismSpec,
-    MoveSpec,
-    SensorSpec,
-    SetStateSpec,
-    SpreadSpec,
-    StateIsSpec,
-    TargetSpec,
-    TurnSpec,
-    ValueSpec,
-    VectorLengthSpec,
-    VectorPresentSpec,
-)
-from selector.vocabulary.mechanisms import checked_parameters, takes
-from selforg import components as c
+from selector.documents.errors import DocumentError
+from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec
+from selector.vocabulary.constructors import Reference, checked_parameters
 from selforg.arrays import Ints
-from selforg.components.sensors import SensorComponent
+from selforg.components import (
+    DecisionSource,
+    GoalSource,
+    MovementSource,
+    OrganisedRobots,
+    Remembered,
+    RobotMemory,
+)
 from selforg.gradients.queries import Filter
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, SpreadGradient, find
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
 from selforg.mechanisms.base import Mechanism
-from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
+from selforg.parameters import parameters_of
 
 
-class Content:
+class RunningConfiguration:
     """One configuration at work in R rows; only the rows that hold it are ever asked for.
 
     Attributes:
@@ -56,30 +41,28 @@ class Content:
 
     """
 
-    def __init__(self, spec: ConfigurationSpec, host: Host, where: str, *, explained: bool = False) -> None:
+    def __init__(
+        self, spec: ActingNetworkSpec[Any, Any, Any], host: Host, where: str, *, explained: bool = False
+    ) -> None:
         self.spec, self._host, self._where = spec, host, where
         host.check(spec, where)
-        self._knowledge = c.Knowledge(host.rows, spec.knowledge)
-        self._first_values: list[tuple[DecisionMechanism, str]] = []  # and the knowledge that they begin with
+        self._memory = RobotMemory(host.rows, spec.knowledge)
+        self._first_values: list[tuple[DecisionMechanism, Remembered]] = []  # and what they begin with
         self.mechanisms = {name: self._mechanism(name, declared) for name, declared in spec.mechanisms.items()}
         self._decisions_made = [m for m in self.mechanisms.values() if isinstance(m, DecisionMechanism)]
-        self._movements: dict[str, c.MovementSource] = {}
-        self._decisions: dict[str, c.DecisionSource] = {}
+        self._movements: dict[str, MovementSource] = {}
+        self._decisions: dict[str, DecisionSource] = {}
         self._targets = {name: self._target(declared) for name, declared in spec.targets.items()}
-        sensors = {name: self._made(f"sensors.{name}", self._sensor, s) for name, s in spec.sensors.items()}
+        sensors = {name: self._component(f"sensors.{name}", sensor) for name, sensor in spec.own_sensors.items()}
         actions = {
-            name: [self._made(f"behaviours.{name}.action", self._action, action) for action in behaviour.action]
+            name: [self._component(f"behaviours.{name}.action", action) for action in behaviour.action]
             for name, behaviour in spec.behaviours.items()
         }
         try:
-            model = NetworkModel(
-                spec.network_sensors(), spec.network_behaviours(), spec.network_goals(), spec.network_settings()
-            )
+            network = BehaviourNetwork(spec.network_model(), host.rows, explained=explained)
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
-        self.robots = c.OrganisedRobots(
-            model, host.rows, sensors, actions, dim=host.poses.space.dim, explained=explained
-        )
+        self.robots = OrganisedRobots(network, sensors, actions, host.poses.space.dim)
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
         self.remembers = bool(spec.knowledge or self._decisions_made or self._kept)
         self.forget(np.arange(host.rows))
@@ -90,19 +73,18 @@ class Content:
         return self.robots.network
 
     def forget(self, rows: Ints) -> None:
-        """Let `rows` (K,) know and have decided what they did at first, and ask all mechanisms anew."""
-        self._knowledge.reset(rows)
+        """Put memory and decisions of `rows` (K,) back to their first values, and ask all mechanisms anew."""
+        self._memory.reset(rows)
         for source in self._kept:
             source.forget(rows)
         for mechanism in self._decisions_made:
             mechanism.reset(rows)
-        for mechanism, name in self._first_values:
-            assert self._host.knowledge is not None
-            mechanism.values[rows] = self._host.knowledge.values(name)[rows]
+        for mechanism, remembered in self._first_values:
+            mechanism.values[rows] = remembered.values[rows]
 
     def _mechanism(self, name: str, declared: MechanismSpec) -> Mechanism:
         where = f"{self._where}: mechanisms.{name}"
-        cls = find(declared.type)
+        cls = MECHANISMS.find(declared.type)
         arguments = checked_parameters(cls, declared.parameters, f"{where}.parameters")
         known = arguments.get("value")
         if isinstance(known, str):
@@ -111,82 +93,51 @@ class Content:
                 raise DocumentError(f"{where}.parameters.value: expected {expected}, got {known!r}")
             del arguments["value"]
         for given, value in (("directions", self._host.directions), ("generators", self._host.generators)):
-            if takes(cls, given):
+            if given in parameters_of(cls):
                 arguments[given] = value
-        factory: Any = cls
         try:
-            made: Mechanism = factory(self._host.buffers[declared.buffer], **arguments)
+            made = MECHANISMS.create(declared.type, self._host.buffers[declared.buffer], **arguments)
         except ValueError as error:
             raise DocumentError(f"{where}.parameters: {error}") from error
         if isinstance(known, str) and isinstance(made, DecisionMechanism):
-            self._first_values.append((made, known))
+            self._first_values.append((made, self._remembered(known)))
         return made
 
-    def _target(self, declared: TargetSpec) -> c.GoalSource:
+    def _target(self, declared: TargetSpec) -> GoalSource:
         look = Filter(declared.channels, declared.static, declared.moving, declared.view_distance)
-        return c.GoalSource(self._host.buffers[declared.buffer], declared.rule, look)
+        return GoalSource(self._host.buffers[declared.buffer], declared.rule, look)
 
-    def _made(self, key: str, make: Any, spec: Any) -> Any:  # noqa: ANN401  (sensors and actions alike)
+    def _component(self, key: str, spec: ComponentSpec[Any]) -> Any:  # noqa: ANN401  (sensors and actions alike)
+        arguments = spec.given
+        for parameter, reference, name in spec.references():
+            arguments[parameter] = self._referred(reference, name)
         try:
-            return make(spec)
+            return spec.component(**arguments)
         except ValueError as error:
             raise DocumentError(f"{self._where}: {key}: {error}") from error
 
-    def _sensor(self, spec: SensorSpec) -> SensorComponent:
-        match spec:
-            case VectorPresentSpec():
-                return c.VectorPresent(self._movement(spec.mechanism), spec.longer_than)
-            case VectorLengthSpec():
-                return c.VectorLength(self._movement(spec.mechanism))
-            case GoalPresentSpec():
-                return c.GoalPresent(self._targets[spec.target])
-            case GoalReachedSpec():
-                return c.GoalReached(self._targets[spec.target])
-            case GoalDistanceSpec():
-                return c.GoalDistance(self._targets[spec.target], spec.unseen)
-            case FartherThanSpec():
-                return c.FartherThan(self._targets[spec.target], spec.distance)
-            case ValueSpec():
-                return c.Value(self._decision(spec.mechanism))
-            case StateIsSpec():
-                return c.StateIs(self._decision(spec.mechanism), spec.state)
-            case ChangedSpec():
-                return c.Changed(self._decision(spec.mechanism))
-            case KnownSpec():
-                return c.Known(self._knowing(spec.name), spec.name)
+    def _referred(self, reference: Reference, name: str) -> object:
+        """Return what a name stands for, as the component takes it."""
+        if reference.annotation is MovementSource:
+            return self._movement(name)
+        if reference.annotation is DecisionSource:
+            return self._decision(name)
+        found: dict[str, Mapping[str, Any]] = {
+            "mechanism": self.mechanisms,
+            "target": self._targets,
+            "call": self._host.calls,
+        }
+        return found[reference.what][name] if reference.what in found else self._remembered(name)
 
-    def _action(self, spec: ActionSpec) -> c.Action:
-        match spec:
-            case MoveSpec():
-                return c.Move(self._movement(spec.mechanism))
-            case TurnSpec():
-                return c.Turn(self._movement(spec.mechanism) if spec.mechanism else self._targets[str(spec.target)])
-            case DecideSpec():
-                return c.Decide(self._decision(spec.mechanism).mechanism)
-            case DecideStateSpec():
-                decision = self._decision(spec.mechanism).mechanism
-                return c.DecideState(decision, self._knowing(spec.name), spec.name)
-            case SpreadSpec():
-                spreading = self.mechanisms[spec.mechanism]
-                assert isinstance(spreading, SpreadGradient)  # the document was checked
-                return c.Spread(spreading)
-            case SetStateSpec():
-                return c.SetState(self._knowing(spec.name), spec.name, spec.value)
-            case ActSpec():
-                return c.Act(self._host.calls[spec.call])
-
-    def _movement(self, name: str) -> c.MovementSource:
+    def _movement(self, name: str) -> MovementSource:
         mechanism = self.mechanisms[name]
         assert isinstance(mechanism, MovementMechanism)  # the document was checked
-        return self._movements.setdefault(name, c.MovementSource(mechanism, self.spec.mechanisms[name].hold))
+        return self._movements.setdefault(name, MovementSource(mechanism, self.spec.mechanisms[name].hold))
 
-    def _decision(self, name: str) -> c.DecisionSource:
+    def _decision(self, name: str) -> DecisionSource:
         mechanism = self.mechanisms[name]
         assert isinstance(mechanism, DecisionMechanism)  # the document was checked
-        return self._decisions.setdefault(name, c.DecisionSource(mechanism))
+        return self._decisions.setdefault(name, DecisionSource(mechanism))
 
-    def _knowing(self, name: str) -> c.Knowledge:
-        if name in self.spec.expects:
-            assert self._host.knowledge is not None  # the host was checked
-            return self._host.knowledge
-        return self._knowledge
+    def _remembered(self, name: str) -> Remembered:
+        return (self._host.memory if name in self.spec.expects else self._memory)[name]

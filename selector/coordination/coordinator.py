@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from selector.configurations.host import Host
-from selector.configurations.running import Content
+from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Ints
 from selforg.compiler.decorators import lean_kernel
@@ -38,7 +38,7 @@ class Coordinator:
         self.index = parent.model.behaviour_index[model.goal]
         self.held: Ints = np.zeros(parent.rows, dtype=np.int64)
         self.contents = tuple(
-            Content(configuration, host, f"goal {model.goal}: option {name}", explained=explained)
+            RunningConfiguration(configuration, host, f"goal {model.goal}: option {name}", explained=explained)
             for name, configuration in zip(model.options, model.configurations, strict=True)
         )
         for content in self.contents:
@@ -56,7 +56,7 @@ class Coordinator:
         self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to begin anew
         self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those that begin anew
         self._in_use: list[tuple[int, Ints]] = []
-        self._acted: list[Content] = []
+        self._acted: list[RunningConfiguration] = []
         self.reset(np.arange(parent.rows))
 
     def reset(self, rows: Ints) -> None:

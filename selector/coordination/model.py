@@ -7,7 +7,7 @@ from typing import Any
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.library import Library
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import Knowledge
 from selforg.network.model.behaviours import Behaviour, Effect, Interface, Sensor
 from selforg.network.model.conditions import Conjunction, Disjunction, Optional, Tree

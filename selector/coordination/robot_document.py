@@ -10,12 +10,16 @@
         goals:
           Clean: {conditions: [{type: Negation, of: near}]}
         settings: {max_parallel: 1}
-      approach: ...
+      approach: # inside a behaviour: sensors of the network around by their kind, and components as in a configuration
+        mechanisms: {go: {type: ChemotaxisBalch}}
+        sensors: {distance: number, moving: {type: VectorPresent, mechanism: go}}
+        behaviours: {Go: {action: {type: Move, mechanism: go}, preconditions: [near]}}
     root: robot
     parameters: {reach: 1.0}
 
 Where a condition is expected, the name of one under `conditions` may stand. A network sees the named conditions of
-those it lies in, and must not give their names another meaning. In the root network a behaviour `G: {type: Coordinator,
+those it lies in, and must not give their names another meaning. An inner network decides and acts while the behaviour
+runs that holds it; it may hold others. In the root network a behaviour `G: {type: Coordinator,
 goal: G}` holds the configuration that serves the goal G now; its sensors come with it. `$reach` in place of a value
 stands for the parameter of that name, over which whoever reads the file may lay another value.
 """
@@ -25,13 +29,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from selector.coordination.robot_vocabulary import Coordinators, NetworkSpec
-from selector.documents.parameters import check_parameters_used, resolved
-from selector.documents.yaml import Closed, DocumentError, Name, read_mapping, shown, unknown, validated
+from selector.configurations.host import trial_host
+from selector.configurations.running import RunningConfiguration
+from selector.coordination.robot_network import RobotNetwork
+from selector.coordination.robot_vocabulary import Coordinators, InnerNetworkSpec, NetworkSpec
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name
+from selector.documents.parameters import Content, check_parameters_used, resolved
+from selector.documents.reading import read_mapping
 from selforg.network.model.behaviours import NetworkSettings
-from selforg.network.nesting import NestedModel
-
-Content = dict[str, Any]
+from selforg.registry import unknown
 
 
 class NetworksSpec(Closed):
@@ -50,7 +57,7 @@ def load_network(
     coordinators: Coordinators | None = None,
     parameters: Mapping[str, Any] | None = None,
     settings: NetworkSettings | None = None,
-) -> NestedModel:
+) -> RobotNetwork:
     """Return the root network of a YAML file with everything it holds.
 
     Args:
@@ -74,7 +81,7 @@ def network_from(
     coordinators: Coordinators | None = None,
     parameters: Mapping[str, Any] | None = None,
     settings: NetworkSettings | None = None,
-) -> NestedModel:
+) -> RobotNetwork:
     """Return the root network of what a YAML file holds; `where` names it in errors."""
     try:
         check_parameters_used(content)
@@ -105,24 +112,26 @@ class _Nesting:
     coordinators: Coordinators
     settings: NetworkSettings | None
 
-    def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> NestedModel:
+    def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> RobotNetwork:
         """Build a network that lies in those of `path`, whose named conditions are `outside`."""
         if name not in self.networks:
             raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
         where = f"{self.file}: networks.{name}"
         if name in path:
             raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
-        content = self.networks[name]
-        named = _named(content, outside, where)
-        spec = validated(NetworkSpec, _in_place(content, named, where), where)
+        named = _named(self.networks[name], outside, where)
+        content = _in_place(self.networks[name], named, where)
+        spec = validated(InnerNetworkSpec, content, where) if path else validated(NetworkSpec, content, where)
         inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
-        try:
-            model = spec.build({}, None) if path else spec.build(self.coordinators, self.settings)
-        except ValueError as error:
-            raise DocumentError(f"{where}: {error}") from error
         held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
         try:
-            return NestedModel(model, held)
+            if isinstance(spec, NetworkSpec):
+                return RobotNetwork(spec.build(self.coordinators, self.settings), held)
+        except ValueError as error:
+            raise DocumentError(f"{where}: {error}") from error
+        model = RunningConfiguration(spec, trial_host(spec), where).network.model
+        try:
+            return RobotNetwork(model, held, frozenset(spec.own_sensors), spec)
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
 

@@ -1,16 +1,20 @@
-"""The words in which YAML declares a whole network: sensors, conditions, behaviours that hold others, settings."""
+"""The words in which YAML declares the networks of a robot: the root, and those inside behaviours."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
+from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec
 from selector.coordination.model import CoordinatorModel
-from selector.documents.yaml import Closed, DocumentError, Name, Share, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name, Share
+from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model.model import NetworkModel
+from selforg.registry import unknown
 
 Coordinators = Mapping[str, CoordinatorModel]
 
@@ -85,3 +89,37 @@ class NetworkSpec(Closed):
         ]
         goals = [spec.build(name) for name, spec in self.goals.items()]
         return NetworkModel(sensors, behaviours, goals, settings or self.settings.build())
+
+
+class InnerBehaviourSpec(HoldingBehaviourSpec, ActingBehaviourSpec):
+    """A behaviour of an inner network, which may act, hold another network, or both."""
+
+    action: ActionSpecs = ()
+    """What the behaviour does while it runs: one action, or several that happen together."""
+
+
+def _kind_of_sensor(given: Any) -> str:  # noqa: ANN401  (whatever YAML holds)
+    return "kind" if isinstance(given, str) else "sensor"
+
+
+InnerSensor = Annotated[
+    Annotated[Literal["fact", "number"], Tag("kind")] | Annotated[SensorSpec, Tag("sensor")],
+    Discriminator(_kind_of_sensor),
+]
+"""What a sensor of that name reads in the network around, or a sensor of its own."""
+
+
+class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec, ReachableGoalSpec]):
+    """A network inside a behaviour, its named conditions already in their places."""
+
+    conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
+    """Conditions to be used by name."""
+
+    def network_sensors(self) -> tuple[Sensor, ...]:
+        """Return all sensors as the behaviour network declares them, those of the network around too."""
+        kinds = {name: self.kind_of(one) if isinstance(one, SensorSpec) else one for name, one in self.sensors.items()}
+        return tuple(Sensor(name, kind) for name, kind in kinds.items())
+
+    def network_behaviours(self) -> tuple[Behaviour, ...]:
+        """Return the behaviours as the behaviour network declares them; none of them is a coordinator."""
+        return tuple(spec.build_with(name, {}) for name, spec in self.behaviours.items())

@@ -8,7 +8,9 @@ import numpy as np
 
 from selector.configurations.host import Host
 from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import InnerNetwork, inner_networks
 from selector.coordination.model import CoordinatorModel
+from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import Ints
 from selforg.components import Commands
 from selforg.network.model.behaviours import NetworkSettings
@@ -31,6 +33,7 @@ class CoordinatedRobots:
     Attributes:
         network: that decides which coordinators run; a host with sensors of its own writes them into its `readings`.
         coordinators: (C,).
+        inner: the networks inside behaviours.
 
     """
 
@@ -39,14 +42,17 @@ class CoordinatedRobots:
         models: CoordinatorModel | Sequence[CoordinatorModel],
         host: Host,
         *,
-        network: NetworkModel | None = None,
+        network: RobotNetwork | None = None,
         planner: Planner | None = None,
         explained: bool = False,
     ) -> None:
         listed = (models,) if isinstance(models, CoordinatorModel) else tuple(models)
         self.host = host
-        self.network = BehaviourNetwork(network or network_of(listed), host.rows, planner, explained)
+        robot = network or RobotNetwork(network_of(listed))
+        self.network = BehaviourNetwork(robot.model, host.rows, planner, explained)
         self.coordinators = tuple(Coordinator(model, self.network, host, explained=explained) for model in listed)
+        self.inner = inner_networks(robot, self.network, host, explained=explained)
+        self._inside: tuple[Coordinator | InnerNetwork, ...] = (*self.coordinators, *self.inner)
         self._commands = Commands.none(host.rows, host.poses.space.dim)
         self._all: Ints = np.arange(host.rows)
 
@@ -54,8 +60,8 @@ class CoordinatedRobots:
         """Begin anew in `rows` (K,) or all, holding the options they hold."""
         chosen = self._all if rows is None else rows
         self.network.reset(chosen)
-        for coordinator in self.coordinators:
-            coordinator.reset(chosen)
+        for inside in self._inside:
+            inside.reset(chosen)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
         """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
@@ -64,15 +70,15 @@ class CoordinatedRobots:
     def tick(self, now: float) -> Commands:
         """Let all robots sense, decide and act at `now` [s]; returns what they are told, valid until the next tick."""
         commands = self._commands
-        for coordinator in self.coordinators:
-            coordinator.sense(now)
+        for inside in self._inside:
+            inside.sense(now)
         self.network.step(guarantee=True)
         for array in (commands.vectors, commands.commanded, commands.in_place):
             array[:] = 0
-        for coordinator in self.coordinators:
-            coordinator.act(now, commands)
-        for coordinator in self.coordinators:
-            coordinator.leave(now)
+        for inside in self._inside:
+            inside.act(now, commands)
+        for inside in self._inside:
+            inside.leave(now)
         return commands
 
 

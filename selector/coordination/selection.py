@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
-from selector import strategies as strategies  # registers those that ship with the project
 from selector.coordination.coordinator import Coordinator
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
@@ -25,11 +25,17 @@ class Selection:
         seed: of all chance in it; rows draw independently of each other.
         spec: the strategy.
         teams: (R,) team of each row, for strategies whose estimates a team shares; all are one team unless given.
+        directories: of the user's configurations, searched before the shipped one for files that the strategy names.
 
     """
 
     def __init__(
-        self, coordinators: Sequence[Coordinator], seed: int, spec: StrategySpec = BY_SCORE, teams: Ints | None = None
+        self,
+        coordinators: Sequence[Coordinator],
+        seed: int,
+        spec: StrategySpec = BY_SCORE,
+        teams: Ints | None = None,
+        directories: Sequence[Path] = (),
     ) -> None:
         self.rows = len(coordinators[0].held)
         together = np.zeros(self.rows, dtype=np.int64) if teams is None else teams
@@ -38,6 +44,7 @@ class Selection:
                 Problem(coordinator.model.goal, coordinator.model.options, coordinator.model.scores),
                 row_keys(np.random.SeedSequence([seed, c]), self.rows),
                 together,
+                directories,
             )
             for c, coordinator in enumerate(coordinators)
         )

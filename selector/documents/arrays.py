@@ -11,7 +11,7 @@ import numpy.typing as npt
 import safetensors
 import safetensors.numpy
 
-from selector.documents.yaml import DocumentError, shown
+from selector.documents.errors import DocumentError, shown
 
 Arrays = dict[str, npt.NDArray[Any]]
 DESCRIPTION = "description"

@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
 
-from selector.documents.yaml import DocumentError, unknown
+from selector.documents.errors import DocumentError
+from selforg.registry import unknown
 
 Content: TypeAlias = dict[str, Any]
 REFERENCE = "$"

@@ -9,7 +9,7 @@ from urllib.parse import quote
 from sqlalchemy import URL, Connection, Engine, create_engine, event, insert, inspect, make_url, select, text
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
-from selector.documents.yaml import shown
+from selector.documents.errors import shown
 from selector.store.errors import StoreError
 from selector.store.lineage import IDENTITY, new_identity
 from selector.store.tables import learned, meta, metadata

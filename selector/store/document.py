@@ -7,10 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints
 
-from selector.documents.yaml import Closed, DocumentError, Name, as_yaml, read_mapping, shown, validated
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name
+from selector.documents.reading import as_yaml, read_mapping
 from selector.knowledge import Option, knowledge_from
 from selector.store.exact_sums import Moments
-from selector.store.records import Contents, Entry, Key, Rated, contents_of
+from selector.store.stored_knowledge import Entry, Key, Rated, StoredKnowledge, stored
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 MICROSECOND = timedelta(microseconds=1)
@@ -65,7 +67,7 @@ class _Document(Closed):
     """What was learned."""
 
 
-def as_document(contents: Contents) -> dict[str, Any]:
+def as_document(contents: StoredKnowledge) -> dict[str, Any]:
     """Return the contents of a store as plain data, in an order that depends on nothing else."""
     expert: dict[str, list[_Expert]] = {}
     for (goal, _), rated in sorted(contents.expert.items(), key=lambda item: (item[0][0], item[1].position, item[0])):
@@ -91,7 +93,7 @@ def as_document(contents: Contents) -> dict[str, Any]:
     return document.model_dump(mode="json")
 
 
-def from_document(content: object, where: str) -> Contents:
+def from_document(content: object, where: str) -> StoredKnowledge:
     """Return the contents that a document holds; `where` stands in error messages."""
     document = validated(_Document, content, where)
     expert: dict[tuple[str, str], Rated] = {}
@@ -110,26 +112,26 @@ def from_document(content: object, where: str) -> Contents:
         if why := moments.impossible():
             raise DocumentError(f"{where}: learned.{k}: {why}")
         learned[key] = Entry(moments, _microseconds(entry.updated))
-    return Contents(expert, learned)
+    return StoredKnowledge(expert, learned)
 
 
 def _microseconds(time: datetime) -> int:
     return (time - EPOCH) // MICROSECOND
 
 
-def as_text(contents: Contents, *, as_json: bool) -> str:
+def as_text(contents: StoredKnowledge, *, as_json: bool) -> str:
     """Return the contents of a store as the text of a file."""
     document = as_document(contents)
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n" if as_json else as_yaml(document)
 
 
-def read(path: Path, source: str) -> Contents:
+def read(path: Path, source: str) -> StoredKnowledge:
     """Return what a file holds: an exported store, or expert knowledge, which gets `source` and the time of now."""
     where = shown(path)
     content = _read_json(path) if path.suffix == ".json" else read_mapping(path)
     if "format" in content:
         return from_document(content, where)
-    return contents_of(knowledge_from(content, where), source)
+    return stored(knowledge_from(content, where), source)
 
 
 def _read_json(path: Path) -> dict[str, Any]:

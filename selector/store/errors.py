@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from sqlalchemy.exc import DBAPIError
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.store.exact_sums import COUNT_LIMIT
 
 FULL = "clean_swarm_learned_updates"

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from selforg.arrays import Floats, Ints
 
 GRID_BITS = 24
 """A reward is a whole number of 2^-24."""

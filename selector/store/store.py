@@ -6,17 +6,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from sqlalchemy import Connection, Engine, Pool
 
 from selector.knowledge import Knowledge
 from selector.store import connection as connecting
 from selector.store import tables
-from selector.store.batch import Batch
 from selector.store.errors import StoreError, reported
-from selector.store.exact_sums import NOTHING, Floats, Ints, Moments
+from selector.store.exact_sums import NOTHING, Moments
 from selector.store.lineage import Origins, begin_anew, note_merged, read_origins
-from selector.store.records import Contents, Entry, Key, check, check_names, contents_of, microseconds
+from selector.store.reward_sums import RewardSums
+from selector.store.stored_knowledge import Entry, Key, StoredKnowledge, check, check_names, microseconds, stored
+from selforg.arrays import Flags, Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Estimates:
     count: Ints
     mean: Floats
     variance: Floats
-    known: npt.NDArray[np.bool_]
+    known: Flags
 
 
 class KnowledgeStore:
@@ -69,7 +69,7 @@ class KnowledgeStore:
         """Close all connections; the store opens new ones if it is used again."""
         self._engine.dispose()
 
-    def add(self, *batches: Batch, source: str, updated: int | None = None) -> None:
+    def add(self, *batches: RewardSums, source: str, updated: int | None = None) -> None:
         """Add the updates of an episode, all of them or, with an error, none.
 
         Args:
@@ -88,7 +88,7 @@ class KnowledgeStore:
                 key = Key(batch.goal, option, context, source)
                 entry = Entry(moments, now)
                 learned[key] = learned[key].merged(entry) if key in learned else entry
-        self.absorb(Contents(learned=learned))
+        self.absorb(StoredKnowledge(learned=learned))
 
     def estimates(self, goal: str, options: Sequence[str], contexts: Sequence[str] = ("",)) -> Estimates:
         """Return what was learned of `options` (O,) for a goal in `contexts` (C,)."""
@@ -113,24 +113,24 @@ class KnowledgeStore:
             StoreError: an option that the store knows with another configuration or other parameters.
 
         """
-        self.absorb(contents_of(knowledge, source, updated))
+        self.absorb(stored(knowledge, source, updated))
 
     def knowledge(self) -> Knowledge:
         """Return the expert knowledge that the store holds."""
         return self.contents().knowledge(self.name)
 
-    def contents(self) -> Contents:
+    def contents(self) -> StoredKnowledge:
         """Return all that the store holds, as of one moment."""
         return self._whole()[0]
 
-    def _whole(self) -> tuple[Contents, Origins]:
+    def _whole(self) -> tuple[StoredKnowledge, Origins]:
         """Return all that the store holds, and whose updates these are, as of one moment."""
         with self._reading() as connection:
-            contents = Contents(tables.read_expert(connection), tables.read_learned(connection))
+            contents = StoredKnowledge(tables.read_expert(connection), tables.read_learned(connection))
             check(contents)
             return contents, read_origins(connection)
 
-    def absorb(self, contents: Contents) -> None:
+    def absorb(self, contents: StoredKnowledge) -> None:
         """Add all of `contents` to what the store holds."""
         check(contents)
         with self._writing() as connection:
@@ -138,7 +138,7 @@ class KnowledgeStore:
                 connecting.lock(connection)
             _add(connection, contents)
 
-    def merge(self, other: "KnowledgeStore") -> Contents:
+    def merge(self, other: "KnowledgeStore") -> StoredKnowledge:
         """Add all that another store holds, and return it.
 
         Raises:
@@ -208,10 +208,10 @@ class KnowledgeStore:
             yield connection
 
 
-def _add(connection: Connection, contents: Contents) -> None:
+def _add(connection: Connection, contents: StoredKnowledge) -> None:
     """Add contents to those of a store, whose expert options nobody else changes meanwhile."""
     if contents.expert:
-        held = Contents(tables.read_expert(connection))
-        together = held.merged(Contents(contents.expert)).expert
+        held = StoredKnowledge(tables.read_expert(connection))
+        together = held.merged(StoredKnowledge(contents.expert)).expert
         tables.put_expert(connection, (item for item in together.items() if item[0] in contents.expert))
     tables.add_learned(connection, contents.learned.items())

@@ -29,7 +29,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from selector.knowledge import Option
 from selector.store.errors import FULL
 from selector.store.exact_sums import COUNT_LIMIT, Moments
-from selector.store.records import NAME_LIMIT, Entry, Key, Rated, definition
+from selector.store.stored_knowledge import NAME_LIMIT, Entry, Key, Rated, definition
 
 LOW_BITS = 62
 LOW = (1 << LOW_BITS) - 1

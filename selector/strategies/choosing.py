@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from selector.strategies.problem import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints
 
 
 def best(values: Floats, allowed: Flags) -> Ints:

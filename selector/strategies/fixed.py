@@ -1,12 +1,17 @@
 """Always the same option: what learned strategies have to beat."""
 
+from typing import Any
+
 import numpy as np
 
-from selector.documents.yaml import Closed, DocumentError, Name, unknown
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes, Problem
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
+from selforg.registry import unknown
 
 
 class FixedParameters(Closed):
@@ -16,12 +21,17 @@ class FixedParameters(Closed):
     """Name of the option to take wherever it can serve; elsewhere it is the one of the highest score."""
 
 
-@register
+@STRATEGIES.register
 class Fixed(DecisionStrategy):
     """One option, whatever happens."""
 
     Parameters = FixedParameters
     parameters: FixedParameters
+
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return one of the options."""
+        return {"option": problem.options[len(problem.options) // 2]}
 
     def _prepare(self) -> None:
         name, known = self.parameters.option, self.problem.options

@@ -1,15 +1,17 @@
 """What a strategy learned, in a file: saved, checked against the strategy that takes it over, and taken over."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import configs
 from selector.documents.arrays import Arrays, load_arrays, names_differ, save_arrays
-from selector.documents.yaml import Closed, DocumentError, Name, shown, unknown, validated
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name
+from selector.documents.files import find_file
 from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import ROW_STATE, DecisionStrategy
 
-KIND, SUFFIX, VERSION = "strategies", ".safetensors", 1
+VERSION = 1
 
 
 class _Description(Closed):
@@ -84,19 +86,14 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         raise DocumentError(f"{where}: {error}") from error
 
 
-def find_strategy(name: str) -> Path:
-    """Return the file of what a strategy learned: a path, or the name of one that ships.
+def find_strategy(name: str, directories: Sequence[Path] = ()) -> Path:
+    """Return the file of what a strategy learned: a path, or the name of one in `directories` or of one that ships.
 
     Raises:
-        DocumentError: neither.
+        DocumentError: no such file.
 
     """
-    shipped = configs.directory() / KIND
-    for path in (Path(name), shipped / f"{name}{SUFFIX}"):
-        if path.is_file():
-            return path
-    known = sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))
-    raise DocumentError(f"{unknown('learned strategy', name, known)}, and no such file")
+    return find_file("strategies", name, directories)
 
 
 def spec_of(path: Path) -> StrategySpec:

@@ -3,12 +3,13 @@
 import numpy as np
 
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
 
 
-@register
+@STRATEGIES.register
 class MaxScore(DecisionStrategy):
     """The option of the highest score that can serve, the first of several; rewards change nothing."""
 

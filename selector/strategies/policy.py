@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from selector.documents.yaml import Closed, Flag, Name, shown
+from selector.documents.errors import shown
+from selector.documents.fields import Closed, Flag, Name
 from selector.strategies.choosing import best, chance_of, drawn
 from selector.strategies.policy_file import TrainedPolicy, Weights, find_policy, load_policy
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
 ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
@@ -17,12 +19,12 @@ class PolicyParameters(Closed):
     """Which policy, and how it decides."""
 
     policy: Name
-    """Directory of an exported policy, or the name of one that ships."""
+    """Directory of an exported policy, or the name of one in `policies/` of a directory of configurations."""
     sampled: Flag = False
     """Draw an option with the probabilities of the network, as in training, instead of taking the likeliest."""
 
 
-@register
+@STRATEGIES.register
 class Policy(DecisionStrategy):
     """A policy trained by PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347); it learns no further."""
 
@@ -30,7 +32,7 @@ class Policy(DecisionStrategy):
     parameters: PolicyParameters
 
     def _prepare(self) -> None:
-        directory = find_policy(self.parameters.policy)
+        directory = find_policy(self.parameters.policy, self.directories)
         self.network = Network(load_policy(directory).ordered_for(self.problem, shown(directory)))
 
     @property

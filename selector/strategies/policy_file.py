@@ -6,6 +6,7 @@ A policy is a directory with `policy.json` (`PolicySpec`) and `policy.safetensor
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -15,14 +16,14 @@ import numpy.typing as npt
 import safetensors.numpy
 from pydantic import Field, model_validator
 
-import configs
 from selector.documents.arrays import names_differ, write_whole
-from selector.documents.yaml import Closed, DocumentError, Name, Number, Positive, shown, unknown, validated
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Name, Number, Positive
+from selector.documents.files import find_file
 from selector.strategies.problem import Problem
 
 Weights = npt.NDArray[np.float32]
 SPECIFICATION, WEIGHTS = "policy.json", "policy.safetensors"
-KIND = "policies"
 
 
 class PolicySpec(Closed):
@@ -128,19 +129,14 @@ def save_policy(directory: Path, policy: TrainedPolicy) -> None:
     write_whole(directory / SPECIFICATION, text.encode())
 
 
-def find_policy(name: str) -> Path:
-    """Return the directory of a policy: a path, or the name of one that ships.
+def find_policy(name: str, directories: Sequence[Path] = ()) -> Path:
+    """Return the directory of a policy: a path, or the name of one in `directories` or of one that ships.
 
     Raises:
-        DocumentError: neither.
+        DocumentError: no such policy.
 
     """
-    shipped = configs.directory() / KIND
-    for directory in (Path(name), shipped / name):
-        if (directory / SPECIFICATION).is_file():
-            return directory
-    known = sorted(path.parent.name for path in shipped.glob(f"*/{SPECIFICATION}"))
-    raise DocumentError(f"{unknown('policy', name, known)}, and no directory with a {SPECIFICATION}")
+    return find_file("policies", name, directories).parent
 
 
 def load_policy(directory: Path) -> TrainedPolicy:

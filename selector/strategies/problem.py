@@ -7,10 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from selector.knowledge import Knowledge
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
+from selforg.arrays import Flags, Floats, Ints
 
 
 @dataclass(frozen=True)

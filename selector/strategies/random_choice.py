@@ -1,12 +1,13 @@
 """Any option, all alike: the other end of what learned strategies have to beat."""
 
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategies.problem import Decisions, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
 
 
-@register
+@STRATEGIES.register
 class Random(DecisionStrategy):
     """Each option that can serve with the same probability; rewards change nothing."""
 

@@ -1,20 +1,22 @@
-"""Strategies by name: the register, and how YAML and the command line name one with its parameters."""
+"""Strategies by name: their registry, and how YAML and the command line name one with its parameters."""
 
-from collections.abc import Mapping
-from importlib import import_module
-from typing import Any, Literal, Self, TypeVar
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, DocumentError, Name, read_value, unknown, validated
-from selector.strategies.problem import Ints, Problem
+from selector.documents.errors import DocumentError, validated
+from selector.documents.fields import Closed, Name
+from selector.documents.reading import read_value
+from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import Keys
+from selforg.arrays import Ints
+from selforg.registry import Registry, UnknownNameError
 
-S = TypeVar("S", bound=type[DecisionStrategy])
-
-_registered: dict[str, type[DecisionStrategy]] = {}
+STRATEGIES: Registry[DecisionStrategy] = Registry("strategy")
 
 
 class StrategySpec(Closed):
@@ -29,16 +31,16 @@ class StrategySpec(Closed):
 
     @model_validator(mode="after")
     def _exists(self) -> Self:
-        known = registered()
-        if self.name not in known:
-            raise ValueError(unknown("strategy", self.name, tuple(known)))
-        validated(known[self.name].Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
+        validated(named(self.name).Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
         return self
 
-    def build(self, problem: Problem, keys: Keys, teams: Ints) -> DecisionStrategy:
-        """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,)."""
+    def build(self, problem: Problem, keys: Keys, teams: Ints, directories: Sequence[Path] = ()) -> DecisionStrategy:
+        """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,).
+
+        Files that parameters name are looked for in `directories` before the shipped one.
+        """
         groups = {"all": np.zeros_like(teams), "team": teams, "robot": np.arange(len(teams))}
-        return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing])
+        return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing], directories=directories)
 
 
 def spec_from_text(text: str) -> StrategySpec:
@@ -62,23 +64,14 @@ def spec_from_text(text: str) -> StrategySpec:
     return validated(StrategySpec, content | {"parameters": values}, f"strategy {text!r}")
 
 
-def register(strategy: S) -> S:
-    """Make a strategy known by the name of its class."""
-    name = strategy.__name__
-    if name in _registered:
-        raise ValueError(f"strategy '{name}' is registered twice")
-    _registered[name] = strategy
-    return strategy
-
-
-def registered() -> dict[str, type[DecisionStrategy]]:
-    """Return all registered strategies by name, those that ship among them."""
-    import_module("selector.strategies")  # they register as they are imported, and need this module to do so
-    return dict(sorted(_registered.items()))
-
-
 def create(
-    name: str, problem: Problem, keys: Keys, parameters: Mapping[str, Any] | None = None, *, groups: Ints | None = None
+    name: str,
+    problem: Problem,
+    keys: Keys,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    groups: Ints | None = None,
+    directories: Sequence[Path] = (),
 ) -> DecisionStrategy:
     """Return a new strategy of a registered name; the other arguments are those of `DecisionStrategy`.
 
@@ -86,7 +79,12 @@ def create(
         DocumentError: an unknown name, or parameters that do not fit.
 
     """
-    known = registered()
-    if name not in known:
-        raise DocumentError(unknown("strategy", name, tuple(known)))
-    return known[name](problem, keys, parameters, groups=groups)
+    return named(name)(problem, keys, parameters, groups=groups, directories=directories)
+
+
+def named(name: str) -> type[DecisionStrategy]:
+    """Return the strategy registered under a name; DocumentError lists the known names."""
+    try:
+        return STRATEGIES.find(name)
+    except UnknownNameError as error:
+        raise DocumentError(str(error)) from error

@@ -2,14 +2,17 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar, final
 
 import numpy as np
 import numpy.typing as npt
 
-from selector.documents.yaml import Closed, validated
-from selector.strategies.problem import Decisions, Flags, Floats, Ints, Outcomes, Problem, readable, whole_numbers
+from selector.documents.errors import validated
+from selector.documents.fields import Closed
+from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
+from selforg.arrays import Flags, Floats, Ints
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -26,8 +29,8 @@ class DecisionStrategy(ABC):
     implements `_select` and `_update`, and, if it learns, `_first_state`; what it may set is a model of its own:
 
     >>> import numpy as np
-    >>> from selector.strategies.registry import create, register, registered
-    >>> @register
+    >>> from selector.strategies.registry import STRATEGIES, create
+    >>> @STRATEGIES.register
     ... class LastReward(DecisionStrategy):
     ...     last: Floats
     ...
@@ -54,6 +57,7 @@ class DecisionStrategy(ABC):
         keys: (R,) the source of randomness of each row, from `selector.strategies.streams.row_keys`.
         parameters: values for the fields of `Parameters`.
         groups: (R,) 0..G-1, the set of estimates that each row uses; all rows share one unless given.
+        directories: of the user's configurations, searched before the shipped one for files that parameters name.
 
     """
 
@@ -67,8 +71,10 @@ class DecisionStrategy(ABC):
         parameters: Mapping[str, Any] | None = None,
         *,
         groups: Ints | None = None,
+        directories: Sequence[Path] = (),
     ) -> None:
         self.problem = problem
+        self.directories = directories
         self.parameters = validated(self.Parameters, dict(parameters or {}), f"strategy {type(self).__name__}")
         self.options, self.features, self.rows = len(problem.options), len(problem.features), len(keys)
         self.group_of: Ints = whole_numbers(
@@ -83,6 +89,11 @@ class DecisionStrategy(ABC):
         self.state_names = tuple(first)
         for name, array in first.items():
             setattr(self, name, array)
+
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return the parameters with which the contract tests build the class for a problem."""
+        return {}
 
     @property
     def draws_per_decision(self) -> int:

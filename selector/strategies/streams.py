@@ -8,10 +8,9 @@ code, because array functions may round differently in batches of different size
 import numpy as np
 import numpy.typing as npt
 
+from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 Keys = npt.NDArray[np.uint64]
 Word = np.uint64
 

@@ -1,15 +1,23 @@
-"""The words in which YAML declares components: mechanisms, targets, sensors and actions of a configuration.
+"""The words in which YAML declares components: mechanisms, targets, sensors and actions.
 
-Their types and parameters are the classes of `selforg.mechanisms` and `selforg.components`. What refers to a mechanism,
-a target or a piece of knowledge does so by its name in the configuration.
+Their types are the names of registered classes, their parameters those of the constructors. What refers to a
+mechanism, a target or a piece of knowledge does so by its name in the document.
 """
 
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeAlias, TypeVar
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 
-from selector.documents.yaml import Closed, Flag, Name, NonNegative, Number
+from selector.documents.errors import of_part
+from selector.documents.fields import Closed, Flag, Name, NonNegative
+from selector.vocabulary.constructors import Reference, arguments_of, model_of, references_of
+from selforg.components import ACTIONS, SENSORS, Action, SensorComponent
 from selforg.gradients.queries import CHOICES
+from selforg.registry import Registry, unknown
+
+Class = TypeVar("Class")
+ClassOf: TypeAlias = type[Class]
 
 DEFAULT_BUFFER = "gradients"
 """Name of the buffer that is meant where none is named."""
@@ -45,170 +53,61 @@ class TargetSpec(Closed):
     """How far beyond their reach gradients are seen [m]; as the buffer says unless given."""
 
 
-class OverMovement(Closed):
-    """What refers to a movement mechanism."""
+class ComponentSpec(Closed, Generic[Class], extra="allow"):
+    """A component: the name of its class, and beside it the arguments of the constructor."""
 
-    mechanism: Name
-    """Name of the movement mechanism."""
+    registry: ClassVar[Registry[Any]]
+    """Where the class is found."""
 
-
-class VectorPresentSpec(OverMovement):
-    """A fact: the mechanism gives a movement vector, and it is longer than a threshold."""
-
-    type: Literal["VectorPresent"]
-    longer_than: NonNegative = 1e-9
-    """Length above which a vector counts as present [m/s]."""
-
-
-class VectorLengthSpec(OverMovement):
-    """A number: the length of the mechanism's movement vector, 0 without one."""
-
-    type: Literal["VectorLength"]
-
-
-class OverTarget(Closed):
-    """What refers to a target."""
-
-    target: Name
-    """Name of the target."""
-
-
-class GoalPresentSpec(OverTarget):
-    """A fact: there is such a gradient in view."""
-
-    type: Literal["GoalPresent"]
-
-
-class GoalReachedSpec(OverTarget):
-    """A fact: the own goal area touches that of the target."""
-
-    type: Literal["GoalReached"]
-
-
-class GoalDistanceSpec(OverTarget):
-    """A number: clearance to the target."""
-
-    type: Literal["GoalDistance"]
-    unseen: NonNegative
-    """What it reads without a target in view [m]."""
-
-
-class FartherThanSpec(OverTarget):
-    """A fact: the target is in view and farther than a clearance."""
-
-    type: Literal["FartherThan"]
-    distance: NonNegative
-    """That clearance [m]."""
-
-
-class OverDecision(Closed):
-    """What refers to a decision mechanism."""
-
-    mechanism: Name
-    """Name of the decision mechanism."""
-
-
-class ValueSpec(OverDecision):
-    """A number: the value that would be decided now."""
-
-    type: Literal["Value"]
-
-
-class StateIsSpec(OverDecision):
-    """A fact: a certain state would be decided now."""
-
-    type: Literal["StateIs"]
-    state: Name
-    """That state, by name."""
-
-
-class ChangedSpec(OverDecision):
-    """A fact: something else would be decided now than what was spread last."""
-
-    type: Literal["Changed"]
-
-
-class KnownSpec(Closed):
-    """What the robot knows under a name: a fact or a number."""
-
-    type: Literal["Known"]
-    name: Name
-    """A name under `knowledge` or `expects`."""
-
-
-SensorSpec: TypeAlias = Annotated[
-    VectorPresentSpec | VectorLengthSpec | GoalPresentSpec | GoalReachedSpec | GoalDistanceSpec | FartherThanSpec
-    | ValueSpec | StateIsSpec | ChangedSpec | KnownSpec,
-    Field(discriminator="type"),
-]  # fmt: skip
-
-
-class MoveSpec(OverMovement):
-    """The mechanism's movement vector becomes the drive command; what deposits, deposits."""
-
-    type: Literal["Move"]
-
-
-class TurnSpec(Closed):
-    """Turn without moving: towards a target, or where a mechanism would go."""
-
-    type: Literal["Turn"]
-    mechanism: Name | None = None
-    """Name of a movement mechanism."""
-    target: Name | None = None
-    """Name of a target."""
+    type: Name
+    """Name of the class."""
 
     @model_validator(mode="after")
-    def _towards_one(self) -> Self:
-        if (self.mechanism is None) is (self.target is None):
-            raise ValueError("expected a mechanism or a target")
+    def _fits_its_class(self) -> Self:
+        if self.type not in self.registry:
+            raise ValueError(unknown(self.registry.kind, self.type, self.registry.names()))
+        model = self._form
+        try:
+            model.model_validate(self.model_extra)
+        except ValidationError as error:
+            raise of_part(self.type, error, model) from error
         return self
 
+    @property
+    def component(self) -> ClassOf[Class]:
+        """The class."""
+        found: ClassOf[Class] = self.registry.find(self.type)
+        return found
 
-class DecideSpec(OverDecision):
-    """Decide, keep it and spread it."""
+    @property
+    def _form(self) -> ClassOf[BaseModel]:
+        cls: Any = self.component
+        return model_of(cls)
 
-    type: Literal["Decide"]
+    @property
+    def given(self) -> dict[str, Any]:
+        """What the document gives, as the keyword arguments of the class; references are names."""
+        return arguments_of(self._form.model_validate(self.model_extra))
 
-
-class DecideStateSpec(OverDecision):
-    """Decide and spread; the state becomes knowledge, as its number among the mechanism's states."""
-
-    type: Literal["DecideState"]
-    name: Name
-    """The knowledge."""
-
-
-class SpreadSpec(Closed):
-    """Spread the gradient of a SpreadGradient."""
-
-    type: Literal["Spread"]
-    mechanism: Name
-    """Name of the SpreadGradient."""
-
-
-class SetStateSpec(Closed):
-    """When the behaviour starts, the robot knows a value under a name."""
-
-    type: Literal["SetState"]
-    name: Name
-    """The knowledge."""
-    value: Flag | Number
-    """What it becomes."""
+    def references(self) -> Iterator[tuple[str, Reference, str]]:
+        """Yield parameter, what it refers to, and the name that it holds."""
+        cls: Any = self.component
+        given = self.given
+        for parameter, reference in references_of(cls).items():
+            if given.get(parameter) is not None:
+                yield parameter, reference, given[parameter]
 
 
-class ActSpec(Closed):
-    """When the behaviour starts, a function of the host is called."""
+class SensorSpec(ComponentSpec[SensorComponent]):
+    """A registered sensor."""
 
-    type: Literal["Act"]
-    call: Name
-    """Name of the function among those that the host offers."""
+    registry = SENSORS
 
 
-ActionSpec: TypeAlias = Annotated[
-    MoveSpec | TurnSpec | DecideSpec | DecideStateSpec | SpreadSpec | SetStateSpec | ActSpec,
-    Field(discriminator="type"),
-]
+class ActionSpec(ComponentSpec[Action]):
+    """A registered action."""
+
+    registry = ACTIONS
 
 
 def _listed(given: object) -> object:

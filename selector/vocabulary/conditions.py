@@ -11,13 +11,29 @@ makes a precondition optional:
 """
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from selector.documents.yaml import Closed, Flag, Name, Positive, Share
-from selector.vocabulary.activators import AnyActivator, activator
+from selector.documents.fields import Closed, Flag, Name, Positive, Share
+from selector.vocabulary.components import ComponentSpec
 from selforg.network.model import behaviours, conditions
+from selforg.network.model.activators import ACTIVATORS, Activator
+
+
+class ActivatorSpec(ComponentSpec[Activator]):
+    """A registered activator."""
+
+    registry = ACTIVATORS
+
+    @model_validator(mode="after")
+    def _can_be_built(self) -> Self:
+        self.build()
+        return self
+
+    def build(self) -> Activator:
+        """Return the activator this declares; ValueError for parameters that do not go together."""
+        return self.component(**self.given)
 
 
 class ConditionSpec(Closed):
@@ -26,7 +42,7 @@ class ConditionSpec(Closed):
     type: Literal["Condition"] = "Condition"
     sensor: Name
     """Name of the sensor."""
-    activator: AnyActivator
+    activator: ActivatorSpec
     """How its reading becomes satisfaction and wish."""
     optional: Flag = False
     """As a precondition: adds its wish, but counts neither for readiness nor for activation."""
@@ -139,7 +155,7 @@ def tree(spec: AnyCondition) -> conditions.Tree:
     """Return the condition that a specification declares."""
     match spec:
         case ConditionSpec():
-            return conditions.Condition(spec.sensor, activator(spec.activator))
+            return conditions.Condition(spec.sensor, spec.activator.build())
         case NegationSpec():
             return conditions.Negation(tree(spec.of))
         case ConjunctionSpec():

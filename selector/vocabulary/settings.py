@@ -1,15 +1,11 @@
 """The words in which YAML declares how a network decides: names and defaults of `NetworkSettings`."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from selector.documents.yaml import Closed, Flag, Number, Share
-
-if TYPE_CHECKING:
-    from selforg.network.model.behaviours import NetworkSettings
+from selector.documents.fields import Closed, Flag, Number, Share
+from selforg.network.model.behaviours import NetworkSettings, Weights
 
 
 class WeightsSpec(Closed):
@@ -51,10 +47,5 @@ class SettingsSpec(Closed):
 
     def build(self) -> NetworkSettings:
         """Return the settings this declares."""
-        from selforg.network.model.behaviours import (  # it brings the compiler
-            NetworkSettings,
-            Weights,
-        )
-
         plain = {name: getattr(self, name) for name in SettingsSpec.model_fields if name != "weights"}
         return NetworkSettings(**plain, weights=Weights(**self.weights.model_dump()))

@@ -7,6 +7,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from selforg.arrays import Floats, Links
+from selforg.compiler.decorators import LEAN
 
 Compiler: TypeAlias = Any  # Numba and LLVM are not typed
 LLVM: Compiler = cgutils
@@ -36,10 +37,11 @@ def prefetch_row(typing: Compiler, table: Compiler, row: Compiler) -> Compiler:
     return types.void(table, row), generate
 
 
+FORCED: Any = {**LEAN, "forceinline": True}
 instruction: Compiler = intrinsic(prefetch_row)
 
 
-@overload(prefetch, inline="always")
+@overload(prefetch, jit_options=FORCED)
 def compiled_prefetch(table: Compiler, row: Compiler) -> Compiler:
     """Return what `prefetch` is in compiled code."""
 

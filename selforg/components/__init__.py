@@ -1,5 +1,6 @@
 """Self-organisation inside a behaviour network: sensors over mechanisms, and behaviours that let mechanisms act."""
 
+from selforg.components.actions import ACTIONS as ACTIONS
 from selforg.components.actions import Act as Act
 from selforg.components.actions import Action as Action
 from selforg.components.actions import Commands as Commands
@@ -9,11 +10,10 @@ from selforg.components.actions import Move as Move
 from selforg.components.actions import SetState as SetState
 from selforg.components.actions import Spread as Spread
 from selforg.components.actions import Turn as Turn
-from selforg.components.drives import DriveLimits as DriveLimits
-from selforg.components.drives import differential as differential
-from selforg.components.drives import holonomic as holonomic
-from selforg.components.memory import Knowledge as Knowledge
+from selforg.components.memory import Remembered as Remembered
+from selforg.components.memory import RobotMemory as RobotMemory
 from selforg.components.robot import OrganisedRobots as OrganisedRobots
+from selforg.components.sensors import SENSORS as SENSORS
 from selforg.components.sensors import Changed as Changed
 from selforg.components.sensors import FartherThan as FartherThan
 from selforg.components.sensors import GoalDistance as GoalDistance

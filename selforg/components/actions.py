@@ -5,17 +5,22 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.components.memory import Knowledge
+from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.mechanisms.spreading import SpreadGradient
+from selforg.parameters import Finite
+from selforg.registry import Registry
+
+Call: TypeAlias = Callable[[float, Ints], None]
+"""A function of the host, which is told the time [s] and the rows (K,)."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +48,16 @@ class Action(ABC):
     """Blueprint of what a behaviour does: `act` is called in each step for the rows in which it runs.
 
     Subclasses implement `_act`, name the `sources` they look at, and may leave something behind in `_leave`, called
-    when all movements of the tick are known.
+    when all movements of the tick are known. A registered one can be declared in documents, as a `SensorComponent`;
+    a parameter that is a `Call` stands there as the name of a function that the host offers.
     """
 
     sources: Sequence[Source] = ()
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return the arguments with which the contract tests build the class; names among them are theirs to give."""
+        return {}
 
     @final
     def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
@@ -68,23 +79,28 @@ class Action(ABC):
         """Leave something behind in at least one row."""
 
 
+ACTIONS: Registry[Action] = Registry("action")
+
+
+@ACTIONS.register
 class Act(Action):
     """Calls a function of the host with the time and the rows in which the behaviour was started."""
 
-    def __init__(self, when_started: Callable[[float, Ints], None]) -> None:
-        self._call = when_started
+    def __init__(self, call: Call) -> None:
+        self._call = call
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         if len(started):
             self._call(now, started)
 
 
+@ACTIONS.register
 class Move(Action):
     """The movement vector becomes the command; a depositing mechanism deposits."""
 
-    def __init__(self, source: MovementSource) -> None:
-        self.source = source
-        self.sources = (source,)
+    def __init__(self, mechanism: MovementSource) -> None:
+        self.source = mechanism
+        self.sources = (mechanism,)
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         command_movements(
@@ -108,12 +124,21 @@ def command_movements(
         in_place[row] = False
 
 
+@ACTIONS.register
 class Turn(Action):
-    """Turn without moving: towards the goal, or where a mechanism would go."""
+    """Turn without moving: towards a target, or where a mechanism would go."""
 
-    def __init__(self, source: MovementSource | GoalSource) -> None:
-        self.source = source
+    def __init__(self, mechanism: MovementSource | None = None, target: GoalSource | None = None) -> None:
+        source = mechanism or target
+        if source is None or (mechanism and target):
+            raise ValueError("expected a mechanism or a target")
+        self.source: MovementSource | GoalSource = source
         self.sources = (source,)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return one of both."""
+        return {"target": None}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         source = self.source
@@ -125,6 +150,7 @@ class Turn(Action):
         commands.in_place[rows] = True
 
 
+@ACTIONS.register
 class Decide(Action):
     """Decide, keep it and spread it, in every step."""
 
@@ -138,21 +164,22 @@ class Decide(Action):
         self.mechanism.spread(now, rows)
 
 
+@ACTIONS.register
 class DecideState(Decide):
-    """Decide and spread; the state, as its number in the mechanism's `states`, becomes knowledge under a name."""
+    """Decide and spread; the state, as its number in the mechanism's `states`, is remembered under a name."""
 
-    def __init__(self, mechanism: DecisionMechanism, knowledge: Knowledge, name: str) -> None:
+    def __init__(self, mechanism: DecisionMechanism, name: Remembered) -> None:
         super().__init__(mechanism)
-        if knowledge.kinds.get(name) == "fact" and len(mechanism.states) > 2:
-            raise ValueError(f"DecideState: {len(mechanism.states)} states do not fit into the fact {name!r}")
-        knowledge.values(name)  # it must exist
-        self.knowledge, self.name = knowledge, name
+        if name.kind == "fact" and len(mechanism.states) > 2:
+            raise ValueError(f"DecideState: {len(mechanism.states)} states do not fit into the fact {name.name!r}")
+        self._remembered = name
 
     def _leave(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.spread(now, rows)
-        self.knowledge.write(self.name, rows[decision.decided], decision.states[decision.decided])
+        self._remembered.write(rows[decision.decided], decision.states[decision.decided])
 
 
+@ACTIONS.register
 class Spread(Action):
     """Spread a configured gradient from the own pose, in every step."""
 
@@ -166,12 +193,18 @@ class Spread(Action):
         self.mechanism.spread(now, rows)
 
 
+@ACTIONS.register
 class SetState(Action):
-    """When the behaviour starts, the robot knows a value under a name."""
+    """When the behaviour starts, the robot remembers a value under a name."""
 
-    def __init__(self, knowledge: Knowledge, name: str, value: float) -> None:
-        knowledge.write(name, [], value)  # name and value must fit
-        self.knowledge, self.name, self.value = knowledge, name, value
+    def __init__(self, name: Remembered, value: bool | Finite) -> None:
+        name.write([], value)  # the value must fit
+        self._remembered, self._value = name, value
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a value that a fact or a number can have."""
+        return {"value": True}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        self.knowledge.write(self.name, started, self.value)
+        self._remembered.write(started, self._value)

@@ -1,4 +1,4 @@
-"""What robots know: named values per robot, written by behaviours and read by sensors."""
+"""What robots remember: named values of each robot, written by behaviours and read by sensors."""
 
 from __future__ import annotations
 
@@ -12,38 +12,62 @@ from selforg.network.model.behaviours import Sensor, SensorKind
 from selforg.network.step.readings import reading_of
 
 
-class Knowledge:
+class RobotMemory:
     """Values of N robots by name; each is a fact (1 or 0) or a number, with the value that it has at first.
 
-    >>> knowledge = Knowledge(2, {"home": True, "charge": 0.5})
-    >>> knowledge.write("charge", [1], 0.25)
-    >>> knowledge.values("charge").tolist()
+    >>> memory = RobotMemory(2, {"home": True, "charge": 0.5})
+    >>> memory["charge"].write([1], 0.25)
+    >>> memory["charge"].values.tolist()
     [0.5, 0.25]
     """
 
     def __init__(self, rows: int, first: Mapping[str, bool | float]) -> None:
-        self.kinds: dict[str, SensorKind] = {
-            name: "fact" if isinstance(value, bool | np.bool_) else "number" for name, value in first.items()
-        }
-        self._first = {name: reading_of(Sensor(name, self.kinds[name]), value) for name, value in first.items()}
-        self._values = {name: np.full(rows, value) for name, value in self._first.items()}
+        self._remembered = {name: Remembered(name, rows, value) for name, value in first.items()}
 
-    def values(self, name: str) -> Floats:
-        """Return the values (N,) under a name; an unknown name raises ValueError."""
-        if name not in self._values:
-            raise ValueError(f"knowledge: unknown name {name!r} (known: {', '.join(self._values)})")
-        return self._values[name]
+    @property
+    def kinds(self) -> dict[str, SensorKind]:
+        """Whether each name stands for a fact or a number."""
+        return {name: remembered.kind for name, remembered in self._remembered.items()}
 
-    def write(self, name: str, rows: npt.ArrayLike, value: npt.ArrayLike) -> None:
-        """Set what `rows` (K,) know under a name: one value or (K,)."""
-        given = np.asarray(value, dtype=np.float64)
-        if self.kinds.get(name) == "fact" and not np.isin(given, (0.0, 1.0)).all():
-            raise ValueError(f"knowledge {name!r} is a fact: expected True or False, got {value!r}")
-        if np.isnan(given).any():
-            raise ValueError(f"knowledge {name!r}: expected numbers, got {value!r}")
-        self.values(name)[np.asarray(rows, dtype=np.int64)] = given
+    def __getitem__(self, name: str) -> Remembered:
+        """Return what robots remember under a name; an unknown name raises ValueError."""
+        if name not in self._remembered:
+            raise ValueError(f"knowledge: unknown name {name!r} (known: {', '.join(self._remembered)})")
+        return self._remembered[name]
 
     def reset(self, rows: npt.ArrayLike) -> None:
-        """Let `rows` (K,) know again what they knew at first."""
-        for name, value in self._first.items():
-            self._values[name][np.asarray(rows, dtype=np.int64)] = value
+        """Give `rows` (K,) all their first values again."""
+        for remembered in self._remembered.values():
+            remembered.reset(rows)
+
+
+class Remembered:
+    """What N robots remember under one name.
+
+    Attributes:
+        kind: whether it is a fact or a number.
+        values: (N,) now; facts are 1 or 0.
+
+    Raises:
+        ReadingError: a first value that is neither True or False nor a number.
+
+    """
+
+    def __init__(self, name: str, rows: int, first: bool | float) -> None:
+        self.name = name
+        self.kind: SensorKind = "fact" if isinstance(first, bool | np.bool_) else "number"
+        self._first = reading_of(Sensor(name, self.kind), first)
+        self.values: Floats = np.full(rows, self._first)
+
+    def write(self, rows: npt.ArrayLike, value: npt.ArrayLike) -> None:
+        """Set what `rows` (K,) remember: one value or (K,); ValueError for a value of another kind."""
+        given = np.asarray(value, dtype=np.float64)
+        if self.kind == "fact" and not np.isin(given, (0.0, 1.0)).all():
+            raise ValueError(f"knowledge {self.name!r} is a fact: expected True or False, got {value!r}")
+        if np.isnan(given).any():
+            raise ValueError(f"knowledge {self.name!r}: expected numbers, got {value!r}")
+        self.values[np.asarray(rows, dtype=np.int64)] = given
+
+    def reset(self, rows: npt.ArrayLike) -> None:
+        """Give `rows` (K,) their first value again."""
+        self.values[np.asarray(rows, dtype=np.int64)] = self._first

@@ -11,18 +11,21 @@ from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action, Commands
 from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
 from selforg.components.sources import Source
-from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import Planner
 
 Actions = Mapping[str, Action | Sequence[Action]]
 
 
 class OrganisedRobots:
-    """N robots with one model; each sensor reads through a component, each behaviour acts through some or none.
+    """N robots with one network; each sensor reads through a component, each behaviour acts through some or none.
 
-    Readings of sensors without a component are the host's: it writes them into `network.readings` before each tick.
     What only actions look at is asked of the rows that act, and of no others.
+
+    Args:
+        network: of the robots.
+        sensors: by name; readings of the others are the host's, which writes them into `network.readings`.
+        actions: one or several by behaviour.
+        dim: dimensions of the space, D.
 
     Raises:
         ValueError: a component for a sensor or behaviour that the model lacks, or of another kind than its sensor.
@@ -31,16 +34,12 @@ class OrganisedRobots:
 
     def __init__(
         self,
-        model: NetworkModel,
-        rows: int,
+        network: BehaviourNetwork,
         sensors: Mapping[str, SensorComponent],
         actions: Actions,
-        planner: Planner | None = None,
         dim: int = 2,
-        *,
-        explained: bool = False,
     ) -> None:
-        self.network = BehaviourNetwork(model, rows, planner, explained)
+        self.network, model = network, network.model
         self._sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]
         for column, component in self._sensors:
             sensor = model.sensors[column]
@@ -58,7 +57,7 @@ class OrganisedRobots:
         self._others = [(column, one) for column, one in self._sensors if not isinstance(one, VectorSensor)]
         self._shown: tuple[Floats, Ints, Ints] | None = None
         self._acted: list[tuple[Action, Ints]] = []
-        self._all, self._dim = np.arange(rows), dim
+        self._all, self._dim = np.arange(network.rows), dim
 
     def tick(self, now: float, rows: Ints | None = None) -> Commands:
         """Let `rows` (K,) or all sense, decide and act at `now` [s]; returns what all N rows are told."""

@@ -1,36 +1,53 @@
-"""Sensor components: how a source or the own knowledge becomes a reading of a behaviour network."""
+"""Sensor components: how a source or what a robot remembers becomes a reading of a behaviour network."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from typing import final
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, NamedTuple, final
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.bundles import Bundle, Layout
 from selforg.compiler.decorators import lean_kernel
-from selforg.components.memory import Knowledge
+from selforg.compiler.records import Recording, Words
+from selforg.components.memory import Remembered
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
 from selforg.network.model.behaviours import SensorKind
+from selforg.parameters import NonNegative
+from selforg.registry import Registry
 
 
 class SensorComponent(ABC):
     """Blueprint of a sensor: `read` is called once a tick, after the sources were asked.
 
-    Subclasses state their `kind`, name their `sources` and implement `_read`.
+    Subclasses state their `kind`, name their `sources` and implement `_read`. A registered one can be declared in
+    documents: its keys are the parameters of the constructor. A parameter that is a `MovementSource`, a
+    `DecisionSource`, a mechanism, a `GoalSource` or a `Remembered` stands there as the name of a mechanism, a target
+    or a piece of knowledge.
 
     Example:
-        >>> class Heading(SensorComponent):
+        >>> @SENSORS.register
+        ... class Heading(SensorComponent):
+        ...     def __init__(self, mechanism: MovementSource) -> None:
+        ...         self.sources = (mechanism,)
+        ...         self._vectors = mechanism.vectors
+        ...
         ...     def _read(self, rows):
-        ...         return compass[rows]
+        ...         return np.arctan2(self._vectors[rows, 1], self._vectors[rows, 0])
 
     """
 
     kind: SensorKind = "number"
+    kind_of: ClassVar[str | None] = None
+    """Parameter (a `Remembered`) whose kind the sensor has; None: its own `kind`."""
     sources: Sequence[Source] = ()
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return the arguments with which the contract tests build the class; names among them are theirs to give."""
+        return {}
 
     @final
     def read(self, rows: Ints) -> Floats:
@@ -42,15 +59,18 @@ class SensorComponent(ABC):
         """Return what `rows` (K,) sense: bool or number (K,)."""
 
 
+SENSORS: Registry[SensorComponent] = Registry("sensor")
+
+
 class VectorSensor(SensorComponent):
     """What the sensors over a movement vector share: they are read by a kernel."""
 
     longest_absent = -1.0
     """Length [m/s] that still counts as none, for a fact; negative for a number."""
 
-    def __init__(self, source: MovementSource) -> None:
-        self.source = source
-        self.sources = (source,)
+    def __init__(self, mechanism: MovementSource) -> None:
+        self.source = mechanism
+        self.sources = (mechanism,)
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         readings = np.zeros((len(self.source.vectors), 1))
@@ -59,18 +79,20 @@ class VectorSensor(SensorComponent):
         return read
 
 
+@SENSORS.register
 class VectorPresent(VectorSensor):
     """A fact: there is a movement vector, longer than `longer_than` [m/s] (so a zero vector is none)."""
 
     kind = "fact"
 
-    def __init__(self, source: MovementSource, longer_than: float = 1e-9) -> None:
-        super().__init__(source)
+    def __init__(self, mechanism: MovementSource, longer_than: NonNegative = 1e-9) -> None:
+        super().__init__(mechanism)
         if not longer_than >= 0.0:
             raise ValueError(f"VectorPresent: longer_than must be at least 0, got {longer_than}")
         self.longest_absent = float(longer_than)
 
 
+@SENSORS.register
 class VectorLength(VectorSensor):
     """Length of the movement vector [m/s], 0 without one."""
 
@@ -78,11 +100,12 @@ class VectorLength(VectorSensor):
 class GoalSensor(SensorComponent):
     """What the sensors over a goal gradient share."""
 
-    def __init__(self, source: GoalSource) -> None:
-        self.source = source
-        self.sources = (source,)
+    def __init__(self, target: GoalSource) -> None:
+        self.source = target
+        self.sources = (target,)
 
 
+@SENSORS.register
 class GoalPresent(GoalSensor):
     """A fact: a goal gradient is in view."""
 
@@ -92,6 +115,7 @@ class GoalPresent(GoalSensor):
         return self.source.present[rows]
 
 
+@SENSORS.register
 class GoalReached(GoalSensor):
     """A fact: the own goal area touches the goal's."""
 
@@ -101,82 +125,121 @@ class GoalReached(GoalSensor):
         return self.source.present[rows] & (self.source.clearance[rows] <= 0.0)
 
 
-class GoalDistance(SensorComponent):
+@SENSORS.register
+class GoalDistance(GoalSensor):
     """Clearance to the goal [m], at least 0; `unseen` [m] where there is none in view."""
 
-    def __init__(self, source: GoalSource, unseen: float) -> None:
+    def __init__(self, target: GoalSource, unseen: NonNegative) -> None:
         if not (unseen >= 0.0 and np.isfinite(unseen)):
             raise ValueError(f"GoalDistance: unseen must be a distance, got {unseen}")
-        self.source, self.unseen = source, unseen
-        self.sources = (source,)
+        super().__init__(target)
+        self.unseen = unseen
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a distance."""
+        return {"unseen": 9.0}
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return np.where(self.source.present[rows], np.maximum(self.source.clearance[rows], 0.0), self.unseen)
 
 
-class FartherThan(SensorComponent):
+@SENSORS.register
+class FartherThan(GoalSensor):
     """A fact: a goal is in view, its clearance larger than `distance` [m]."""
 
     kind = "fact"
 
-    def __init__(self, source: GoalSource, distance: float) -> None:
-        self.source, self.distance = source, distance
-        self.sources = (source,)
+    def __init__(self, target: GoalSource, distance: NonNegative) -> None:
+        super().__init__(target)
+        self.distance = distance
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a distance."""
+        return {"distance": 3.0}
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.present[rows] & (self.source.clearance[rows] > self.distance)
 
 
-class Value(SensorComponent):
-    """The value that a decision mechanism would decide now [-]."""
+class DecisionSensor(SensorComponent):
+    """What the sensors over a decision share."""
 
-    def __init__(self, source: DecisionSource) -> None:
-        self.source = source
-        self.sources = (source,)
+    def __init__(self, mechanism: DecisionSource) -> None:
+        self.source = mechanism
+        self.sources = (mechanism,)
+
+
+@SENSORS.register
+class Value(DecisionSensor):
+    """The value that a decision mechanism would decide now [-]."""
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.values[rows]
 
 
-class StateIs(SensorComponent):
+@SENSORS.register
+class StateIs(DecisionSensor):
     """A fact: a decision mechanism would decide for one certain state now."""
 
     kind = "fact"
 
-    def __init__(self, source: DecisionSource, state: str) -> None:
-        known = source.mechanism.states
+    def __init__(self, mechanism: DecisionSource, state: str) -> None:
+        known = mechanism.mechanism.states
         if state not in known:
             raise ValueError(f"StateIs: state must be one of {', '.join(known)}, got {state!r}")
-        self.source, self.code = source, known.index(state)
-        self.sources = (source,)
+        super().__init__(mechanism)
+        self.code = known.index(state)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a state of `Quorum`."""
+        return {"state": "True"}
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         there: Flags = self.source.states[rows] == self.code
         return there
 
 
-class Changed(SensorComponent):
+@SENSORS.register
+class Changed(DecisionSensor):
     """A fact: a decision mechanism would decide something else now than what it has spread last."""
 
     kind = "fact"
-
-    def __init__(self, source: DecisionSource) -> None:
-        self.source = source
-        self.sources = (source,)
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.differs[rows]
 
 
+@SENSORS.register
 class Known(SensorComponent):
-    """What the robot knows under a name."""
+    """What the robot remembers under a name."""
 
-    def __init__(self, knowledge: Knowledge, name: str) -> None:
-        self._values = knowledge.values(name)
-        self.kind = knowledge.kinds[name]
+    kind_of = "name"
+
+    def __init__(self, name: Remembered) -> None:
+        self._values = name.values
+        self.kind = name.kind
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self._values[rows]
+
+
+class ReadingTables(NamedTuple):
+    """What `read_vectors` reads and writes, of N rows and C sensors."""
+
+    vectors: Annotated[Floats, "N D"]  # of the source [m/s]
+    active: Annotated[Flags, "N"]  # whether there is a vector
+    longest_absent: Annotated[Floats, "C"]  # of each sensor [m/s]
+    readings: Annotated[Floats, "N S"]  # of the network that has the sensors
+    columns: Annotated[Ints, "C"]  # column of each sensor in `readings`
+    other_readings: Annotated[Floats, "N T"]  # of a network that is shown them too
+    other_columns: Annotated[Ints, "C"]
+
+
+READING_TABLES = Recording(ReadingTables)
+open_tables = READING_TABLES.open
 
 
 class VectorReadings:
@@ -197,37 +260,32 @@ class VectorReadings:
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
         """Write them into `columns` (C,) of other `readings` (N, T) too."""
-        self._bundle = READING_TABLES.bundle(
-            self._source.vectors, self._source.active, self._longest, self._readings, self.columns, readings, columns
+        source = self._source
+        self._tables = READING_TABLES.pack(
+            ReadingTables(source.vectors, source.active, self._longest, self._readings, self.columns, readings, columns)
         )
 
     def write(self, rows: Ints) -> None:
         """Write the readings of `rows` (K,)."""
-        read_vectors(rows, self._bundle)
-
-
-# vectors (N, D) and active (N,) of the source, longest absent (C,) [m/s]; twice readings (N, S) and columns (C,)
-READING_TABLES = Layout("f2", "b1", "f1", "f2", "i1", "f2", "i1")
-ReadingTables = tuple[Floats, Flags, Floats, Floats, Ints, Floats, Ints]
-reading_tables_of: Callable[[Bundle], ReadingTables] = READING_TABLES.unbundle
+        read_vectors(rows, self._tables.words)
 
 
 @lean_kernel
-def read_vectors(rows: Ints, tables: Bundle) -> None:
+def read_vectors(rows: Ints, tables: Words[ReadingTables]) -> None:
     """Write of `rows` (K,) the length of the vector, 0 without one.
 
     From a longest absent >= 0 on: 1 where it is longer than that, else 0.
     """
-    vectors, active, longest, readings, columns, others, other_columns = reading_tables_of(tables)
+    t = open_tables(tables)
     for row in rows:
         length = 0.0
-        if active[row]:
-            for axis in range(vectors.shape[1]):
-                length += vectors[row, axis] * vectors[row, axis]
+        if t.active[row]:
+            for axis in range(t.vectors.shape[1]):
+                length += t.vectors[row, axis] * t.vectors[row, axis]
             length = np.sqrt(length)
-        for k in range(columns.shape[0]):
+        for k in range(t.columns.shape[0]):
             reading = length
-            if longest[k] >= 0.0:
-                reading = 1.0 if length > longest[k] else 0.0
-            readings[row, columns[k]] = reading
-            others[row, other_columns[k]] = reading
+            if t.longest_absent[k] >= 0.0:
+                reading = 1.0 if length > t.longest_absent[k] else 0.0
+            t.readings[row, t.columns[k]] = reading
+            t.other_readings[row, t.other_columns[k]] = reading

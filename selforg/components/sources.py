@@ -10,7 +10,7 @@ import numpy as np
 from selforg.arrays import Flags, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
-from selforg.gradients.store.columns import DISTANCE, DX, GOAL, PAIR_GOAL
+from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decision_base import DecisionMechanism
 
@@ -81,8 +81,8 @@ class GoalSource(Source):
 
     def _ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
-        clearance = pairs[:, DISTANCE] - pairs[:, PAIR_GOAL] - self._poses.own[rows, 0, GOAL]
-        self.offsets[rows] = pairs[:, DX : DX + self.offsets.shape[1]]
+        clearance = pairs[:, PAIR_DISTANCE] - pairs[:, PAIR_GOAL_RADIUS] - self._poses.own[rows, 0, GOAL_RADIUS]
+        self.offsets[rows] = pairs[:, PAIR_DX : PAIR_DX + self.offsets.shape[1]]
         self.clearance[rows] = np.where(found, clearance, 0.0)
         self.present[rows] = found
 

@@ -1,39 +1,23 @@
 """SoBuffer: the gradients that robots have received, stored so that near ones are found without the rest."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.bundles import Bundle
+from selforg.compiler.records import Words
 from selforg.gradients.delivery import Delivery, Mail, address
 from selforg.gradients.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
 from selforg.gradients.names import Codes
 from selforg.gradients.poses import OwnPoses
+from selforg.gradients.rows import read_gradient, write_gradient
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.columns import (
-    CLOCK,
-    DIFFUSION,
-    FACTOR,
-    FAR,
-    GOAL,
-    MESSAGE_COLUMNS,
-    PERIOD,
-    SERIALS,
-    STAMP,
-    TAG_CHANNEL,
-    TAG_COLUMNS,
-    TAG_KEY,
-    TAG_SIGN,
-    TAG_SOURCE,
-    TAG_SPACE,
-    X,
-)
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Store
 from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, store_rows
 from selforg.gradients.store.tables import Tables
-from selforg.gradients.writing import write_gradient
 from selforg.space import Space
 
 MOST_STALE_PAYLOADS = 1024
@@ -65,7 +49,7 @@ class SoBuffer:
         self.sources = Codes(poses.rows, poses.names)
         self.keys = Codes()
         self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
-        self.rules: Ints = np.zeros(0, dtype=np.int64)  # aggregation rule of each channel
+        self._channel_tables: dict[tuple[str, ...], Ints] = {}  # of the channels that came up so far
         self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
 
     def __len__(self) -> int:
@@ -73,9 +57,9 @@ class SoBuffer:
         return self.table.used
 
     @property
-    def tables(self) -> Bundle:
-        """What compiled code needs of the buffer; see `selforg.gradients.store.candidates.Store`."""
-        return self.table.bundle
+    def words(self) -> Words[Store]:
+        """What compiled code takes of the buffer, until something is stored the next time."""
+        return self.table.packed.words
 
     def store_static(
         self,
@@ -101,13 +85,14 @@ class SoBuffer:
         if not self.keeps(channel):
             return
         messages, tags = self._static(teams, channel, places, now)
-        messages[:, DIFFUSION], messages[:, GOAL] = diffusion, goal_radius
-        messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = evaporation_factor, evaporation_period
+        messages[:, c.DIFFUSION], messages[:, c.GOAL_RADIUS] = diffusion, goal_radius
+        far = messages[:, c.MESSAGE_FAR :]
+        far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = evaporation_factor, evaporation_period
         sources = np.asarray(source)
         require(
             "source", sources, (sources >= -1) & (sources < self.poses.rows), f"a row below {self.poses.rows}, or -1"
         )
-        tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = sources, attraction
+        tags[:, c.TAG_SOURCE], tags[:, c.TAG_SIGN] = sources, attraction
         self.store_tables(*self._for_all(messages, tags), now)
 
     def extinguish(self, teams: npt.ArrayLike, channel: str, positions: npt.ArrayLike, now: float) -> None:
@@ -122,7 +107,7 @@ class SoBuffer:
         require("position", places, np.abs(places) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
         if self.keeps(channel):
             messages, tags = self._static(teams, channel, places, now)  # blank: without reach, neither sign nor period
-            messages[:, FAR + FACTOR], tags[:, TAG_SOURCE] = 1.0, -1
+            messages[:, c.MESSAGE_FAR + c.FAR_FACTOR], tags[:, c.TAG_SOURCE] = 1.0, -1
             self.store_tables(*self._for_all(messages, tags), now)
 
     def store(self, gradient: Gradient, now: float, *, team: int = 0) -> None:
@@ -136,14 +121,11 @@ class SoBuffer:
             self._store_gradient(gradient, now, np.array([row if not self.shared else self.poses.teams[row]]))
             return
         check_gradient(gradient, self.space.dim)
-        self.poses.set_pose(
-            row, gradient.position, gradient.heading, gradient.stamp, diffusion=gradient.diffusion,
-            goal_radius=gradient.goal_radius, attraction=gradient.attraction,
-        )  # fmt: skip
+        self.poses.set_gradient(row, gradient)
 
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:
         """Let rows (TAG_SOURCE) spread messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS) by the delivery model."""
-        tags[:, TAG_SPACE] = self.poses.teams[tags[:, TAG_SOURCE]]
+        tags[:, c.TAG_SPACE] = self.poses.teams[tags[:, c.TAG_SOURCE]]
         if self.shared:
             self.store_tables(messages, tags, now)
             return
@@ -156,15 +138,15 @@ class SoBuffer:
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
         """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
         if self.shared:
-            if not deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.tables):
+            if not deposit_rows(rows, message, tag, now, self.poses.words, self.words):
                 self.table.reserve(len(rows))
-                deposit_rows(rows, message, tag, self.rules, now, self.poses.bundle, self.tables)
+                deposit_rows(rows, message, tag, now, self.poses.words, self.words)
             return
         rows = rows[self.poses.known[rows]]
         messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)
-        messages[:, X : X + 3] = self.poses.own[rows, 0, X : X + 3]
-        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
-        tags[:, TAG_SOURCE] = rows
+        messages[:, c.X : c.X + 3] = self.poses.own[rows, 0, c.X : c.X + 3]
+        set_times(messages, now)
+        tags[:, c.TAG_SOURCE] = rows
         self.spread(messages, tags, now)
 
     def deliver(self, now: float) -> None:
@@ -175,13 +157,13 @@ class SoBuffer:
     def clear(self, team: int) -> None:
         """Delete everything one team has stored or has under way."""
         for space in self._spaces(team):
-            clear_space(int(space), self.tables)
+            clear_space(int(space), self.words)
         self.mail.forget(self._spaces(team))
 
     def evaporate(self, now: float) -> None:
         """Bring everything to `now` [s] and free what evaporated away. Needed by hand only to free memory."""
         for space in range(self.table.spaces):
-            evaporate_space(space, float(now), self.tables)
+            evaporate_space(space, float(now), self.words)
 
     def count(self, team: int, channel: str) -> int:
         """Return how many gradients of `channel` a team has stored; see `__len__`."""
@@ -194,19 +176,22 @@ class SoBuffer:
     def channel_code(self, channel: str) -> int:
         """Return the number of `channel`, a new one if it was never heard of."""
         if channel not in self.channels:
-            self.rules = np.append(self.rules, self.settings.rule_of(channel))
-            self.table.add_channel()
+            self.table.add_channel(self.settings.rule_of(channel))
+            self._channel_tables.clear()
         return self.channels.code(channel)
 
-    def channel_table(self, channels: Iterable[str]) -> Ints:
+    def channel_table(self, channels: tuple[str, ...]) -> Ints:
         """Return what compiled code takes for `channels` (none: all): 1 if it sees shared poses, then the channels.
 
-        In the order of their names: the order in which other teams brought them up must not change a sum.
+        In the order of their names: the order in which other teams brought them up must not change a sum. It is the
+        same array until a new channel comes up.
         """
-        names = sorted(set(channels))
-        poses = self.shared and (not names or self.poses.channel in names)
-        codes = [self.channels.code(name) for name in names or self.channels.names() if name in self.channels]
-        return np.array([int(poses), *codes], dtype=np.int64)
+        if channels not in self._channel_tables:
+            names = sorted(set(channels))
+            poses = self.shared and (not names or self.poses.channel in names)
+            codes = [self.channels.code(name) for name in names or self.channels.names() if name in self.channels]
+            self._channel_tables[channels] = np.array([int(poses), *codes], dtype=np.int64)
+        return self._channel_tables[channels]
 
     def source_code(self, source: int | str) -> int:
         """Return the number of `source`: a row is its own number, names are numbered after the rows."""
@@ -224,16 +209,30 @@ class SoBuffer:
             return self.poses.names[code] if self.poses.names else code
         return self.sources.name(code) if code >= 0 else ""
 
+    def gradient_of(self, pair: Floats) -> Gradient:
+        """Return the gradient of one pair (PAIR_COLUMNS,) as it was seen; `clock` is when it last evaporated."""
+        slot = int(pair[c.PAIR_SLOT])
+        if slot < 0:
+            age, row = divmod(-1 - slot, self.poses.rows)
+            return self.poses.gradient(row, age)
+        store = self.table.record
+        mark, channel = store.marks[slot], int(store.links[slot, c.LINK_LAYER]) // (c.LEVELS * store.spaces)
+        payload = self.payloads.get(int(mark[c.MARK_SERIAL]), {})
+        if not payload and mark[c.MARK_KEY] >= 0:
+            payload = {self.keys.name(int(mark[c.MARK_KEY])): float(store.far[slot, c.FAR_VALUE])}
+        source = self.source_name(int(mark[c.MARK_SOURCE]))
+        return read_gradient(store, slot, self.space.dim, self.channels.name(channel), source, payload)
+
     def blank(self, count: int, channel: str) -> tuple[Floats, Ints]:
         """Return messages (count, MESSAGE_COLUMNS) and tags (count, TAG_COLUMNS) to fill, on one channel."""
-        tags = np.zeros((count, TAG_COLUMNS), dtype=np.int64)
-        tags[:, TAG_CHANNEL], tags[:, TAG_KEY] = self.channel_code(channel), -1
-        return np.zeros((count, MESSAGE_COLUMNS)), tags
+        tags = np.zeros((count, c.TAG_COLUMNS), dtype=np.int64)
+        tags[:, c.TAG_CHANNEL], tags[:, c.TAG_KEY] = self.channel_code(channel), -1
+        return np.zeros((count, c.MESSAGE_COLUMNS)), tags
 
     def store_tables(self, messages: Floats, tags: Ints, now: float) -> None:
         """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
         self.table.reserve(len(messages))
-        store_rows(messages, tags, self.rules, float(now), self.tables)
+        store_rows(messages, tags, float(now), self.words)
 
     def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
         """Return `positions` as (M, D), or raise ValueError."""
@@ -245,9 +244,9 @@ class SoBuffer:
     def _static(self, teams: npt.ArrayLike, channel: str, places: Floats, now: float) -> tuple[Floats, Ints]:
         """Return messages and tags for `places` (M, D) [m] at `now` [s], their other fields to be filled."""
         messages, tags = self.blank(len(places), channel)
-        messages[:, X : X + self.space.dim] = self.space.wrap(places)
-        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
-        tags[:, TAG_SPACE] = self._check_teams(teams)
+        messages[:, c.X : c.X + self.space.dim] = self.space.wrap(places)
+        set_times(messages, now)
+        tags[:, c.TAG_SPACE] = self._check_teams(teams)
         return messages, tags
 
     def _store_gradient(self, gradient: Gradient, now: float, spaces: Ints) -> None:
@@ -257,7 +256,7 @@ class SoBuffer:
             return
         messages, tags = self.blank(len(spaces), gradient.channel)
         write_gradient(gradient, self.space, self.keys, messages, tags)
-        tags[:, TAG_SPACE], tags[:, TAG_SOURCE] = spaces, source
+        tags[:, c.TAG_SPACE], tags[:, c.TAG_SOURCE] = spaces, source
         if gradient.payload:
             self._keep_payload(gradient.payload, len(spaces))
         self.store_tables(messages, tags, now)
@@ -268,7 +267,7 @@ class SoBuffer:
             live = self.table.serials()
             self.payloads = {serial: kept for serial, kept in self.payloads.items() if serial in live}
         first = self.table.next_serial
-        self.payloads.update((serial % SERIALS, payload) for serial in range(first, first + copies))
+        self.payloads.update((serial % c.SERIALS, payload) for serial in range(first, first + copies))
 
     def _spaces(self, team: int) -> Ints:
         """Return the information spaces of a team."""
@@ -279,10 +278,10 @@ class SoBuffer:
         """Return messages and tags, TAG_SPACE a team, once for every information space of that team."""
         if self.shared:
             return messages, tags
-        rows = [self.poses.members(int(team)) for team in tags[:, TAG_SPACE]]
+        rows = [self.poses.members(int(team)) for team in tags[:, c.TAG_SPACE]]
         copies = np.repeat(np.arange(len(tags)), [len(members) for members in rows])
         messages, tags = messages[copies], tags[copies]
-        tags[:, TAG_SPACE] = np.concatenate(rows)
+        tags[:, c.TAG_SPACE] = np.concatenate(rows)
         return messages, tags
 
     def _check_teams(self, teams: npt.ArrayLike) -> Ints:
@@ -290,3 +289,9 @@ class SoBuffer:
         if ((codes < 0) | (codes >= self.poses.team_count)).any():
             raise ValueError(f"SoBuffer: teams must lie in 0..{self.poses.team_count - 1}, got {teams!r}")
         return codes
+
+
+def set_times(messages: Floats, now: float) -> None:
+    """Set when `messages` (M, MESSAGE_COLUMNS) are spread, which is when their evaporation begins, to `now` [s]."""
+    far = messages[:, c.MESSAGE_FAR :]
+    far[:, c.FAR_STAMP] = far[:, c.FAR_CLOCK] = now

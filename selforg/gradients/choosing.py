@@ -7,10 +7,10 @@ import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel, part
-from selforg.gradients.store.columns import DISTANCE, PAIR_DIFFUSION, PAIR_GOAL, SIGN
+from selforg.gradients.store import columns as c
 from selforg.potentials import attraction_balch, repulsion_balch
 
-NEAREST, FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST = 0, 1, 2, 3, 4
+CHOOSE_NEAREST, CHOOSE_FARTHEST, CHOOSE_LEAST_REACH, CHOOSE_MOST_REACH, CHOOSE_STRONGEST = 0, 1, 2, 3, 4
 
 
 @kernel
@@ -21,10 +21,9 @@ def choose(rule: int, pairs: Floats, found: int, own_goal: float) -> int:
     """
     best, chosen = -np.inf, -1
     for index in range(found):
-        distance, goal = pairs[index, DISTANCE], pairs[index, PAIR_GOAL]
-        value = score(
-            rule, distance, distance - own_goal - goal, pairs[index, PAIR_DIFFUSION], goal, pairs[index, SIGN]
-        )
+        distance, goal = pairs[index, c.PAIR_DISTANCE], pairs[index, c.PAIR_GOAL_RADIUS]
+        diffusion, sign = pairs[index, c.PAIR_DIFFUSION], pairs[index, c.PAIR_SIGN]
+        value = score(rule, distance, distance - own_goal - goal, diffusion, goal, sign)
         if value > best:
             best, chosen = value, index
     return chosen
@@ -49,18 +48,18 @@ def choose_rows(
 @part
 def score(rule: int, distance: float, clearance: float, diffusion: float, goal: float, sign: float) -> float:
     """Return how well a gradient serves the rule; -inf excludes it. Lengths in [m]."""
-    if rule == STRONGEST:
+    if rule == CHOOSE_STRONGEST:
         if sign <= 0.0:
             return repulsion_balch(clearance, diffusion)
         value = 1.0 - attraction_balch(clearance, diffusion, distance)
         return value if value > -1.0 else -np.inf
     if sign <= 0.0:
         return -np.inf
-    if rule == LEAST_REACH:
+    if rule == CHOOSE_LEAST_REACH:
         return -(diffusion + goal)
-    if rule == MOST_REACH:
+    if rule == CHOOSE_MOST_REACH:
         return diffusion + goal if diffusion + goal > 0.0 else -np.inf
     attraction = attraction_balch(clearance, diffusion, distance)
-    if rule == NEAREST:
+    if rule == CHOOSE_NEAREST:
         return -attraction
     return attraction if attraction > 0.0 else -np.inf

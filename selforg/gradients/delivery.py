@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import kernel
+from selforg.compiler.records import Words
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.candidates import half, shortest
-from selforg.gradients.store.columns import POSES, TAG_MOVING, TAG_SOURCE, TAG_SPACE, TEAM, X, Y, Z
-from selforg.gradients.store.pose_cells import poses_of
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, open_poses
+from selforg.space import nearest_image
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Mail:
     def forget(self, rows: Ints) -> None:
         """Drop what is under way to `rows` (R,)."""
         for i, (messages, tags) in enumerate(zip(self.messages, self.tags, strict=True)):
-            stays = ~np.isin(tags[:, TAG_SPACE], rows)
+            stays = ~np.isin(tags[:, c.TAG_SPACE], rows)
             self.messages[i], self.tags[i] = messages[stays], tags[stays]
 
 
@@ -94,49 +94,54 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
     messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS), whose TAG_SOURCE is the row that spreads. A row always
     receives what it deposits itself, and never its own moving gradients.
     """
-    teams = poses.teams[tags[:, TAG_SOURCE]]
+    teams = poses.teams[tags[:, c.TAG_SOURCE]]
     reaches, losses = (
         np.broadcast_to(delivery.reach, poses.team_count),
         np.broadcast_to(delivery.loss, poses.team_count),
     )
-    sizes = np.diff(poses.tables[2])
+    sizes = np.bincount(poses.teams)
     draws = np.ones((len(messages), int(sizes[teams].max(initial=0))))
     for index in np.flatnonzero((losses[teams] > 0) & (losses[teams] < 1)).tolist():
-        # a draw for every row, in range or not: who moves changes no luck
-        source, count = int(tags[index, TAG_SOURCE]), int(sizes[teams[index]])
+        # a draw for every row, in range or not: a move does not change the draws
+        source, count = int(tags[index, c.TAG_SOURCE]), int(sizes[teams[index]])
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.bundle, which, receivers)
+    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.words, which, receivers)
     copies = tags[which[:found]]
-    copies[:, TAG_SPACE] = receivers[:found]
+    copies[:, c.TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies
 
 
 @kernel
 def find_receivers(
-    messages: Floats, tags: Ints, reaches: Floats, losses: Floats, draws: Floats, poses: Bundle, which: Ints,
+    messages: Floats,
+    tags: Ints,
+    reaches: Floats,
+    losses: Floats,
+    draws: Floats,
+    poses: Words[Poses],
+    which: Ints,
     receivers: Ints,
-) -> int:  # fmt: skip
+) -> int:
     """List which message goes to which row, message by message, and return how many there are.
 
     reaches (M,) [m], losses (M,), draws (M, most members) of each message; see `address`.
     """
-    own, rows, first, members, _, extent, _, _, _ = poses_of(poses)
-    ex, ey, ez = extent[0], extent[1], extent[2]
+    p = open_poses(poses)
     found = 0
     for message in range(len(messages)):
-        source = tags[message, TAG_SOURCE]
-        team = rows[source, TEAM]
-        for index in range(first[team + 1] - first[team]):
-            row = members[first[team] + index]
-            dx = shortest(own[row, 0, X] - messages[message, X], ex, half(ex))
-            dy = shortest(own[row, 0, Y] - messages[message, Y], ey, half(ey))
-            dz = shortest(own[row, 0, Z] - messages[message, Z], ez, half(ez))
-            near = rows[row, POSES] > 0 and np.sqrt(dx * dx + dy * dy + dz * dz) <= reaches[message]
+        source = tags[message, c.TAG_SOURCE]
+        team = p.rows[source, c.ROW_TEAM]
+        for index in range(p.first[team + 1] - p.first[team]):
+            row = p.members[p.first[team] + index]
+            dx = nearest_image(p.own[row, 0, c.X] - messages[message, c.X], p.extent[0])
+            dy = nearest_image(p.own[row, 0, c.Y] - messages[message, c.Y], p.extent[1])
+            dz = nearest_image(p.own[row, 0, c.Z] - messages[message, c.Z], p.extent[2])
+            near = p.rows[row, c.ROW_POSES] > 0 and np.sqrt(dx * dx + dy * dy + dz * dz) <= reaches[message]
             received = near and losses[message] < 1.0 and draws[message, index] >= losses[message]
             if row == source:
-                received = tags[message, TAG_MOVING] == 0
+                received = tags[message, c.TAG_MOVING] == 0
             if received:
                 which[found], receivers[found] = message, row
                 found += 1

@@ -9,12 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from selforg.arrays import Floats
-from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import kernel
+from selforg.compiler.records import Words
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.candidates import half, shortest
-from selforg.gradients.store.columns import HEARD, POSES, X, Y, Z
-from selforg.gradients.store.pose_cells import poses_of
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, open_poses
+from selforg.space import nearest_image
 
 
 class Hearing:
@@ -33,11 +33,11 @@ class Hearing:
     def __init__(
         self, poses: OwnPoses, reaches: Floats, losses: Floats, generators: Sequence[np.random.Generator]
     ) -> None:
-        if poses.row_table.shape[1] == HEARD:
+        if poses.row_table.shape[1] == c.ROW_HEARD:
             raise ValueError("Hearing: the poses must be made with hearing=True")
         self.poses = poses
         self.reaches, self.losses, self.generators = reaches, losses, generators
-        self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - HEARD))
+        self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - c.ROW_HEARD))
 
     def listen(self) -> None:
         """Let every row receive the newest pose of each other row that is in range, unless it gets lost."""
@@ -45,30 +45,29 @@ class Hearing:
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        hear(self.poses.bundle, self.reaches, self.losses, self._draws)
+        hear(self.poses.words, self.reaches, self.losses, self._draws)
 
 
 @kernel
-def hear(poses: Bundle, reaches: Floats, losses: Floats, draws: Floats) -> None:
+def hear(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats) -> None:
     """Note for each pair of a team the age of the last pose received, -1 for none that is still remembered.
 
     reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
     """
-    own, rows, first, members, _, extent, _, _, _ = poses_of(poses)
-    ex, ey, ez = extent[0], extent[1], extent[2]
+    p = open_poses(poses)
     for team in range(len(reaches)):
-        begin, count = int(first[team]), int(first[team + 1] - first[team])
+        begin, count = int(p.first[team]), int(p.first[team + 1] - p.first[team])
         for receiver in range(count):
-            row = int(members[begin + receiver])
+            row = int(p.members[begin + receiver])
             for index in range(count):
-                other = int(members[begin + index])
-                age = int(rows[row, HEARD + index])
+                other = int(p.members[begin + index])
+                age = int(p.rows[row, c.ROW_HEARD + index])
                 age = age + 1 if age >= 0 else -1
-                dx = shortest(own[other, 0, X] - own[row, 0, X], ex, half(ex))
-                dy = shortest(own[other, 0, Y] - own[row, 0, Y], ey, half(ey))
-                dz = shortest(own[other, 0, Z] - own[row, 0, Z], ez, half(ez))
+                dx = nearest_image(p.own[other, 0, c.X] - p.own[row, 0, c.X], p.extent[0])
+                dy = nearest_image(p.own[other, 0, c.Y] - p.own[row, 0, c.Y], p.extent[1])
+                dz = nearest_image(p.own[other, 0, c.Z] - p.own[row, 0, c.Z], p.extent[2])
                 lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
                 if not lost and dx * dx + dy * dy + dz * dz <= reaches[team] * reaches[team]:
                     age = 0
-                remembered = rows[row, POSES] > 0 and age < rows[other, POSES]
-                rows[row, HEARD + index] = age if remembered else -1
+                remembered = p.rows[row, c.ROW_POSES] > 0 and age < p.rows[other, c.ROW_POSES]
+                p.rows[row, c.ROW_HEARD + index] = age if remembered else -1

@@ -5,27 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Floats, Ints
-from selforg.compiler.bundles import Bundle
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Words
 from selforg.gradients.gradient import Gradient
-from selforg.gradients.store.columns import (
-    CELLS,
-    DIFFUSION,
-    GOAL,
-    GRID_COLUMNS,
-    PHX,
-    PHY,
-    POSE_COLUMNS,
-    POSE_SIGN,
-    POSE_STAMP,
-    POSES,
-    ROW_COLUMNS,
-    SILENT,
-    TEAM,
-    X,
-)
-from selforg.gradients.store.pose_cells import POSE_TABLES, Poses, index_poses, poses_of
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.pose_cells import index_poses, make_pose_cells
+from selforg.gradients.store.records import POSES, Poses, open_poses
 from selforg.space import Space, wrapped
 
 
@@ -71,17 +57,41 @@ class OwnPoses:
         self.space = space
         self.rows = rows
         self.channel = channel
-        self._look = np.array([diffusion, goal_radius, float(attraction)])
         self.history = history
         self.names = tuple(names) if names is not None else ()  # by which single messages know the rows
-        self.own: Floats = np.zeros((rows, max(history, 1), POSE_COLUMNS))  # newest first
+        self.own: Floats = np.zeros((rows, max(history, 1), c.POSE_COLUMNS))  # newest first
         codes = np.zeros(rows, dtype=np.int64) if teams is None else np.asarray(teams, dtype=np.int64)
-        members = int(np.bincount(codes).max()) if hearing else 0
-        self.row_table: Ints = np.zeros((rows, ROW_COLUMNS + members), dtype=np.int64)
-        self.row_table[:, ROW_COLUMNS:] = -1
-        self._set_teams(codes)
-        self.tables: Poses = self._tables()
-        self.bundle: Bundle = POSE_TABLES.bundle(*self.tables)
+        if codes.shape != (rows,) or (codes < 0).any():
+            raise ValueError(f"OwnPoses: teams must be ({rows},) numbers from 0 up, got shape {codes.shape}")
+        self.team_count = int(codes.max()) + 1
+        sizes = np.bincount(codes)
+        heard = int(sizes.max()) if hearing else 0
+        self.row_table: Ints = np.zeros((rows, c.ROW_COLUMNS + heard), dtype=np.int64)
+        self.row_table[:, c.ROW_TEAM] = codes
+        self.row_table[:, c.ROW_COLUMNS :] = -1
+        self._no_headings: Floats = np.zeros(rows)
+        self._packed = POSES.pack(
+            Poses(
+                own=self.own,
+                rows=self.row_table,
+                first=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+                members=np.argsort(codes, kind="stable").astype(np.int64),
+                reach=np.zeros(self.team_count),
+                extent=space.padded_extent,
+                cells=make_pose_cells(space, diffusion + goal_radius, sizes),
+                buckets=np.full(1 << int(2 * rows - 1).bit_length(), -1, dtype=np.int32),
+                links=np.full((rows, 2), -1, dtype=np.int32),
+                diffusion=diffusion,
+                goal_radius=goal_radius,
+                attraction=attraction,
+                history=history,
+            )
+        )
+
+    @property
+    def words(self) -> Words[Poses]:
+        """What compiled code takes of the poses."""
+        return self._packed.words
 
     def update(self, positions: Floats, headings: Floats | None, now: float) -> None:
         """Let every row spread its pose: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
@@ -93,39 +103,43 @@ class OwnPoses:
                 f"OwnPoses.update: positions must be ({self.rows}, {self.space.dim}) and headings ({self.rows},), "
                 f"got {positions.shape} and {headings.shape}"
             )
-        bad = update_poses(positions, headings, known, float(now), self._look, self.history, self.bundle)
+        bad = update_poses(positions, headings, known, float(now), self.words)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
-    def set_pose(
-        self,
-        row: int,
-        position: Sequence[float],
-        heading: Sequence[float],
-        now: float,
-        *,
-        diffusion: float | None = None,
-        goal_radius: float | None = None,
-        attraction: int | None = None,
-    ) -> bool:
-        """Let one row spread one pose with fields of its own; False if it is not newer than the last one.
+    def set_pose(self, row: int, position: Sequence[float], heading: Sequence[float], now: float) -> bool:
+        """Let one row spread one pose; False if it is not newer than the last one.
 
         position: (D,) [m]; heading: (D,) direction, zero if there is none; now [s].
         """
-        if self.row_table[row, POSES] > 0 and now <= self.own[row, 0, POSE_STAMP]:
+        look = self._packed.record
+        return self.set_gradient(
+            row,
+            Gradient(
+                channel=self.channel,
+                position=tuple(position),
+                heading=tuple(heading),
+                attraction=int(look.attraction),
+                diffusion=look.diffusion,
+                goal_radius=look.goal_radius,
+                stamp=now,
+            ),
+        )
+
+    def set_gradient(self, row: int, gradient: Gradient) -> bool:
+        """Let one row spread a checked gradient as its pose; False if it is not newer than the last one."""
+        if self.row_table[row, c.ROW_POSES] > 0 and gradient.stamp <= self.own[row, 0, c.POSE_STAMP]:
             return False
-        place = self.space.wrap(np.asarray(position, dtype=np.float64))
+        place = self.space.wrap(np.asarray(gradient.position, dtype=np.float64))
         self.own[row, 1:] = self.own[row, :-1].copy()
         newest = self.own[row, 0]
         newest[:] = 0.0
-        newest[X : X + len(place)] = place
-        newest[PHX : PHX + len(heading)] = heading
-        newest[DIFFUSION] = self._look[0] if diffusion is None else diffusion
-        newest[GOAL] = self._look[1] if goal_radius is None else goal_radius
-        newest[POSE_SIGN] = self._look[2] if attraction is None else attraction
-        newest[POSE_STAMP] = now
-        self.row_table[row, POSES] = min(self.row_table[row, POSES] + 1, self.history)
-        index_poses(self.bundle)
+        newest[c.X : c.X + len(place)] = place
+        newest[c.POSE_HEADING : c.POSE_HEADING + len(gradient.heading)] = gradient.heading
+        newest[[c.DIFFUSION, c.GOAL_RADIUS]] = gradient.diffusion, gradient.goal_radius
+        newest[[c.POSE_SIGN, c.POSE_STAMP]] = gradient.attraction, gradient.stamp
+        self.row_table[row, c.ROW_POSES] = min(self.row_table[row, c.ROW_POSES] + 1, self.history)
+        index_poses(self.words)
         return True
 
     def gradient(self, row: int, age: int = 0) -> Gradient:
@@ -133,106 +147,80 @@ class OwnPoses:
         fields, dim = self.own[row, age], self.space.dim
         return Gradient(
             channel=self.channel,
-            position=tuple(fields[X : X + dim].tolist()),
+            position=tuple(fields[c.X : c.X + dim].tolist()),
             source=self.names[row] if self.names else row,
-            heading=tuple(fields[PHX : PHX + dim].tolist()),
-            attraction=int(fields[POSE_SIGN]),
-            diffusion=float(fields[DIFFUSION]),
-            goal_radius=float(fields[GOAL]),
-            stamp=float(fields[POSE_STAMP]),
+            heading=tuple(fields[c.POSE_HEADING : c.POSE_HEADING + dim].tolist()),
+            attraction=int(fields[c.POSE_SIGN]),
+            diffusion=float(fields[c.DIFFUSION]),
+            goal_radius=float(fields[c.GOAL_RADIUS]),
+            stamp=float(fields[c.POSE_STAMP]),
             moving=True,
         )
 
     def forget(self, rows: npt.ArrayLike) -> None:
         """Forget all poses of `rows` (R,), as before their first update."""
-        self.row_table[np.asarray(rows, dtype=np.int64), POSES] = 0
+        self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_POSES] = 0
 
     def silence(self, rows: npt.ArrayLike, silent: bool = True) -> None:
         """Forget all poses of `rows` (R,), which spread no more by `update`; or let them spread again."""
         self.forget(rows)
-        self.row_table[np.asarray(rows, dtype=np.int64), SILENT] = int(silent)
+        self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_SILENT] = int(silent)
 
     @property
     def teams(self) -> Ints:
         """Team of each row, (N,) int64, read only."""
-        teams: Ints = self.row_table[:, TEAM]
+        teams: Ints = self.row_table[:, c.ROW_TEAM]
         return teams
 
     def members(self, team: int) -> Ints:
         """Return the rows of a team, in their order."""
-        return self._members[self._first[team] : self._first[team + 1]]
+        first = self._packed.record.first
+        return self._packed.record.members[first[team] : first[team + 1]]
 
     @property
     def positions(self) -> Floats:
         """Newest position of each row, (N, D) [m]; only meaningful where `known`."""
-        positions: Floats = self.own[:, 0, X : X + self.space.dim]
+        positions: Floats = self.own[:, 0, c.X : c.X + self.space.dim]
         return positions
 
     @property
-    def known(self) -> npt.NDArray[np.bool_]:
+    def known(self) -> Flags:
         """Whether each row has spread a pose yet, (N,) bool."""
-        known: npt.NDArray[np.bool_] = self.row_table[:, POSES] > 0
+        known: Flags = self.row_table[:, c.ROW_POSES] > 0
         return known
-
-    def _set_teams(self, teams: Ints) -> None:
-        if teams.shape != (self.rows,) or (teams < 0).any():
-            raise ValueError(f"OwnPoses: teams must be ({self.rows},) numbers from 0 up, got shape {teams.shape}")
-        self.row_table[:, TEAM] = teams
-        self.team_count = int(teams.max()) + 1
-        self._members = np.argsort(teams, kind="stable").astype(np.int64)
-        self._first = np.searchsorted(teams[self._members], np.arange(self.team_count + 1)).astype(np.int64)
-        self._no_headings = np.zeros(self.rows)
-
-    def _tables(self) -> Poses:
-        """Pack what compiled code needs; see `selforg.gradients.store.pose_cells.Poses`."""
-        reach = np.zeros(self.team_count)
-        width = max(float(self._look[:2].sum()), 0.1) if np.isfinite(self._look[:2].sum()) else 1.0
-        # not much narrower than leaves one robot to a cell: looking into empty ones costs more than a neighbour too far
-        width = max(width, float(np.prod(self.space.extent) / np.diff(self._first).max()) ** (1.0 / self.space.dim))
-        grid = np.zeros((1, GRID_COLUMNS))
-        for axis, side in enumerate(self.space.padded_extent):
-            number = max(1.0, np.floor(side / width)) if side > 0 else 1024.0
-            grid[0, CELLS + 2 * axis] = number
-            grid[0, CELLS + 2 * axis + 1] = side / number if side > 0 else width
-        size = 1 << int(2 * self.rows - 1).bit_length()
-        buckets = np.full(size, -1, dtype=np.int32)
-        links = np.full((self.rows, 2), -1, dtype=np.int32)
-        whole = self.space.padded_extent
-        return self.own, self.row_table, self._first, self._members, reach, whole, grid, buckets, links
 
 
 @lean_kernel
-def update_poses(
-    positions: Floats, headings: Floats, with_headings: bool, now: float, look: Floats, history: int, poses: Bundle
-) -> int:
+def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: float, poses: Words[Poses]) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
 
-    look: (3,) diffusion [m], goal radius [m], attraction. A row whose last pose is not older than `now` keeps it; one
-    that is silent spreads none. Returns -1, or the first row with a number that is not finite: nothing is changed then.
+    A row whose last pose is not older than `now` keeps it; one that is silent spreads none. Returns -1, or the first
+    row with a number that is not finite: nothing is changed then.
     """
-    own, rows, _, _, _, extent, _, _, _ = poses_of(poses)
+    p = open_poses(poses)
     dim = positions.shape[1]
-    for row in range(len(rows)):
+    for row in range(len(p.rows)):
         finite = np.isfinite(headings[row])
         for axis in range(dim):
             finite = finite and np.isfinite(positions[row, axis])
         if not finite:
             return row
-    for row in range(len(rows)):
-        if rows[row, SILENT] or (rows[row, POSES] > 0 and now <= own[row, 0, POSE_STAMP]):
+    for row in range(len(p.rows)):
+        known = p.rows[row, c.ROW_POSES]
+        if p.rows[row, c.ROW_SILENT] or (known > 0 and now <= p.own[row, 0, c.POSE_STAMP]):
             continue
-        for age in range(own.shape[1] - 1, 0, -1):
-            for column in range(POSE_COLUMNS):
-                own[row, age, column] = own[row, age - 1, column]
-        newest = own[row, 0]
+        for age in range(p.own.shape[1] - 1, 0, -1):
+            for column in range(c.POSE_COLUMNS):
+                p.own[row, age, column] = p.own[row, age - 1, column]
+        newest = p.own[row, 0]
         newest[:] = 0.0
         for axis in range(dim):
-            newest[X + axis] = wrapped(positions[row, axis], extent[axis])
+            newest[c.X + axis] = wrapped(positions[row, axis], p.extent[axis])
         if with_headings:
-            newest[PHX] = np.cos(headings[row])
-            newest[PHY] = np.sin(headings[row])
-        newest[DIFFUSION], newest[GOAL], newest[POSE_SIGN] = look[0], look[1], look[2]
-        newest[POSE_STAMP] = now
-        rows[row, POSES] = min(rows[row, POSES] + 1, history)
+            newest[c.POSE_HEADING] = np.cos(headings[row])
+            newest[c.POSE_HEADING + 1] = np.sin(headings[row])
+        newest[c.DIFFUSION], newest[c.GOAL_RADIUS], newest[c.POSE_SIGN] = p.diffusion, p.goal_radius, p.attraction
+        newest[c.POSE_STAMP] = now
+        p.rows[row, c.ROW_POSES] = min(known + 1, p.history)
     index_poses(poses)
     return -1

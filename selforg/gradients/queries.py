@@ -12,28 +12,37 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.choosing import FARTHEST, LEAST_REACH, MOST_REACH, NEAREST, STRONGEST, choose_rows
+from selforg.gradients.choosing import (
+    CHOOSE_FARTHEST,
+    CHOOSE_LEAST_REACH,
+    CHOOSE_MOST_REACH,
+    CHOOSE_NEAREST,
+    CHOOSE_STRONGEST,
+    choose_rows,
+)
 from selforg.gradients.gradient import Gradient
-from selforg.gradients.reading import gradient_of
-from selforg.gradients.store.candidates import Margins
-from selforg.gradients.store.columns import GOAL, PAIR_COLUMNS, POSES, SEE_HISTORY, SEE_MOVING, SEE_STATIC, SKIP_OWN
-from selforg.gradients.store.gathering import gather
-from selforg.gradients.store.pose_cells import poses_of
-from selforg.mechanisms.kernels.moving import keep_ahead
+from selforg.gradients.pair_room import PairRoom
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.gathering import gather, look_all_around
+from selforg.gradients.store.records import Margins, Poses, Sight, Store, open_poses, open_sight
+from selforg.gradients.store.view_angle import keep_ahead
 
 Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
 
 EVERYTHING, ATTRACTIVE, REPULSIVE = (True, True, True), (False, False, True), (True, False, False)
 
+SEE_WITHOUT_POSE = 16
+"""A bit beside those of `columns`: rows without a pose look too."""
+
 CHOICES: Mapping[str, int] = {
-    "nearest_attractive": NEAREST,
-    "farthest_attractive": FARTHEST,
-    "least_reach_attractive": LEAST_REACH,
-    "most_reach_attractive": MOST_REACH,
-    "strongest": STRONGEST,
+    "nearest_attractive": CHOOSE_NEAREST,
+    "farthest_attractive": CHOOSE_FARTHEST,
+    "least_reach_attractive": CHOOSE_LEAST_REACH,
+    "most_reach_attractive": CHOOSE_MOST_REACH,
+    "strongest": CHOOSE_STRONGEST,
 }
 
 
@@ -41,7 +50,7 @@ CHOICES: Mapping[str, int] = {
 class Seen:
     """What rows see: row i's pairs are `pairs[start[i]:start[i + 1]]`.
 
-    start: (R + 1,) int64; pairs: (P, PAIR_COLUMNS) float64, columns in `selforg.gradients.store.columns` (DX .. SLOT).
+    start: (R + 1,) int64; pairs: (P, PAIR_COLUMNS) float64, columns PAIR_ of `selforg.gradients.store.columns`.
     """
 
     start: Ints
@@ -70,7 +79,7 @@ class Queries:
 
     def __init__(self, buffer: SoBuffer) -> None:
         self._buffer = buffer
-        self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
+        self._room = PairRoom()
 
     def see(
         self,
@@ -81,14 +90,13 @@ class Queries:
         signs: tuple[bool, bool, bool] = EVERYTHING,
         own: bool = True,
         histories: bool = False,
-        angles: tuple[float, float] | None = None,
         without_pose: bool = False,
     ) -> Seen:
         """Return what `rows` (R,) (None: all) see.
 
         signs: which attractions, for -1, 0, +1. own: also moving gradients that the row itself spread (never its own
-        pose). histories: all stored moving gradients, not the newest per source. angles: view angles [rad] in the
-        x-y and the y-z plane to either side of the heading. without_pose: an infinite view needs no own pose.
+        pose). histories: all stored moving gradients, not the newest per source. without_pose: an infinite view needs
+        no own pose.
         """
         buffer = self._buffer
         if buffer.settings.whole_seconds:
@@ -96,20 +104,19 @@ class Queries:
         chosen: Ints = np.arange(buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
         minus, zero, plus = (view if wanted else -np.inf for wanted in signs)
-        see = (SEE_STATIC if look.static else 0) | (SEE_MOVING if look.moving else 0)
-        see |= (0 if own else SKIP_OWN) | (SEE_HISTORY if histories else 0)
-        channels = buffer.channel_table(look.channels)
+        see = (c.SEE_STATIC if look.static else 0) | (c.SEE_MOVING if look.moving else 0)
+        see |= (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)
+        see |= SEE_WITHOUT_POSE if without_pose and np.isinf(view) else 0
+        channels, margins = buffer.channel_table(tuple(look.channels)), (minus, zero, plus)
+        poses, store = buffer.poses.words, buffer.words
         start: Ints = np.zeros(len(chosen) + 1, dtype=np.int64)
-        xy, yz = (np.inf, np.inf) if angles is None else angles
         done = 0
-        while done < len(chosen):
-            done = see_rows(
-                done, chosen, (minus, zero, plus), see, float(now), channels, xy, yz, without_pose,
-                buffer.poses.bundle, buffer.tables, self._pairs, start,
-            )  # fmt: skip
-            if done < len(chosen):
-                self._pairs = np.concatenate([self._pairs, np.empty_like(self._pairs)])
-        return Seen(start, self._pairs[: start[-1]].copy())
+        while True:
+            sight = self._room.on(channels)
+            done += see_rows(chosen[done:], start[done:], see, margins, float(now), sight, poses, store)
+            if done == len(chosen):
+                return Seen(start, self._room.pairs[: start[-1]].copy())
+            self._room.double()
 
     def choose(
         self,
@@ -128,9 +135,9 @@ class Queries:
             np.arange(self._buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         )
         seen = self.see(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
-        pairs, found = np.empty((len(chosen), PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
+        pairs, found = np.empty((len(chosen), c.PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
         poses = self._buffer.poses
-        goals, known = poses.own[chosen, 0, GOAL], poses.known[chosen]
+        goals, known = poses.own[chosen, 0, c.GOAL_RADIUS], poses.known[chosen]
         choose_rows(CHOICES[rule], seen.start, seen.pairs, goals, known, pairs, found)
         return pairs, found
 
@@ -179,7 +186,10 @@ class Queries:
     ) -> list[Gradient]:
         """Return the static gradients in view within the view angles [rad] to either side of the heading."""
         look = Filter(look.channels, True, False, look.view_distance)
-        return self._objects(self.see(now, [row], look, angles=(angle_xy, angle_yz)).pairs)
+        found = int(self.see(now, [row], look).start[-1])
+        sight = self._room.on(self._buffer.channel_table(tuple(look.channels)))
+        kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.words)
+        return self._objects(self._room.pairs[:kept])
 
     def chosen(self, rule: str, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
         """Return the gradient that `rule` chooses for `row`, in a list that is empty if there is none."""
@@ -187,31 +197,33 @@ class Queries:
         return self._objects(pairs[found])
 
     def _objects(self, pairs: Floats) -> list[Gradient]:
-        return [gradient_of(self._buffer, pair) for pair in pairs]
+        return [self._buffer.gradient_of(pair) for pair in pairs]
 
 
 @lean_kernel
 def see_rows(
-    begin: int, rows: Ints, margins: Margins, see: int, now: float, channels: Ints, angle_xy: float, angle_yz: float,
-    without_pose: bool, poses: Bundle, store: Bundle, pairs: Floats, start: Ints,
-) -> int:  # fmt: skip
-    """Write the pairs of rows[begin:] (R,) one after the other and where each row's end in `start` (R + 1,).
+    rows: Ints,
+    start: Ints,
+    see: int,
+    margins: Margins,
+    now: float,
+    sight: Words[Sight],
+    poses: Words[Poses],
+    store: Words[Store],
+) -> int:
+    """Write the pairs of `rows` (R,) from start[0] on, row after row, and where each row's end into `start` (R + 1,).
 
-    Returns how many rows are done, fewer than R if `pairs` is too short for the next one. A row without a pose sees
-    nothing, unless it may do `without_pose` and the view is infinite.
+    Returns how many rows are done, fewer than R if there is no room for the pairs of the next one. A row without a pose
+    sees nothing, unless `see` has SEE_WITHOUT_POSE.
     """
-    own, known, _, _, _, _, _, _, _ = poses_of(poses)
-    everything = without_pose and np.isinf(max(margins[0], margins[1], margins[2]))
-    for index in range(begin, len(rows)):
-        row, here = int(rows[index]), int(start[index])
-        start[index + 1] = here
-        if known[row, POSES] == 0 and not everything:
+    known, room = open_poses(poses).rows, len(open_sight(sight).pairs)
+    for index in range(len(rows)):
+        row, begin = int(rows[index]), int(start[index])
+        start[index + 1] = begin
+        if known[row, c.ROW_POSES] == 0 and see & SEE_WITHOUT_POSE == 0:
             continue
-        mine = pairs[here:]
-        found = gather(row, margins, see, len(mine) + 1, now, channels, poses, store, mine)
-        if found > len(mine):
+        end = gather(look_all_around(row, now, see, margins, begin, sight, poses), sight, poses, store)
+        if end > room:
             return index
-        if angle_xy < np.inf or angle_yz < np.inf:
-            found = keep_ahead(own, row, mine, found, angle_xy, angle_yz)
-        start[index + 1] = here + found
+        start[index + 1] = end
     return len(rows)

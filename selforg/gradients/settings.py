@@ -5,15 +5,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from selforg.gradients.store.columns import AVERAGE, DROP, MAX, MIN, NEW, NEW_CHANNEL, NEW_SOURCE
+from selforg.gradients.store import columns as c
 
 AGGREGATION_RULES: Mapping[str, int] = {
-    "max": MAX,
-    "min": MIN,
-    "average": AVERAGE,
-    "new": NEW,
-    "newparent": NEW_SOURCE,
-    "newframe": NEW_CHANNEL,
+    "max": c.AGGREGATE_MAX,
+    "min": c.AGGREGATE_MIN,
+    "average": c.AGGREGATE_AVERAGE,
+    "new": c.AGGREGATE_NEW,
+    "newparent": c.AGGREGATE_NEW_SOURCE,
+    "newframe": c.AGGREGATE_NEW_CHANNEL,
 }
 
 
@@ -61,4 +61,4 @@ class BufferSettings:
     def rule_of(self, channel: str) -> int:
         """Return the code of the aggregation rule of `channel`."""
         name = self.aggregation.get(channel, self.aggregation.get("DEFAULT"))
-        return DROP if name is None else AGGREGATION_RULES[name]
+        return c.AGGREGATE_DROP if name is None else AGGREGATION_RULES[name]

@@ -26,11 +26,11 @@ from selforg.mechanisms.following import FollowMin as FollowMin
 from selforg.mechanisms.following import FollowMinReach as FollowMinReach
 from selforg.mechanisms.following import FollowStrongest as FollowStrongest
 from selforg.mechanisms.formula import FormulaMechanism as FormulaMechanism
-from selforg.mechanisms.registry import create as create
-from selforg.mechanisms.registry import find as find
-from selforg.mechanisms.registry import names as names
-from selforg.mechanisms.registry import register as register
+from selforg.mechanisms.registry import MECHANISMS as MECHANISMS
 from selforg.mechanisms.repulsion import RepulsionFernandez as RepulsionFernandez
 from selforg.mechanisms.repulsion import RepulsionGradient as RepulsionGradient
 from selforg.mechanisms.spreading import Carried as Carried
 from selforg.mechanisms.spreading import SpreadGradient as SpreadGradient
+from selforg.registry import import_modules
+
+import_modules(__name__)

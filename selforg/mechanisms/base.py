@@ -6,19 +6,24 @@ the buffer. What a mechanism leaves behind it leaves in `deposit`, called after 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from typing import Unpack, final
+from functools import cached_property
+from typing import Any, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.bundles import Bundle
+from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.pair_room import PairRoom
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.columns import PAIR_COLUMNS, SEE_MOVING, SEE_STATIC
-from selforg.mechanisms.kernels.moving import WORKING_TABLES, move_rows
-from selforg.mechanisms.kernels.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW
+from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
+from selforg.gradients.store.records import Sight
+from selforg.mechanisms.kernels.motion import MOTION, MOVEMENTS, Motion, Movements
+from selforg.mechanisms.kernels.movement_rule import MovementRule
+from selforg.mechanisms.kernels.moving import move_rows
+from selforg.mechanisms.kernels.rules import wander
 from selforg.mechanisms.options import LookOptions, MoveOptions
 from selforg.randomness import DirectionStream
 
@@ -43,15 +48,11 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
         self.poses = buffer.poses
         self.channels = tuple(channels)
         self._see = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
-        self._table_for = -1
-        self._channel_table: Ints = np.zeros(1, dtype=np.int64)
 
-    def _channels_now(self) -> Ints:
-        """Return the channel table, made anew when the buffer has heard of new channels."""
-        if self._table_for != len(self.buffer.rules):  # one of each channel
-            self._table_for = len(self.buffer.rules)
-            self._channel_table = self.buffer.channel_table(self.channels)
-        return self._channel_table
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return the keyword arguments with which the contract tests build the class."""
+        return {}
 
 
 class MovementMechanism(Mechanism):
@@ -113,45 +114,50 @@ class CompiledMechanism(MovementMechanism):
 
     def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
         super().__init__(buffer, **options)
-        self._pairs: Floats = np.empty((256, PAIR_COLUMNS))
-        self._working: Bundle = ()
-        self._working_with: Floats | None = None  # the table of pairs that is bundled
+        self._room = PairRoom()
+        self._answers = MOVEMENTS.pack(Movements(self._vectors, self._active))
+        self._elsewhere = self._answers  # where `move_into` wrote the last time
 
     def _move(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
-        self._write(now, rows, self._all_rows, vectors, active)
+        self._write(now, rows, self._all_rows, self._answers.words)  # `vectors` and `active` are the first of them
 
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """As `MovementMechanism.move_into` does it, but written by the kernel."""
-        self._write(now, rows, rows, vectors, active)
+        last = self._elsewhere.record
+        if last.vectors is not vectors or last.active is not active:
+            self._elsewhere = MOVEMENTS.pack(Movements(vectors, active))
+        self._write(now, rows, rows, self._elsewhere.words)
 
-    def _write(self, now: float, rows: Ints, places: Ints, vectors: Floats, active: Flags) -> None:
-        """Write the movement of `rows` (R,) into the rows `places` (R,) of `vectors` and `active`."""
-        buffer, directions = self.buffer, self.directions
+    def _write(self, now: float, rows: Ints, places: Ints, movements: Words[Movements]) -> None:
+        """Write the movement of `rows` (R,) into the rows `places` (R,) of `movements`."""
+        buffer, channels = self.buffer, self.buffer.channel_table(self.channels)
         if buffer.settings.whole_seconds:
             buffer.evaporate(now)
-        if directions.low:
-            directions.refill()
-        channels, done, all_of = self._channels_now(), 0, len(rows)
-        while done < all_of:
-            done, low = self._run(done, now, rows, places, channels, vectors, active)
-            if low:
-                directions.low = True
-            if done < all_of:
-                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
+        self.directions.refill()
+        done = self._run(now, rows, places, movements, self._room.on(channels))
+        while done < len(rows):
+            self._room.double()
+            rows, places = rows[done:], places[done:]
+            done = self._run(now, rows, places, movements, self._room.on(channels))
 
     @abstractmethod
-    def _run(
-        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
-    ) -> tuple[int, bool]:
-        """Write the movement of rows[begin:] as `_write` does.
+    def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
+        """Write the movement of `rows` as `_write` does.
 
-        Returns how many rows are done, fewer than all if `_pairs` is too short, and whether some row's directions run
-        low.
+        Returns how many rows are done, fewer than all if the room for pairs is too short for the next one.
         """
 
 
 class LimitedMechanism(CompiledMechanism):
-    """What movement mechanisms share whose vectors are limited to [`min_speed`, `max_speed`]."""
+    """What movement mechanisms share whose vectors are limited to [`min_speed`, `max_speed`].
+
+    Attributes:
+        rule: the movement rule; a formula of one's own has none, and does not read this one.
+        angle_xy, angle_yz: view angles [rad] to either side of the heading, for rules that look ahead.
+
+    """
+
+    rule: MovementRule = wander
 
     def __init__(
         self,
@@ -164,27 +170,46 @@ class LimitedMechanism(CompiledMechanism):
         super().__init__(buffer, **options)
         self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         self.min_speed = at_least(self, "min_speed", min_speed, 0.0)
-        self._parameters: Floats = np.zeros(PARAMETERS + 3)  # and room for a sum
-        self._parameters[[VIEW, MIN_SPEED, MAX_SPEED]] = self.view_distance, min_speed, max_speed
+        self.angle_xy, self.angle_yz = np.inf, np.inf
+
+    @cached_property
+    def _motion(self) -> Packed[Motion]:
+        """What kernels take of the mechanism, packed when it moves for the first time."""
+        rule, directions = self.rule, self.directions
+        return MOTION.pack(
+            Motion(
+                combination=rule.combination,
+                formula=rule.formula,
+                looks_repulsive=rule.looks[0],
+                looks_neutral=rule.looks[1],
+                looks_attractive=rule.looks[2],
+                wakes_repulsive=rule.wakes[0],
+                wakes_neutral=rule.wakes[1],
+                wakes_attractive=rule.wakes[2],
+                by_own_reach=rule.by_own_reach,
+                random=rule.random,
+                ahead=rule.ahead,
+                chooses=rule.chooses,
+                see=self._see,
+                view_distance=self.view_distance,
+                min_speed=self.min_speed,
+                max_speed=self.max_speed,
+                angle_xy=self.angle_xy,
+                angle_yz=self.angle_yz,
+                directions=directions.vectors,
+                cursor=directions.cursor,
+                low=directions.low,
+                total=np.zeros(3),
+            )
+        )
 
 
 class RuleMechanism(LimitedMechanism):
     """A movement mechanism that runs one of the compiled rules of `selforg.mechanisms.kernels.rules`."""
 
-    rule: int
-
-    def _run(
-        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
-    ) -> tuple[int, bool]:
-        if self._working_with is not self._pairs:
-            self._working_with = self._pairs
-            self._working = WORKING_TABLES.bundle(
-                self._parameters, self.directions.vectors, self.directions.cursor, self._pairs
-            )
-        return move_rows(
-            begin, self.rule, now, self._see, rows, places, channels, self._working, self.poses.bundle,
-            self.buffer.tables, vectors, active,
-        )  # fmt: skip
+    def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
+        motion, poses, store = self._motion.words, self.poses.words, self.buffer.words
+        return move_rows(now, rows, places, movements, sight, motion, poses, store)
 
 
 def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:

@@ -1,19 +1,29 @@
 """Decision mechanisms."""
 
 from collections.abc import Sequence
-from typing import Unpack
+from functools import cached_property
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.store.columns import PAIR_COLUMNS, SEE_MOVING, SKIP_OWN
+from selforg.gradients.pair_room import PairRoom
+from selforg.gradients.store.columns import SEE_MOVING, SKIP_OWN
 from selforg.mechanisms.base import at_least
 from selforg.mechanisms.decision_base import DecisionMechanism
-from selforg.mechanisms.kernels.deciding import BARYCENTER, GOSSIP_MAX, QUORUM, decide_rows
+from selforg.mechanisms.kernels.deciding import (
+    DECIDE_BARYCENTER,
+    DECIDE_GOSSIP_MAX,
+    DECIDE_QUORUM,
+    DECIDING,
+    Deciding,
+    decide_rows,
+)
 from selforg.mechanisms.options import LookOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 from selforg.mechanisms.spreading import Carried, Spreader
 
 
@@ -39,23 +49,40 @@ class NeighbourDecision(DecisionMechanism):
         super().__init__(buffer, value=value, state=state, carried=carried, **options)
         self._see = SEE_MOVING | SKIP_OWN
         self._key = buffer.keys.code(key)
-        self._pairs: Floats = np.empty((64, PAIR_COLUMNS))
+        self._room = PairRoom(64)
+
+    @cached_property
+    def _deciding(self) -> Packed[Deciding]:
+        """What kernels take of the mechanism, packed when it decides for the first time."""
+        rows = self.poses.rows
+        return DECIDING.pack(
+            Deciding(
+                rule=self.rule,
+                see=self._see,
+                view_distance=self.view_distance,
+                threshold=self.threshold,
+                key=self._key,
+                before=self.values,
+                values=np.zeros(rows),
+                states=np.zeros(rows, dtype=np.int64),
+                decided=np.zeros(rows, dtype=np.bool_),
+            )
+        )
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
-        if self.buffer.settings.whole_seconds:
-            self.buffer.evaporate(now)
-        done = 0
-        while done < len(rows):
-            done = decide_rows(
-                done, self.rule, now, self._see, self.view_distance, self.threshold, self._key, rows,
-                self._channels_now(), self.poses.bundle, self.buffer.tables, self._pairs, self.values, values, states,
-                decided,
-            )  # fmt: skip
-            if done < len(rows):
-                self._pairs = np.empty((2 * len(self._pairs), PAIR_COLUMNS))
+        buffer, room, left = self.buffer, self._deciding.record, rows
+        if buffer.settings.whole_seconds:
+            buffer.evaporate(now)
+        room.states[rows] = states
+        while len(left):
+            sight = self._room.on(buffer.channel_table(self.channels))
+            left = left[decide_rows(now, left, sight, self._deciding.words, self.poses.words, buffer.words) :]
+            if len(left):
+                self._room.double()
+        values[:], states[:], decided[:] = room.values[rows], room.states[rows], room.decided[rows]
 
 
-@register
+@MECHANISMS.register
 class Quorum(NeighbourDecision):
     """Value: neighbours in view; state: whether they are at least `threshold`.
 
@@ -63,7 +90,7 @@ class Quorum(NeighbourDecision):
     the original would overwrite the own pose (deviation Q13).
     """
 
-    rule = QUORUM
+    rule = DECIDE_QUORUM
     states = ("False", "True")
 
     def __init__(
@@ -82,12 +109,17 @@ class Quorum(NeighbourDecision):
         )
         self.threshold = at_least(self, "threshold", threshold, 0.0)
 
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a threshold."""
+        return {"threshold": 2}
 
-@register
+
+@MECHANISMS.register
 class GossipMax(NeighbourDecision):
     """Value: the maximum of the own and all received values; the state is a name that never changes."""
 
-    rule = GOSSIP_MAX
+    rule = DECIDE_GOSSIP_MAX
 
     def __init__(
         self,
@@ -105,7 +137,7 @@ class GossipMax(NeighbourDecision):
         super().__init__(buffer, channel=channel, key=key, value=value, carried=carried, **options)
 
 
-@register
+@MECHANISMS.register
 class MorphogenesisBarycenter(NeighbourDecision):
     """Value: sum of the distances to all neighbours; state Center where it is smaller than every received one.
 
@@ -113,7 +145,7 @@ class MorphogenesisBarycenter(NeighbourDecision):
     spreads an attractive gradient `center` whose diffusion is its value.
     """
 
-    rule = BARYCENTER
+    rule = DECIDE_BARYCENTER
     states = ("None", "Center")
 
     def __init__(
@@ -138,7 +170,7 @@ class MorphogenesisBarycenter(NeighbourDecision):
         self._center.spread(now, centers, self.values[centers], diffusions=self.values[centers])
 
 
-@register
+@MECHANISMS.register
 class ForagingDecision(DecisionMechanism):
     """State Exploration with a probability, else Exploitation; value: that probability.
 
@@ -162,6 +194,11 @@ class ForagingDecision(DecisionMechanism):
         super().__init__(buffer, value=probability, **options)
         self.probability = float(probability)
         self._generators = generators  # not copied: the host may give a row another one
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a probability that needs no generators."""
+        return {"probability": 1.0}
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
         values[:] = self.probability

@@ -8,23 +8,12 @@ import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
 from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.choosing import LEAST_REACH
 from selforg.gradients.gradient import check_fields
-from selforg.gradients.store.columns import (
-    DIFFUSION,
-    FACTOR,
-    FAR,
-    MESSAGE_COLUMNS,
-    PERIOD,
-    TAG_CHANNEL,
-    TAG_COLUMNS,
-    TAG_KEY,
-    TAG_SIGN,
-)
+from selforg.gradients.store import columns as c
 from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import AVOID_ALL, CHEMOTAXIS_GE, CHOICE, FOLLOW_ONE, RANDOM_IF_ZERO, WANDER
+from selforg.mechanisms.kernels.rules import chemotaxis_ge, follow_least_reach, patrol, wander
 from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 @dataclass(frozen=True)
@@ -53,13 +42,14 @@ class DepositingMechanism(RuleMechanism):
     def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
         super().__init__(buffer, **options)
         self.pheromone = pheromone
-        self._message: Floats = np.zeros(MESSAGE_COLUMNS)
-        self._message[DIFFUSION] = pheromone.diffusion
-        self._message[[FAR + FACTOR, FAR + PERIOD]] = pheromone.evaporation_factor, pheromone.evaporation_period
-        self._tag: Ints = np.zeros(TAG_COLUMNS, dtype=np.int64)
-        self._tag[TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
-        self._tag[TAG_SIGN] = pheromone.attraction
-        self._tag[TAG_KEY] = -1
+        self._message: Floats = np.zeros(c.MESSAGE_COLUMNS)
+        self._message[c.DIFFUSION] = pheromone.diffusion
+        self._message[c.MESSAGE_FAR + c.FAR_FACTOR] = pheromone.evaporation_factor
+        self._message[c.MESSAGE_FAR + c.FAR_PERIOD] = pheromone.evaporation_period
+        self._tag: Ints = np.zeros(c.TAG_COLUMNS, dtype=np.int64)
+        self._tag[c.TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
+        self._tag[c.TAG_SIGN] = pheromone.attraction
+        self._tag[c.TAG_KEY] = -1
 
     @final
     def deposit(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
@@ -71,7 +61,7 @@ class DepositingMechanism(RuleMechanism):
         self.buffer.deposit(rows, self._message, self._tag, float(now))
 
 
-@register
+@MECHANISMS.register
 class Patrol(DepositingMechanism):
     """Moves away from all gradients of its channels and leaves a repulsive pheromone with each command.
 
@@ -79,7 +69,7 @@ class Patrol(DepositingMechanism):
     replaces every vector that needs no limiting). Inactive where no gradient is in view.
     """
 
-    rule = AVOID_ALL
+    rule = patrol
 
     def __init__(
         self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
@@ -87,7 +77,6 @@ class Patrol(DepositingMechanism):
         pheromone = pheromone or Pheromone(attraction=-1, evaporation_period=30.0)
         options = {"min_speed": 0.7, **options}
         super().__init__(buffer, pheromone=pheromone, **options)
-        self._parameters[RANDOM_IF_ZERO] = 1.0
 
 
 class TrailMechanism(DepositingMechanism):
@@ -101,31 +90,25 @@ class TrailMechanism(DepositingMechanism):
         super().__init__(buffer, pheromone=pheromone, **options)
 
 
-@register
+@MECHANISMS.register
 class DepositPheromones(TrailMechanism):
     """ChemotaxisGe while depositing."""
 
-    rule = CHEMOTAXIS_GE
+    rule = chemotaxis_ge
 
 
-@register
+@MECHANISMS.register
 class DepositPheromonesMin(TrailMechanism):
     """FollowMinReach while depositing."""
 
-    rule = FOLLOW_ONE
-
-    def __init__(
-        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
-    ) -> None:
-        super().__init__(buffer, pheromone=pheromone, **options)
-        self._parameters[CHOICE] = LEAST_REACH
+    rule = follow_least_reach
 
 
-@register
+@MECHANISMS.register
 class DepositPheromonesRandom(TrailMechanism):
     """Exploration while depositing."""
 
-    rule = WANDER
+    rule = wander
 
     def __init__(
         self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]

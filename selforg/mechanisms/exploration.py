@@ -7,26 +7,26 @@ import numpy as np
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import RuleMechanism, at_least
-from selforg.mechanisms.kernels.rules import ANGLE_XY, ANGLE_YZ, EXPLOIT, WANDER
+from selforg.mechanisms.kernels.rules import exploit, wander
 from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
-@register
+@MECHANISMS.register
 class Exploration(RuleMechanism):
     """A random direction, at `max_speed`, for every row that knows its pose."""
 
-    rule = WANDER
+    rule = wander
 
 
-@register
+@MECHANISMS.register
 class Exploitation(RuleMechanism):
     """Ge & Cui attraction to all static gradients ahead, whatever their sign (Q14).
 
     angle_xy, angle_yz: view angles [rad] to either side of the heading, in the x-y and the y-z plane.
     """
 
-    rule = EXPLOIT
+    rule = exploit
 
     def __init__(
         self,
@@ -38,5 +38,5 @@ class Exploitation(RuleMechanism):
     ) -> None:
         options = {"min_speed": 0.5, "moving": False, **options}
         super().__init__(buffer, **options)
-        self._parameters[ANGLE_XY] = at_least(self, "angle_xy", angle_xy, 0.0)
-        self._parameters[ANGLE_YZ] = at_least(self, "angle_yz", angle_yz, 0.0)
+        self.angle_xy = at_least(self, "angle_xy", angle_xy, 0.0)
+        self.angle_yz = at_least(self, "angle_yz", angle_yz, 0.0)

@@ -4,26 +4,17 @@ from typing import Unpack
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Ints
+from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
+from selforg.gradients.store.records import Sight
 from selforg.mechanisms.base import CompiledMechanism, at_least
-from selforg.mechanisms.kernels.flocking import (
-    BOID_COLUMNS,
-    EPSILON,
-    FLOCK_PARAMETERS,
-    MAX_ACCELERATION,
-    MAX_SPEED,
-    SEPARATION,
-    VIEW,
-    A,
-    B,
-    H,
-    flock_rows,
-)
+from selforg.mechanisms.kernels.flocking import BOID_COLUMNS, FLOCK, Flock, flock_rows
+from selforg.mechanisms.kernels.motion import Movements
 from selforg.mechanisms.options import MoveOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 class FlockMechanism(CompiledMechanism):
@@ -37,23 +28,40 @@ class FlockMechanism(CompiledMechanism):
         super().__init__(buffer, **options)
         self._see = SEE_MOVING | SKIP_OWN | (0 if self.reynolds else SEE_HISTORY)
         self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
-        self._parameters: Floats = np.zeros(FLOCK_PARAMETERS)
-        self._parameters[[VIEW, MAX_SPEED]] = self.view_distance, self.max_speed
-        self._boids: Floats = np.empty((0, BOID_COLUMNS))
+        self.separation = self.a = self.b = self.epsilon = 1.0
+        self.h = self.max_acceleration = 0.0
+        self._flock: Packed[Flock] | None = None
 
-    def _run(
-        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
-    ) -> tuple[int, bool]:
-        directions = self.directions
-        if len(self._boids) < len(self._pairs):
-            self._boids = np.empty((len(self._pairs), BOID_COLUMNS))
-        return flock_rows(
-            begin, self.reynolds, now, self._see, rows, places, channels, self._parameters, self.poses.bundle,
-            self.buffer.tables, directions.vectors, directions.cursor, self._pairs, self._boids, vectors, active,
-        )  # fmt: skip
+    def _packed(self) -> Packed[Flock]:
+        """Return what the kernel takes of the mechanism, with room for as many boids as pairs."""
+        return FLOCK.pack(
+            Flock(
+                reynolds=self.reynolds,
+                see=self._see,
+                view_distance=self.view_distance,
+                max_speed=self.max_speed,
+                separation=self.separation,
+                epsilon=self.epsilon,
+                a=self.a,
+                b=self.b,
+                h=self.h,
+                max_acceleration=self.max_acceleration,
+                directions=self.directions.vectors,
+                cursor=self.directions.cursor,
+                low=self.directions.low,
+                boids=np.empty((len(self._room.pairs), BOID_COLUMNS)),
+                total=np.zeros(3),
+            )
+        )
+
+    def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
+        if self._flock is None or len(self._flock.record.boids) < len(self._room.pairs):
+            self._flock = self._packed()
+        flock, poses, store = self._flock.words, self.poses.words, self.buffer.words
+        return flock_rows(now, rows, places, movements, sight, flock, poses, store)
 
 
-@register
+@MECHANISMS.register
 class FlockingReynolds(FlockMechanism):
     """Separation + cohesion + alignment of Reynolds (1987), doi:10.1145/37401.37406, capped at max_speed.
 
@@ -72,10 +80,10 @@ class FlockingReynolds(FlockMechanism):
         **options: Unpack[MoveOptions],
     ) -> None:
         super().__init__(buffer, max_speed=max_speed, **options)
-        self._parameters[SEPARATION] = positive(self, "separation", separation)
+        self.separation = positive(self, "separation", separation)
 
 
-@register
+@MECHANISMS.register
 class Flocking(FlockMechanism):
     """Algorithm 1 of Olfati-Saber (2006), doi:10.1109/TAC.2005.864190, as intended (deviation Q6).
 
@@ -101,10 +109,9 @@ class Flocking(FlockMechanism):
         if not 0.0 <= h < 1.0:
             raise ValueError(f"Flocking: h must lie in [0, 1), got {h!r}")
         positive(self, "view_distance", self.view_distance)
-        self._parameters[[A, B, EPSILON]] = (
-            positive(self, "a", a), positive(self, "b", b), positive(self, "epsilon", epsilon),
-        )  # fmt: skip
-        self._parameters[[H, MAX_ACCELERATION]] = h, at_least(self, "max_acceleration", max_acceleration, 0.0)
+        self.a, self.b = positive(self, "a", a), positive(self, "b", b)
+        self.epsilon, self.h = positive(self, "epsilon", epsilon), h
+        self.max_acceleration = at_least(self, "max_acceleration", max_acceleration, 0.0)
 
 
 def positive(mechanism: object, name: str, value: float) -> float:

@@ -1,71 +1,62 @@
 """Following: all gradients, or the one that a rule chooses, by the potentials of Balch & Hybinette (2000)."""
 
-from typing import Unpack
-
-from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.choosing import FARTHEST, LEAST_REACH, MOST_REACH, STRONGEST
-from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import AVOID_ALL, CHOICE, COLLISION, FOLLOW_ALL, FOLLOW_ONE
-from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.kernels.rules import (
+    avoid_all,
+    avoid_repulsive,
+    follow_all,
+    follow_farthest,
+    follow_least_reach,
+    follow_most_reach,
+    follow_strongest,
+)
+from selforg.mechanisms.registry import MECHANISMS
 
 
-@register
+@MECHANISMS.register
 class CollisionAvoidance(RuleMechanism):
     """Away from all repulsive gradients; the others are ignored."""
 
-    rule = COLLISION
+    rule = avoid_repulsive
 
 
-@register
+@MECHANISMS.register
 class FollowAll(RuleMechanism):
     """Towards attractive and away from repulsive gradients; neutral ones are ignored."""
 
-    rule = FOLLOW_ALL
+    rule = follow_all
 
 
-@register
+@MECHANISMS.register
 class AvoidAll(RuleMechanism):
     """Away from all gradients, whatever their sign."""
 
-    rule = AVOID_ALL
+    rule = avoid_all
 
 
-class FollowOne(RuleMechanism):
-    """What the mechanisms share that follow one chosen gradient; `choice` is a rule of `selforg.gradients.choosing`."""
-
-    rule = FOLLOW_ONE
-    choice: int
-
-    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[SpeedOptions]) -> None:
-        super().__init__(buffer, **options)
-        self._parameters[CHOICE] = self.choice
-
-
-@register
-class FollowStrongest(FollowOne):
+@MECHANISMS.register
+class FollowStrongest(RuleMechanism):
     """Towards (or away from) the strongest gradient: repulsions by their length, attractions by 1 - length."""
 
-    choice = STRONGEST
+    rule = follow_strongest
 
 
-@register
-class FollowMin(FollowOne):
+@MECHANISMS.register
+class FollowMin(RuleMechanism):
     """Towards the farthest attractive gradient: the one with the longest attraction."""
 
-    choice = FARTHEST
+    rule = follow_farthest
 
 
-@register
-class FollowMinReach(FollowOne):
+@MECHANISMS.register
+class FollowMinReach(RuleMechanism):
     """Towards the attractive gradient of least reach."""
 
-    choice = LEAST_REACH
+    rule = follow_least_reach
 
 
-@register
-class FollowMaxReach(FollowOne):
+@MECHANISMS.register
+class FollowMaxReach(RuleMechanism):
     """Towards the attractive gradient of most reach."""
 
-    choice = MOST_REACH
+    rule = follow_most_reach

@@ -2,11 +2,14 @@
 
 from typing import ClassVar, Unpack
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Ints
+from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
+from selforg.gradients.store.records import Sight
 from selforg.mechanisms.base import LimitedMechanism
-from selforg.mechanisms.kernels.formula import Formula, make_walk
+from selforg.mechanisms.kernels.formula import UserFormula, make_walk
+from selforg.mechanisms.kernels.motion import Movements
 from selforg.mechanisms.options import MoveOptions
 
 
@@ -20,13 +23,13 @@ class FormulaMechanism(LimitedMechanism):
         >>> @kernel
         ... def spring(distance, own_goal, own_reach, diffusion, goal, attraction):
         ...     return distance - own_reach
-        >>> @register
+        >>> @MECHANISMS.register
         ... class Spring(FormulaMechanism):
         ...     formula = spring
 
     """
 
-    formula: ClassVar[Formula]
+    formula: ClassVar[UserFormula]
 
     def __init__(
         self,
@@ -37,13 +40,7 @@ class FormulaMechanism(LimitedMechanism):
         **options: Unpack[MoveOptions],
     ) -> None:
         super().__init__(buffer, min_speed=min_speed, max_speed=max_speed, **options)
-        self._walk = make_walk(type(self).formula)
 
-    def _run(
-        self, begin: int, now: float, rows: Ints, places: Ints, channels: Ints, vectors: Floats, active: Flags
-    ) -> tuple[int, bool]:
-        directions = self.directions
-        return self._walk(
-            begin, now, self._see, rows, places, channels, self._parameters, self.poses.bundle, self.buffer.tables,
-            directions.vectors, directions.cursor, self._pairs, vectors, active,
-        )  # fmt: skip
+    def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
+        walk = make_walk(type(self).formula)
+        return walk(now, rows, places, movements, sight, self._motion.words, self.poses.words, self.buffer.words)

@@ -6,9 +6,9 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.columns import SKIP_OWN
 from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import FERNANDEZ, REPULSION
+from selforg.mechanisms.kernels.rules import fernandez, repulsion
 from selforg.mechanisms.options import MoveOptions
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 class Repulsion(RuleMechanism):
@@ -25,18 +25,18 @@ class Repulsion(RuleMechanism):
         self._see |= SKIP_OWN
 
 
-@register
+@MECHANISMS.register
 class RepulsionFernandez(Repulsion):
     """Repulsion of Fernandez-Marquez et al. (2013), doi:10.1007/s11047-012-9324-y.
 
     Beyond the own reach, but within the view distance, neighbours attract (Q5).
     """
 
-    rule = FERNANDEZ
+    rule = fernandez
 
 
-@register
+@MECHANISMS.register
 class RepulsionGradient(Repulsion):
     """Balch & Hybinette repulsion from the neighbours, doi:10.1109/ROBOT.2000.844042; contact counts the own reach."""
 
-    rule = REPULSION
+    rule = repulsion

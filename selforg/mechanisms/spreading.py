@@ -1,30 +1,17 @@
 """Spreading: gradients that robots carry or leave, with a value or without one."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.buffer import SoBuffer, set_times
 from selforg.gradients.gradient import check_fields
-from selforg.gradients.store.columns import (
-    CLOCK,
-    DIFFUSION,
-    FACTOR,
-    FAR,
-    GOAL,
-    PERIOD,
-    STAMP,
-    TAG_KEY,
-    TAG_MOVING,
-    TAG_SIGN,
-    TAG_SOURCE,
-    VALUE,
-    X,
-)
+from selforg.gradients.store import columns as c
 from selforg.mechanisms.base import Mechanism
-from selforg.mechanisms.registry import register
+from selforg.mechanisms.registry import MECHANISMS
 
 
 @dataclass(frozen=True)
@@ -70,24 +57,30 @@ class Spreader:
             return
         buffer, carried = self._buffer, self.carried
         messages, tags = buffer.blank(len(rows), carried.channel)
-        messages[:, X : X + 3] = buffer.poses.own[rows, 0, X : X + 3]
-        messages[:, DIFFUSION] = carried.diffusion if diffusions is None else diffusions
-        messages[:, GOAL] = carried.goal_radius
-        messages[:, FAR + FACTOR], messages[:, FAR + PERIOD] = carried.evaporation_factor, carried.evaporation_period
-        messages[:, FAR + STAMP] = messages[:, FAR + CLOCK] = now
-        messages[:, FAR + VALUE] = 0.0 if values is None else values
-        tags[:, TAG_SOURCE], tags[:, TAG_SIGN] = rows, carried.attraction
-        tags[:, TAG_MOVING], tags[:, TAG_KEY] = carried.moving, self._key
+        far = messages[:, c.MESSAGE_FAR :]
+        messages[:, c.X : c.X + 3] = buffer.poses.own[rows, 0, c.X : c.X + 3]
+        messages[:, c.DIFFUSION] = carried.diffusion if diffusions is None else diffusions
+        messages[:, c.GOAL_RADIUS] = carried.goal_radius
+        far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = carried.evaporation_factor, carried.evaporation_period
+        set_times(messages, now)
+        far[:, c.FAR_VALUE] = 0.0 if values is None else values
+        tags[:, c.TAG_SOURCE], tags[:, c.TAG_SIGN] = rows, carried.attraction
+        tags[:, c.TAG_MOVING], tags[:, c.TAG_KEY] = carried.moving, self._key
         buffer.spread(messages, tags, now)
 
 
-@register
+@MECHANISMS.register
 class SpreadGradient(Mechanism):
     """Spreads a configured gradient at the robot; it neither moves nor decides."""
 
     def __init__(self, buffer: SoBuffer, *, carried: Carried) -> None:
         super().__init__(buffer)
         self._spreader = Spreader(buffer, carried)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return what to spread."""
+        return {"carried": Carried("beacon")}
 
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
         """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""

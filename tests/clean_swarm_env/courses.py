@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.robot import GOAL
@@ -22,7 +22,12 @@ OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradien
 
 def mission(name: str = "table1", **changes) -> MissionConfig:
     """Return a shipped mission with changes, mapping by mapping."""
-    return MissionConfig.model_validate(laid_over(load_mission(name).model_dump(), changes))
+    return MissionConfig.model_validate(with_changes(load_mission(name).model_dump(), changes))
+
+
+CROWD = mission(world={"width": 4.0, "height": 4.0}, robots={"count": 8}, garbage={"count": 2},
+                stations={"recycling": [1.0, 1.0], "dump": [3.0, 3.0]})  # fmt: skip
+"""Solid robots that cannot help touching."""
 
 
 def avoidance() -> CoordinatorModel:

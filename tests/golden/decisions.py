@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from selforg import mechanisms
+from selforg.gradients.gradient import Gradient
 from selforg.gradients.queries import Filter, Queries
 from selforg.mechanisms import Carried
 from tests.golden.case import Case, difference
@@ -49,8 +50,9 @@ def replay_rounds(case: Case) -> str | None:
     for agent in agents:
         scene = Scene({"id": agent["id"], "view_distance": inputs["view_distance"]})
         own = inputs["own_pose"]
-        scene.poses.set_pose(
-            0, agent["p"], (1.0, 0.0, 0.0), own["stamp"], diffusion=own["diffusion"], goal_radius=own["goal_radius"]
+        pose = {"diffusion": own["diffusion"], "goal_radius": own["goal_radius"], "stamp": own["stamp"]}
+        scene.poses.set_gradient(
+            0, Gradient("robot", tuple(agent["p"]), heading=(1.0, 0.0, 0.0), attraction=-1, **pose)
         )
         scenes.append(scene)
         deciders.append(create(scene, inputs["mechanism"], {**inputs["params"], **agent.get("params", {})}))
@@ -78,7 +80,7 @@ def deliver(scenes: list[Scene], edges: list[list[int]] | None, now: float) -> N
 def create(scene: Scene, name: str, given: dict[str, Any]) -> Any:
     """Return our mechanism for the original's parameters."""
     if name == "ForagingDecision":
-        return mechanisms.create(name, scene.buffer, probability=given["probability"])
+        return mechanisms.MECHANISMS.create(name, scene.buffer, probability=given["probability"])
     quorum = name == "Quorum"
     channel = channel_of(given.get("frame", "robot" if quorum else ""))
     fields = {k: given.get(k, default) for k, default in DEFAULTS[name].items()}
@@ -93,7 +95,7 @@ def create(scene: Scene, name: str, given: dict[str, Any]) -> Any:
             given.get("center_frame", "Center"), attraction=given.get("attraction_center", 1),
             goal_radius=given.get("goal_center", 2.0), moving=given.get("moving_center", False),
         )  # fmt: skip
-    return mechanisms.create(name, scene.buffer, channel=channel, carried=carried, **keywords)
+    return mechanisms.MECHANISMS.create(name, scene.buffer, channel=channel, carried=carried, **keywords)
 
 
 def written(mechanism: Any, value: float, state: int) -> list[Any]:

@@ -4,17 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from selforg.compiler.records import Packed
 from selforg.mechanisms.kernels.flocking import (
     BOID_COLUMNS,
-    BOID_GOAL,
-    EPSILON,
-    FLOCK_PARAMETERS,
-    OFFSET,
-    VELOCITY,
-    VIEW,
-    A,
-    B,
-    H,
+    BOID_GOAL_RADIUS,
+    BOID_OFFSET,
+    BOID_VELOCITY,
+    FLOCK,
+    Flock,
     action,
     adjacency,
     bump,
@@ -70,14 +67,12 @@ def terms(inputs: dict[str, Any], p: dict[str, Any]) -> tuple[np.ndarray, np.nda
     agent, neighbours = inputs["agent"], inputs["neighbours"]
     boids = np.zeros((len(neighbours), BOID_COLUMNS))
     for boid, neighbour in zip(boids, neighbours, strict=True):
-        boid[OFFSET : OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
-        boid[VELOCITY : VELOCITY + 3] = neighbour["v"]
-    parameters = np.zeros(FLOCK_PARAMETERS)
-    parameters[[A, B, EPSILON, H, VIEW]] = p["a"], p["b"], p["epsilon"], p["h"], p["view_distance"]
+        boid[BOID_OFFSET : BOID_OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
+        boid[BOID_VELOCITY : BOID_VELOCITY + 3] = neighbour["v"]
+    flock = flock_of(boids, p)
     gradient, consensus = np.zeros(3), np.zeros(3)
-    olfati_saber(
-        boids, len(boids), np.array(agent["v"], dtype=float), parameters, p["avoidance_distance"], gradient, consensus
-    )
+    velocity = np.array(agent["v"], dtype=float)
+    olfati_saber(len(boids), velocity, p["avoidance_distance"], gradient, consensus, flock.words)
     return gradient, consensus
 
 
@@ -86,17 +81,38 @@ def reynolds(name: str, inputs: dict[str, Any]) -> list[float]:
     agent, neighbours = inputs["agent"], inputs["neighbours"]
     boids = np.zeros((len(neighbours), BOID_COLUMNS))
     for boid, neighbour in zip(boids, neighbours, strict=True):
-        boid[OFFSET : OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
-        boid[VELOCITY : VELOCITY + 3] = heading_of(neighbour)
-        boid[BOID_GOAL] = neighbour["goal_radius"]
-    total = np.zeros(3)
+        boid[BOID_OFFSET : BOID_OFFSET + 3] = np.subtract(neighbour["p"], agent["p"])
+        boid[BOID_VELOCITY : BOID_VELOCITY + 3] = heading_of(neighbour)
+        boid[BOID_GOAL_RADIUS] = neighbour["goal_radius"]
+    flock = flock_of(boids, inputs.get("params", {}))
     if name == "separation":
-        stream = DirectionStream.fixed(1, 3)
-        separation(
-            boids, len(boids), agent["goal_radius"], inputs["params"]["r"], 1.0, 0, stream.vectors, stream.cursor, total
-        )
+        separation(len(boids), agent["goal_radius"], 1.0, 0, flock.words)
     elif name == "alignment":
-        mean_difference(boids, len(boids), VELOCITY, np.array(heading_of(agent)), total)
+        mean_difference(len(boids), BOID_VELOCITY, np.array(heading_of(agent)), flock.words)
     else:
-        mean_difference(boids, len(boids), OFFSET, np.zeros(3), total)
-    return total.tolist()
+        mean_difference(len(boids), BOID_OFFSET, np.zeros(3), flock.words)
+    return flock.record.total.tolist()
+
+
+def flock_of(boids: np.ndarray, p: dict[str, Any]) -> Packed[Flock]:
+    """Return the record of a flocking rule with the parameters of a case."""
+    stream = DirectionStream.fixed(1, 3)
+    return FLOCK.pack(
+        Flock(
+            reynolds=0,
+            see=0,
+            view_distance=p.get("view_distance", 0.0),
+            max_speed=0.0,
+            separation=p.get("r", 0.0),
+            epsilon=p.get("epsilon", 0.0),
+            a=p.get("a", 0.0),
+            b=p.get("b", 0.0),
+            h=p.get("h", 0.0),
+            max_acceleration=0.0,
+            directions=stream.vectors,
+            cursor=stream.cursor,
+            low=stream.low,
+            boids=boids,
+            total=np.zeros(3),
+        )
+    )

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import knowledge_from
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create

@@ -1,7 +1,7 @@
 import pytest
 
 from selector.configurations.library import Library
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import Option, knowledge_from, load_knowledge
 
 OPTIONS = [

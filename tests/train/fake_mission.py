@@ -3,23 +3,11 @@
 import os
 import time
 import zlib
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class FakeResult:
-    completed: bool
-    duration_s: float
-    collision_samples_per_s: tuple[float, ...]
-    collision_events_per_s: tuple[float, ...]
-    garbage_done: int
-    robots: int
-    ticks: int
-    items_per_min: float
-    cost_s: float
+from clean_swarm_env.world.mission import MissionResult
 
 
 def run_mission(mission, start, seed, scores, *_):
@@ -34,7 +22,7 @@ def run_mission(mission, start, seed, scores, *_):
     duration = float(rng.lognormal(6.0 if best == "RepulsionFernandez" else 5.3, 0.4))
     completed = duration < mission.time_limit
     rates = tuple(float(d * rng.gamma(4.0, 0.5)) for d in mission.collision_distances)
-    return FakeResult(
+    return MissionResult(
         completed,
         min(duration, mission.time_limit),
         rates,
@@ -57,7 +45,8 @@ def run_mission_but_not_2(mission, start, seed, scores, *_):
 if __name__ == "__main__":
     # spawned workers find the function by this module's name, not by __main__
     from tests.train import fake_mission
-    from train.cli import app as cli
+    from train.cli import main
+    from train.running import runs
 
-    cli.mission_runner = lambda: fake_mission.run_mission
-    cli.main()
+    runs.run_mission = fake_mission.run_mission
+    main()

@@ -4,15 +4,12 @@ from collections.abc import Sequence
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.world.mission import MissionResult
 from train.running.runs import RunRecord
 
 
 def record(scenario: str = "1", condition: str = "a", duration: float = 10.0, **changes) -> RunRecord:
-    fields = {
-        "experiment": "x",
-        "scenario": scenario,
-        "seed": 3,
-        "condition": condition,
+    figures = {
         "completed": True,
         "duration_s": duration,
         "collision_samples_per_s": (duration / 10, duration / 5),
@@ -22,9 +19,8 @@ def record(scenario: str = "1", condition: str = "a", duration: float = 10.0, **
         "cost_s": 250.0,
         "robots": 5,
         "ticks": 50,
-        "wall_s": 0.25,
     }
-    return RunRecord(**(fields | changes))
+    return RunRecord("x", scenario, 3, condition, MissionResult(**(figures | changes)), wall_s=0.25)
 
 
 def experiment(conditions: Sequence[str] = ("a", "b"), scenarios: int = 3, **changes) -> ExperimentConfig:

@@ -1,4 +1,4 @@
-"""Ours beside figures measured on the same start configurations by another implementation.
+"""Compare our figures with figures that another implementation measured on the same start configurations.
 
 Only the scenarios that have the figure on both sides count. Means agree when 1 lies in the interval of their ratio
 (scenarios drawn in pairs); ratios between two conditions agree when their two intervals meet.
@@ -9,10 +9,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.experiment import ConditionConfig
-from train.analysis.statistics import Figures, Floats, Interval, Ratio, ratio_of_means
+from selforg.arrays import Flags, Floats
+from train.analysis.bootstrap import Interval
+from train.analysis.statistics import Figures, Ratio, ratio_of_means
 
 Measured = Mapping[str, Mapping[str, Mapping[str, float | None]]]
 """Scenario -> name of a condition -> figure -> value."""
@@ -31,7 +32,7 @@ class MeanBesideMeasured:
     """Ours / measured."""
     ci95: Interval | None
     agrees: bool | None
-    """None where there is no interval to tell by."""
+    """Whether 1 lies in the interval; None without an interval."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class ReferenceComparison:
     ratios: tuple[RatioBesideMeasured, ...]
 
 
-def compare(
+def compare_with_measured(
     figures: Figures, measured: Measured, conditions: Sequence[ConditionConfig], metrics: Sequence[str]
 ) -> ReferenceComparison:
     """Compare each metric under each condition, and its ratio between any two conditions, with what was measured."""
@@ -70,13 +71,13 @@ def compare(
     return ReferenceComparison(tuple(m for m in means if m is not None), tuple(r for r in ratios if r is not None))
 
 
-Values = dict[tuple[str, str], tuple[Floats, NDArray[np.bool_]]]
+Values = dict[tuple[str, str], tuple[Floats, Flags]]
 """Condition and metric -> measured values (K,) and the mask (K,) of those that exist."""
 
 
 def _measured_values(
     figures: Figures, measured: Measured, condition: ConditionConfig, metric: str
-) -> tuple[Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Flags]:
     found = [measured.get(s, {}).get(condition.measured or "", {}).get(metric) for s in figures.scenarios]
     return (
         np.array([0.0 if value is None else value for value in found]),

@@ -1,4 +1,4 @@
-"""What an evaluation found, computed once: the content of `summary.json` and the source of table and figure."""
+"""The results of an experiment, computed once: the content of `summary.json` and the source of tables and figure."""
 
 import itertools
 import json
@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from train.analysis.reference import Measured, ReferenceComparison, compare
+from train.analysis.reference import Measured, ReferenceComparison, compare_with_measured
 from train.analysis.statistics import (
     METRICS,
     Figures,
@@ -22,7 +22,7 @@ from train.running.runs import RunRecord
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ConditionRatio:
     """Ratio of the means of one metric under the conditions a and b."""
 
     a: str
@@ -40,7 +40,7 @@ class Report:
     figures: Figures
     summaries: dict[str, dict[str, Summary]]
     """Condition -> metric -> summary."""
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[ConditionRatio, ...]
     reference: ReferenceComparison
     measured: Measured
     own_starts: bool
@@ -58,11 +58,13 @@ def report_of(
         name: {metric: summarise(figures.values[metric][c]) for metric in METRICS} for c, name in enumerate(conditions)
     }
     comparisons = tuple(
-        Comparison(conditions[a], conditions[b], metric, ratio_of_means(*figures.values[metric][[a, b]]))
+        ConditionRatio(conditions[a], conditions[b], metric, ratio_of_means(*figures.values[metric][[a, b]]))
         for a, b in itertools.combinations(range(len(conditions)), 2)
         for metric in METRICS
     )
-    reference = compare(figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)])
+    reference = compare_with_measured(
+        figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)]
+    )
     return Report(experiment, seed, figures, summaries, comparisons, reference, measured, own_starts)
 
 

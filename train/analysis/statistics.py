@@ -10,25 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.stats
-from numpy.typing import NDArray
 
+from selforg.arrays import Flags, Floats
+from train.analysis.bootstrap import Interval, interval, resampled
 from train.running.runs import RunRecord
 
 METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
 RESAMPLES = 10_000
 """Bootstrap resamples of a ratio."""
-BOOTSTRAP_SEED = 2017
-"""Fixed, so that equal runs have equal intervals."""
-CHUNK = 500
-"""Resamples drawn at a time, which bounds the memory to CHUNK x K integers."""
-
-Interval = tuple[float, float]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Location and spread of one figure over the scenarios; no interval for a single one."""
+    """Location and spread of one figure over the scenarios; no interval for a single scenario."""
 
     mean: float
     median: float
@@ -38,7 +32,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class Ratio:
-    """Ratio of two means; None where the denominator is zero, or the interval is not finite."""
+    """Ratio of two means, None if the denominator is zero; its interval, None if it is not finite."""
 
     ratio: float | None
     ci95: Interval | None
@@ -50,7 +44,7 @@ class Figures:
 
     conditions: tuple[str, ...]
     scenarios: tuple[str, ...]
-    completed: NDArray[np.bool_]
+    completed: Flags
     """(C, K) whether the mission was completed."""
     values: dict[str, Floats]
     """Metric -> (C, K); the metrics of METRICS, and those of `distance_metrics`."""
@@ -65,7 +59,7 @@ def figures_of(
     records: Sequence[RunRecord], conditions: Sequence[str], scenarios: Sequence[str], distances: Sequence[float]
 ) -> Figures:
     """Arrange one record of every scenario (K) and condition (C) as arrays, in the given order."""
-    at = {record.key: record for record in records}
+    at = {record.key: record.result for record in records}
     rows = [[at[scenario, condition] for scenario in scenarios] for condition in conditions]
     values = {"duration_s": np.array([[r.duration_s for r in row] for row in rows])}
     samples = np.array([[r.collision_samples_per_s for r in row] for row in rows])
@@ -80,11 +74,11 @@ def figures_of(
 def summarise(values: Floats) -> Summary:
     """Return location and spread of `values` (K,)."""
     mean, count = float(values.mean()), len(values)
-    interval = None
+    ci95 = None
     if count > 1:
         half = float(scipy.stats.t.ppf(0.975, count - 1) * values.std(ddof=1) / np.sqrt(count))
-        interval = (mean - half, mean + half)
-    return Summary(mean, float(np.median(values)), float(values.std()), interval)
+        ci95 = (mean - half, mean + half)
+    return Summary(mean, float(np.median(values)), float(values.std()), ci95)
 
 
 def ratio_of_means(a: Floats, b: Floats) -> Ratio:
@@ -94,18 +88,11 @@ def ratio_of_means(a: Floats, b: Floats) -> Ratio:
     ratio = float(a.mean() / b.mean())
     if len(a) == 1:
         return Ratio(ratio, None)
-    low, high = np.quantile(_resampled_ratios(a, b), [0.025, 0.975], method="nearest")
-    return Ratio(ratio, (float(low), float(high)) if np.isfinite([low, high]).all() else None)
+    above, below = resampled((a, b), _sums, RESAMPLES, paired=True)
+    ratios = np.divide(above, below, out=np.full(RESAMPLES, np.inf), where=below != 0.0)
+    return Ratio(ratio, interval(ratios))
 
 
-def _resampled_ratios(a: Floats, b: Floats) -> Floats:
-    """Return (RESAMPLES,) ratios of means of pairs drawn with replacement; infinite where b is all zero."""
-    rng = np.random.default_rng(BOOTSTRAP_SEED)
-    ratios = np.empty(RESAMPLES)
-    for first in range(0, RESAMPLES, CHUNK):
-        drawn = rng.integers(len(a), size=(min(CHUNK, RESAMPLES - first), len(a)))
-        above, below = a[drawn].sum(axis=1), b[drawn].sum(axis=1)
-        ratios[first : first + len(drawn)] = np.divide(
-            above, below, out=np.full(len(drawn), np.inf), where=below != 0.0
-        )
-    return ratios
+def _sums(a: Floats, b: Floats, axis: int = -1) -> Floats:
+    """Return the sums (2, ...) of both along an axis."""
+    return np.stack([a.sum(axis=axis), b.sum(axis=axis)])

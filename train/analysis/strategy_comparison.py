@@ -1,10 +1,12 @@
-"""How strategies compare on one family: costs over scenarios and training seeds, and what lies between two yardsticks.
+"""Compare strategies on one family: costs over scenarios and training seeds, and how they lie between two yardsticks.
 
 The yardsticks are the single best fixed option (that of the lowest mean cost on these very scenarios) and the oracle:
 the best fixed option of each scenario. The share of the gap between them that a strategy closes is
 (best fixed - strategy) / (best fixed - oracle) of mean costs; above 1 it is better than any choice of one option for
 each scenario. Ratios are of means; intervals are bootstraps of 95 % that draw scenarios, the same for both sides, and
 training seeds where there are several.
+
+Shapes: S training seeds, K scenarios, O fixed options, B resamples.
 """
 
 from __future__ import annotations
@@ -13,13 +15,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from train.analysis.statistics import BOOTSTRAP_SEED, Interval
+from selforg.arrays import Floats, Ints
+from train.analysis.bootstrap import Interval, interval, resampled
 
-Floats = NDArray[np.float64]
-RESAMPLES = 5_000
-"""Bootstrap resamples."""
+COMPARISON_RESAMPLES = 5_000
+"""Bootstrap resamples of a comparison."""
 LEAST_GAP = 1e-6
 """Share of the best fixed option's cost below which a gap is none."""
 MOSTLY = 0.975
@@ -36,76 +37,83 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Standing:
+class StrategyStanding:
     """Where one strategy stands."""
 
     label: str
     cost: Estimate
     """Mean mission cost [s]."""
     ratio: Estimate
-    """Its ratio to the best fixed option's."""
+    """Ratio of the mean cost to that of the best fixed option."""
     share: Estimate | None
-    """Share of the gap that it closes; None where there is no gap."""
+    """Share of the gap that the strategy closes; None without a gap."""
 
 
 @dataclass(frozen=True)
-class Comparison:
+class StrategyComparison:
     """All strategies on one family."""
 
     best_fixed: str
-    standings: tuple[Standing, ...]
+    standings: tuple[StrategyStanding, ...]
     """In the order given, the oracle last."""
 
 
-def compare(costs: Mapping[str, Floats], fixed: tuple[str, ...]) -> Comparison:
+@dataclass(frozen=True)
+class _Costs:
+    """Costs on the same scenarios."""
+
+    own: Floats
+    """(S, K) of a strategy."""
+    fixed: Floats
+    """(K,) of the best fixed option."""
+    oracle: Floats
+    """(K,) of the best fixed option of each scenario."""
+
+    def means(self, scenarios: Ints, seeds: Ints | None = None, axis: int = -1) -> Floats:
+        """Return the means (3, ...) of own, fixed and oracle costs over the scenarios and seeds drawn.
+
+        Args:
+            scenarios: (..., K) numbers of the scenarios that count.
+            seeds: (..., S) numbers of the training seeds that count; the first one unless given.
+            axis: of the numbers, always the last one.
+
+        """
+        drawn = np.zeros_like(scenarios[..., :1]) if seeds is None else seeds
+        own = self.own[drawn[..., :, None], scenarios[..., None, :]].mean(axis=(-2, -1))
+        return np.stack([own, self.fixed[scenarios].mean(axis=axis), self.oracle[scenarios].mean(axis=axis)])
+
+
+def compare_strategies(costs: Mapping[str, Floats], fixed: tuple[str, ...]) -> StrategyComparison:
     """Return the comparison of strategies by their costs (S, K) with S training seeds on K scenarios.
 
     `fixed` names those that are one option each; at least one.
     """
     options = np.concatenate([costs[label][:1] for label in fixed])  # (O, K)
-    best = int(options.mean(axis=1).argmin())
-    drawn = _drawn(options.shape[1])
-    resampled = options[:, drawn].mean(axis=2) if drawn is not None else None  # (O, B)
-    everything = {**costs, ORACLE: options.min(axis=0, keepdims=True)}
-    standings = []
-    for label, own in everything.items():
-        standings.append(_standing(label, own, options, best, drawn, resampled))
-    return Comparison(fixed[best], tuple(standings))
+    best, oracle = int(options.mean(axis=1).argmin()), options.min(axis=0)
+    everything = {**costs, ORACLE: oracle[None]}
+    standings = [_standing(label, _Costs(own, options[best], oracle)) for label, own in everything.items()]
+    return StrategyComparison(fixed[best], tuple(standings))
 
 
-def _drawn(scenarios: int) -> NDArray[np.int64] | None:
-    """Return numbers of scenarios (B, K) drawn with replacement; None for a single one."""
-    if scenarios < 2:
-        return None
-    return np.random.default_rng(BOOTSTRAP_SEED).integers(scenarios, size=(RESAMPLES, scenarios))
-
-
-def _standing(
-    label: str, own: Floats, options: Floats, best: int, drawn: NDArray[np.int64] | None, resampled: Floats | None
-) -> Standing:
-    """Return where the costs `own` (S, K) stand among those of the `options` (O, K)."""
-    oracle = options.min(axis=0)
-    mean, fixed_mean, gap = own.mean(), options[best].mean(), options[best].mean() - oracle.mean()
-    share = float((fixed_mean - mean) / gap) if gap > LEAST_GAP * fixed_mean else None
-    if drawn is None or resampled is None:
-        plain = Estimate(float(mean / fixed_mean), None)
-        return Standing(label, Estimate(float(mean), None), plain, None if share is None else Estimate(share, None))
-    seeds = np.random.default_rng(BOOTSTRAP_SEED + 1).integers(len(own), size=(RESAMPLES, len(own)))
-    means = own[seeds].mean(axis=1) if len(own) > 1 else None  # (B, K)
-    own_means = own[0][drawn].mean(axis=1) if means is None else np.take_along_axis(means, drawn, 1).mean(axis=1)
-    fixed_means, gaps = resampled[best], resampled[best] - oracle[drawn].mean(axis=1)
-    wide = gaps > LEAST_GAP * fixed_means
-    shares = (fixed_means - own_means)[wide] / gaps[wide]
-    return Standing(
+def _standing(label: str, costs: _Costs) -> StrategyStanding:
+    seeds, scenarios = costs.own.shape
+    means = costs.means(np.arange(scenarios), np.arange(seeds))
+    samples = [np.arange(count) for count in (scenarios, seeds) if count > 1]  # one seed is no sample to draw from
+    drawn = resampled(samples, costs.means, COMPARISON_RESAMPLES, paired=False) if scenarios > 1 else np.zeros((3, 0))
+    share, shares = _shares(means[:, None]), _shares(drawn)
+    certain = len(shares) > MOSTLY * drawn.shape[1]
+    return StrategyStanding(
         label,
-        Estimate(float(mean), _interval(own_means)),
-        Estimate(float(mean / fixed_mean), _interval(own_means / fixed_means)),
-        None if share is None else Estimate(share, _interval(shares) if wide.mean() > MOSTLY else None),
+        Estimate(float(means[0]), interval(drawn[0])),
+        Estimate(float(means[0] / means[1]), interval(drawn[0] / drawn[1])),
+        Estimate(float(share[0]), interval(shares) if certain else None) if len(share) else None,
     )
 
 
-def _interval(values: Floats) -> Interval | None:
-    if not len(values):
-        return None
-    low, high = np.quantile(values, [0.025, 0.975])
-    return float(low), float(high)
+def _shares(means: Floats) -> Floats:
+    """Return the shares of the gap that a strategy closes, for those of the B `means` (3, B) that have a gap."""
+    own, fixed, oracle = means
+    gaps = fixed - oracle
+    wide = gaps > LEAST_GAP * fixed
+    shares: Floats = (fixed - own)[wide] / gaps[wide]
+    return shares

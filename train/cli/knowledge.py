@@ -1,25 +1,21 @@
-"""`clean-swarm knowledge`: look at a knowledge store, fill it, copy it, bring two together, forget."""
+"""`clean-swarm knowledge`: look at a knowledge store, fill it, copy it, merge two, forget.
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+The commands import the store themselves: SQLAlchemy takes long to load, and help has to be quick.
+"""
+
+from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from clean_swarm_env.config.errors import ConfigurationError
-
-if TYPE_CHECKING:
-    from selector.store import Contents, KnowledgeStore
-
-TABLE_WIDTH = 140
-"""Least width of the printed tables [characters]."""
+from train.cli.options import Configs, wide_console
 
 app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and what was learned in a database.")
 
-Store = Annotated[
+StoreOption = Annotated[
     str | None,
     typer.Option(
         help="URL of the store, sqlite:///PATH or postgresql://USER@HOST/DATABASE, or the path of a file; the "
@@ -27,25 +23,27 @@ Store = Annotated[
         metavar="URL",
     ),
 ]
-Goal = Annotated[str | None, typer.Option(help="Only this goal.")]
+GoalOption = Annotated[str | None, typer.Option(help="Only this goal.")]
 
 
 @app.command("list")
-def list_goals(store: Store = None) -> None:
+def list_goals(store: StoreOption = None) -> None:
     """List the goals of a store: options, contexts, updates, sources."""
+    from train.knowledge_store import opened
     from train.reports import knowledge_tables
 
-    with _opened(store, create=False) as opened:
-        _print(knowledge_tables.all_goals(opened.contents()), f"{opened.name}:")
+    with closing(opened(store, create=False)) as kept:
+        _print(knowledge_tables.all_goals(kept.contents()), f"{kept.name}:")
 
 
-@app.command()
-def show(goal: Annotated[str, typer.Argument(help="A goal of the store.")], store: Store = None) -> None:
+@app.command("show")
+def show_goal(goal: Annotated[str, typer.Argument(help="A goal of the store.")], store: StoreOption = None) -> None:
     """Show what is known of a goal: per option, context and source its count, mean and standard deviation."""
+    from train.knowledge_store import opened
     from train.reports import knowledge_tables
 
-    with _opened(store, create=False) as opened:
-        _print(knowledge_tables.one_goal(opened.contents(), goal), f"{goal}:")
+    with closing(opened(store, create=False)) as kept:
+        _print(knowledge_tables.one_goal(kept.contents(), goal), f"{goal}:")
 
 
 @app.command("import")
@@ -53,31 +51,32 @@ def import_file(
     given: Annotated[
         str, typer.Argument(help="YAML or JSON file: expert knowledge or an exported store.", metavar="FILE|NAME")
     ],
-    store: Store = None,
+    store: StoreOption = None,
     source: Annotated[str, typer.Option(help="Whom expert knowledge comes from.")] = "expert",
-    configs: Annotated[
-        list[Path] | None, typer.Option(help="Directory with your own knowledge/NAME.yaml; can be repeated.")
-    ] = None,
+    configs: Configs = None,
 ) -> None:
     """Add a file, or the expert knowledge of a name, to a store; the store is made if there is none."""
-    contents = _contents(given, source, configs or [])
-    with _opened(store, create=True) as opened:
-        opened.absorb(contents)
-        typer.echo(f"{opened.name}: took in {_amount(contents)}")
+    from train.knowledge_store import amount, contents_named, opened
+
+    contents = contents_named(given, source, configs or ())
+    with closing(opened(store, create=True)) as kept:
+        kept.absorb(contents)
+        typer.echo(f"{kept.name}: took in {amount(contents)}")
 
 
 @app.command("export")
 def export_file(
     output: Annotated[Path, typer.Argument(help="File to write, YAML or JSON by its ending; - prints YAML.")],
-    store: Store = None,
+    store: StoreOption = None,
 ) -> None:
     """Write all that a store holds to a file; one that exists is refused."""
     from selector.store import document
+    from train.knowledge_store import amount, opened
 
     if str(output) != "-" and output.suffix not in (".yaml", ".yml", ".json"):
         raise ConfigurationError(f"{output}: expected a name that ends in .yaml or .json")
-    with _opened(store, create=False) as opened:
-        contents = opened.contents()
+    with closing(opened(store, create=False)) as kept:
+        contents = kept.contents()
     text = document.as_text(contents, as_json=output.suffix == ".json")
     if str(output) == "-":
         typer.echo(text, nl=False)
@@ -87,28 +86,28 @@ def export_file(
             file.write(text)
     except OSError as error:
         raise ConfigurationError(f"{output}: cannot be written ({error.strerror})") from error
-    typer.echo(f"{_amount(contents)} in {output}")
+    typer.echo(f"{amount(contents)} in {output}")
 
 
-@app.command()
-def merge(
+@app.command("merge")
+def merge_stores(
     others: Annotated[list[str], typer.Argument(help="URLs or paths of the stores to add.", metavar="OTHER...")],
-    store: Store = None,
+    store: StoreOption = None,
 ) -> None:
     """Add all that other stores hold to a store, exactly; updates that it holds already are refused."""
-    from selector.store import KnowledgeStore
+    from train.knowledge_store import amount, opened
 
-    sources = [KnowledgeStore(other, create=False) for other in others]  # all of them exist before any is added
-    with _opened(store, create=True) as opened:
+    sources = [opened(other, create=False) for other in others]  # all of them exist before any is added
+    with closing(opened(store, create=True)) as kept:
         for source in sources:
-            typer.echo(f"{opened.name}: took in {_amount(opened.merge(source))} of {source.name}")
+            typer.echo(f"{kept.name}: took in {amount(kept.merge(source))} of {source.name}")
             source.close()
 
 
-@app.command()
-def reset(
-    store: Store = None,
-    goal: Goal = None,
+@app.command("reset")
+def reset_store(
+    store: StoreOption = None,
+    goal: GoalOption = None,
     option: Annotated[str | None, typer.Option(help="Only this option.")] = None,
     context: Annotated[str | None, typer.Option(help="Only this context; '' is the one without a key.")] = None,
     source: Annotated[str | None, typer.Option(help="Only what comes from this source.")] = None,
@@ -120,52 +119,17 @@ def reset(
     chosen = {what: value for what, value in given.items() if value is not None}
     if expert and context is not None:
         raise ConfigurationError("--expert: expert options have no context; leave out --context")
-    with _opened(store, create=False) as opened:
+    from train.knowledge_store import counted, opened
+
+    with closing(opened(store, create=False)) as kept:
         what = ", ".join(f"{name} {value!r}" for name, value in chosen.items()) or "everything"
         if not yes:
-            typer.confirm(f"{opened.name}: forget {what}?", abort=True, err=True)
-        entries, options = opened.reset(expert=expert, **chosen)
-        typer.echo(f"{opened.name}: forgot {_counted(entries, 'entry', 'entries')}, {_options(options)}")
-
-
-def _contents(given: str, source: str, configs: list[Path]) -> "Contents":
-    from selector.knowledge import load_knowledge
-    from selector.store import document
-    from selector.store.records import contents_of
-
-    path = Path(given)
-    if path.is_file():
-        return document.read(path, source)
-    if path.suffix or path.name != given:
-        raise ConfigurationError(f"{given}: no such file")
-    return contents_of(load_knowledge(given, configs), source)
-
-
-@contextmanager
-def _opened(url: str | None, *, create: bool) -> "Iterator[KnowledgeStore]":
-    from train.knowledge_store import opened
-
-    store = opened(url, create=create)
-    try:
-        yield store
-    finally:
-        store.close()
-
-
-def _amount(contents: "Contents") -> str:
-    updates = sum(entry.moments.count for entry in contents.learned.values())
-    return f"{_options(len(contents.expert))}, {_counted(updates, 'update', 'updates')}"
-
-
-def _options(number: int) -> str:
-    return _counted(number, "expert option", "expert options")
-
-
-def _counted(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"
+            typer.confirm(f"{kept.name}: forget {what}?", abort=True, err=True)
+        entries, options = kept.reset(expert=expert, **chosen)
+        typer.echo(f"{kept.name}: forgot {counted(entries, 'entry', 'entries')}, {counted(options, 'expert option')}")
 
 
 def _print(table: Table, title: str) -> None:
-    console = Console(width=max(Console().width, TABLE_WIDTH), highlight=False, markup=False)
+    console = wide_console()
     console.print(title)
     console.print(table)

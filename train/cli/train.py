@@ -1,5 +1,7 @@
 """`clean-swarm train`: let a policy learn by PPO, or a strategy by the rewards of its choices."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -7,6 +9,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
+from train.cli.options import Configs, check_least
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
@@ -14,10 +17,6 @@ Config = Annotated[str | None, typer.Option(help="Name of a training, or path to
 Output = Annotated[Path | None, typer.Option(help="Directory of the training; one below results/ unless given.")]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the directory.")]
-Configs = Annotated[
-    list[Path] | None,
-    typer.Option(help="Directory of your own configurations, searched before the shipped ones; can be repeated."),
-]
 
 
 @app.command()
@@ -25,7 +24,15 @@ def ppo(
     config: Config = None, output: Output = None, seed: Seed = 0, resume: Resume = False, configs: Configs = None
 ) -> None:
     """Train a policy by PPO and export it."""
-    _train("ppo", config, output, seed, resume, None, configs)
+    check_least({"--seed": (seed, 0)})
+    from train.learning.session import TrainingRequest, check_installed, run_training  # imports Numba
+
+    check_installed("ppo")
+    from train.learning.ppo import PpoTraining  # imports torch
+
+    request = TrainingRequest("ppo", config or "general", seed, output, resume, directories=tuple(configs or ()))
+    with _one_line():
+        raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
 
 @app.command()
@@ -40,20 +47,25 @@ def bandit(
     configs: Configs = None,
 ) -> None:
     """Let a strategy learn from the rewards that follow its choices and save what it learned."""
-    _train("bandit", config, output, seed, resume, store, configs)
+    check_least({"--seed": (seed, 0)})
+    from train.knowledge_store import opened  # these import SQLAlchemy and Numba
+    from train.learning.bandit import BanditTraining
+    from train.learning.session import TrainingRequest, run_training
+    from train.learning.training import TrainingJob
+
+    def made(job: TrainingJob) -> BanditTraining:
+        return BanditTraining(job, opened(store, create=True) if store is not None else None)
+
+    directories = tuple(configs or ())
+    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories)
+    with _one_line():
+        raise typer.Exit(run_training(request, made, Console(highlight=False)))
 
 
-def _train(
-    learner: str, config: str | None, output: Path | None, seed: int, resume: bool, store: str | None,
-    configs: list[Path] | None,
-) -> None:  # fmt: skip
-    if seed < 0:
-        raise ConfigurationError(f"--seed: expected a whole number of at least 0, got {seed}")
-    from selector.documents.yaml import DocumentError
-    from train.learning.training import DEFAULTS, TrainingRequest, train
-
-    request = TrainingRequest(learner, config or DEFAULTS[learner], seed, output, resume, store, tuple(configs or ()))
+@contextmanager
+def _one_line() -> Iterator[None]:
+    """Turn a ValueError of a training into an error of one line for the user."""
     try:
-        raise typer.Exit(train(request, Console(highlight=False)))
-    except (DocumentError, ValueError) as error:
+        yield
+    except ValueError as error:
         raise ConfigurationError(str(error)) from error

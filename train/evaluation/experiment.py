@@ -1,98 +1,133 @@
-"""An evaluation from request to report: plan, open the results, run what is missing, tell what came out."""
+"""The evaluation of an experiment: every condition on every start configuration."""
 
-import shlex
-from collections.abc import Iterator, Sequence
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing, contextmanager
+import platform
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-from train.analysis.report import Report, report_of, summary_json
-from train.evaluation.plan import Plan, Request, check_coordination, check_planner, plan_of
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.files import load_experiment
+from clean_swarm_env.config.starts import load_starts, random_start
+from clean_swarm_env.world.robot import coordinators_of, robot_network
+from selector.configurations.library import library_of
+from selector.knowledge import load_knowledge
+from selforg.network.planning.names import check_planner
+from selforg.registry import unknown
+from train.analysis.reference import Measured
+from train.analysis.report import report_of, summary_json
+from train.evaluation.pipeline import Evaluation, Publication
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
-from train.reports.text_table import markdown, on_terminal
-from train.running.results import Results, default_directory
-from train.running.runs import MissionRunner, RunTask, execute_all, tasks_of
-from train.running.warm_up import compile_first
-
-FINISHED, FAILED, INTERRUPTED = 0, 1, 130
-"""Exit codes; 130 is that of a program ended by Ctrl-C."""
+from train.running.provenance import fingerprints, versions
+from train.running.runs import RunKey, RunRecord, RunTask, tasks_of
 
 
-def evaluate(
-    request: Request, *, workers: int, output: Path | None, resume: bool, run_mission: MissionRunner, console: Console
-) -> int:
-    """Run an evaluation, write its results and print its tables; return the exit code.
+@dataclass(frozen=True)
+class ExperimentRequest:
+    """What the user asked for."""
 
-    `console` shows the tables, progress goes to the standard error. A bad request raises an error of one line before
-    anything is written.
+    experiment: str
+    """Name of an experiment, or path to its YAML file."""
+    seed: int
+    scenarios: int | None = None
+    """Number of random start configurations, in place of the experiment's own."""
+    starts: Path | None = None
+    """File of start configurations, in place of the experiment's own."""
+    conditions: tuple[str, ...] = ()
+    """Names of the conditions to run; empty: all."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations, searched before the shipped one."""
+
+    @property
+    def words(self) -> list[str]:
+        """The command for this request."""
+        words = ["clean-swarm", "evaluate", self.experiment, "--seed", str(self.seed)]
+        words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
+        words += ["--starts", str(self.starts)] if self.starts is not None else []
+        words += [word for name in self.conditions for word in ("--condition", name)]
+        return words + [word for path in self.directories for word in ("--configs", str(path))]
+
+
+class ExperimentEvaluation(Evaluation):
+    """The conditions of an experiment on its start configurations, on random ones, or on those of a file."""
+
+    def __init__(self, request: ExperimentRequest) -> None:
+        if request.scenarios is not None and request.starts is not None:
+            raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
+        directories = tuple(directory.resolve() for directory in request.directories)
+        chosen = with_conditions(load_experiment(request.experiment, directories), request.conditions)
+        self.own_starts = request.starts is None and request.scenarios is None and bool(chosen.starts)
+        self.measured: Measured = {}
+        self.seed, self.words, self.stem = request.seed, request.words, f"{chosen.name}-seed{request.seed}"
+        if request.starts is not None:
+            given = load_starts(request.starts)
+            self.measured, self.starts_from = given.measured, str(request.starts)
+            self.stem += f"-{request.starts.stem}"
+            changes: dict[str, Any] = {"mission": given.world_of(chosen.mission), "starts": given.starts}
+        elif self.own_starts:
+            self.starts_from, changes = "the experiment's own start configurations", {}
+        else:
+            count = request.scenarios or chosen.scenarios
+            self.starts_from = f"{count} random start configurations of seed {request.seed}"
+            self.stem += f"-{count}-scenarios"
+            changes = {"starts": tuple(random_start(chosen.mission, request.seed, index) for index in range(count))}
+        self.experiment = chosen.model_copy(update=changes)
+        check_mission(self.experiment, directories, request.experiment)
+        self._tasks = tasks_of(self.experiment, self.seed, directories)
+        self.total = len(self._tasks)
+        self.manifest = {
+            "identity": {
+                "experiment": self.experiment.name,
+                "seed": self.seed,
+                "configuration": self.experiment.model_dump(mode="json"),
+                "files": fingerprints(directories),
+                "directories": [str(directory) for directory in directories],
+            },
+            "starts_from": self.starts_from,
+            "versions": versions(),
+            "platform": platform.platform(),
+        }
+
+    def tasks(self, done: Collection[RunKey]) -> list[RunTask]:
+        """Return one task for each run that is missing."""
+        return [task for task in self._tasks if (task.scenario, task.condition) not in done]
+
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return Table 1, ratios between conditions, what was measured elsewhere, and the figure."""
+        report = report_of(self.experiment, self.seed, records, self.measured, own_starts=self.own_starts)
+        about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts_from}."
+        heading = f"# {self.experiment.name}\n\n{about}\n\n"
+        return Publication(heading, all_tables(report), summary_json(report), draw(report))
+
+
+def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:
+    """Return an experiment with the `chosen` ones of its conditions; none chosen: all."""
+    known = [condition.name for condition in experiment.conditions]
+    for name in chosen:
+        if name not in known:
+            raise ConfigurationError(f"{experiment.name}: {unknown('condition', name, known)}")
+    conditions = tuple(c for c in experiment.conditions if not chosen or c.name in chosen)
+    return experiment.model_copy(update={"conditions": conditions})
+
+
+def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
+    """Raise an error of one line if what the experiment's mission names does not exist or cannot be built.
+
+    These are the planner, the robot's document, the expert knowledge, its configurations and the scores. Strategies are
+    checked when they are read.
     """
-    plan = plan_of(request)
-    check_coordination(plan.experiment, plan.directories, request.experiment)
-    check_planner(plan.experiment, request.experiment)
-    tasks = tasks_of(plan.experiment, plan.seed, plan.directories)
-    results = Results(output or default_directory(plan.stem, resume=resume), plan.manifest, resume=resume)
+    network = experiment.mission.network
     try:
-        _run_missing(tasks, results, workers, run_mission)
-    except (KeyboardInterrupt, BrokenProcessPool) as end:
-        results.close()
-        broken = isinstance(end, BrokenProcessPool)
-        _say_how_to_resume(request, results, len(tasks), "a worker process was killed" if broken else "interrupted")
-        return FAILED if broken else INTERRUPTED
-    results.close()
-    report = report_of(plan.experiment, plan.seed, results.records, plan.measured, own_starts=plan.own_starts)
-    _write(report, plan, results)
-    for grid in all_tables(report):
-        console.print(on_terminal(grid), soft_wrap=True)
-        console.print()
-    console.print(f"results in {results.directory}", soft_wrap=True, highlight=False)
-    return FINISHED
-
-
-def _run_missing(tasks: Sequence[RunTask], results: Results, workers: int, run_mission: MissionRunner) -> None:
-    finished = {record.key for record in results.records}
-    missing = [task for task in tasks if (task.scenario, task.condition) not in finished]
-    if missing:
-        compile_first(missing[0], run_mission)
-    with progress(len(tasks), len(finished)) as advance, closing(execute_all(missing, workers, run_mission)) as runs:
-        for record in runs:
-            results.add(record)
-            next(advance)
-
-
-@contextmanager
-def progress(total: int, finished: int) -> Iterator[Iterator[None]]:
-    """Show a bar with the time left on the standard error; each `next` of what it gives is one more run."""
-    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
-    with Progress(*columns, TimeRemainingColumn(elapsed_when_finished=False), console=Console(stderr=True)) as bar:
-        task = bar.add_task("runs", total=total, completed=finished)
-
-        def steps() -> Iterator[None]:
-            while True:
-                bar.advance(task)
-                yield
-
-        yield steps()
-
-
-def _write(report: Report, plan: Plan, results: Results) -> None:
-    title = f"# {plan.experiment.name}\n\n{plan.experiment.description}\nSeed {plan.seed}; {plan.starts_from}.\n\n"
-    results.write("summary.json", summary_json(report))
-    results.write("table.md", title + "\n".join(markdown(grid) for grid in all_tables(report)))
-    results.write_bytes("figure.png", draw(report))
-
-
-def _say_how_to_resume(request: Request, results: Results, total: int, what: str) -> None:
-    words = ["clean-swarm", "evaluate", request.experiment, "--seed", str(request.seed)]
-    words += ["--scenarios", str(request.scenarios)] if request.scenarios is not None else []
-    words += ["--starts", str(request.starts)] if request.starts is not None else []
-    words += [word for name in request.conditions for word in ("--condition", name)]
-    words += [word for path in request.directories for word in ("--configs", str(path))]
-    words += ["--output", str(results.directory), "--resume"]
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
-    errors.print(
-        f"{what}: {len(results.records)} of {total} runs are kept; to go on:\n  {shlex.join(words)}", markup=False
-    )
+        check_planner(network.planner)
+    except (ValueError, ModuleNotFoundError) as error:
+        raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
+    library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
+    library.check(knowledge)
+    robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
+    for condition in experiment.conditions:
+        try:
+            knowledge.with_scores(condition.scores)
+        except ValueError as error:
+            raise ConfigurationError(f"{where}: condition {condition.name!r}: scores: {error}") from error

@@ -1,4 +1,4 @@
-"""One step of one robot as a reader sees it: what it weighed, what it planned, what runs and why.
+"""Explain one step of one robot: what the robot weighed, what it planned, what runs and why.
 
 The text is meant for 80 columns: a table of what adds up to each behaviour's activation, a tree of reasons, conditions
 and goals.
@@ -18,6 +18,7 @@ from rich.tree import Tree
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount, explain
 from selforg.network.explain.recording import Recorder
 from selforg.network.explain.text import TERM_TITLES, header
@@ -31,21 +32,38 @@ HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "su
 
 @dataclass(frozen=True)
 class Coordinated:
-    """One coordinator of a robot in one step: the option it held, and the network inside if that decided."""
+    """One coordinator of a robot in one step: its option, and what the network inside decided if it ran."""
 
     goal: str
     option: str
     inner: Explanation | None
 
+    @property
+    def title(self) -> str:
+        """What lies in which behaviour."""
+        return f"{self.goal}: {self.option}"
 
-def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Coordinated, ...]]:
-    """Repeat a run up to `time` [s]; return where the robot was in the run, its step, and its coordinators."""
+
+@dataclass(frozen=True)
+class Nested:
+    """One network inside a behaviour of a robot in one step, if it decided; its name is the behaviours around it."""
+
+    title: str
+    inner: Explanation | None
+
+
+Inside = Coordinated | Nested
+
+
+def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Inside, ...]]:
+    """Repeat a run up to `time` [s]; return where the robot was in the run, its step, and what lies in behaviours."""
     count = task.mission.robots.count
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     worlds = world_at(task, time)
-    coordinated = tuple(_coordinated(coordinator, robot) for coordinator in worlds.coordinators)
-    return _situation(task, worlds, robot), _step_of(worlds.network, robot), coordinated
+    coordinated = (_coordinated(coordinator, robot) for coordinator in worlds.coordinators)
+    nested = (Nested(one.name, _inner_step(one, one.network, robot)) for one in at_any_depth(worlds.minds.nested))
+    return _situation(task, worlds, robot), _step_of(worlds.network, robot), (*coordinated, *nested)
 
 
 def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
@@ -54,9 +72,13 @@ def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
 
 def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
     option = int(coordinator.held[robot])
-    runs = coordinator.parent.executing[robot, coordinator.index] == 1
-    inner = _step_of(coordinator.contents[option].network, robot) if runs else None
+    inner = _inner_step(coordinator, coordinator.contents[option].network, robot)
     return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
+
+
+def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, robot: int) -> Explanation | None:
+    """Return the step of a network inside a behaviour, None where the behaviour does not run."""
+    return _step_of(network, robot) if holder.parent.executing[robot, holder.index] == 1 else None
 
 
 def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
@@ -73,15 +95,16 @@ def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
     }
 
 
-def as_json(situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]) -> str:
+def as_json(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> str:
     """Return a step as a JSON object; without a plan, `plan` is null, and so is `inner` of what does not run."""
-    coordinators = {"coordinators": [asdict(one) for one in coordinated]}
-    return json.dumps(situation | asdict(explanation) | coordinators, indent=2, allow_nan=False)
+    held = {
+        "coordinators": [asdict(one) for one in inside if isinstance(one, Coordinated)],
+        "networks": [asdict(one) for one in inside if isinstance(one, Nested)],
+    }
+    return json.dumps(situation | asdict(explanation) | held, indent=2, allow_nan=False)
 
 
-def on_terminal(
-    situation: dict[str, Any], explanation: Explanation, coordinated: Sequence[Coordinated]
-) -> RenderableType:
+def step_on_terminal(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
@@ -89,14 +112,13 @@ def on_terminal(
     due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
     facts = Text(f"{title}\n\n" + "\n".join(filter(None, [*header(explanation), due])))
     trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
-    inner = [part for one in coordinated if one.inner for part in _inside(one, one.inner)]
+    inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]
     return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees, *inner)
 
 
-def _inside(one: Coordinated, inner: Explanation) -> list[RenderableType]:
-    """Return what the network inside a coordinator decided."""
-    title = Text(f"\ninside {one.goal}: {one.option}")
-    return [title, _table(inner.behaviours), _behaviours(inner.behaviours)]
+def _inside(title: str, inner: Explanation) -> list[RenderableType]:
+    """Return what the network inside a behaviour decided."""
+    return [Text(f"\ninside {title}"), _table(inner.behaviours), _behaviours(inner.behaviours)]
 
 
 def _table(behaviours: Sequence[BehaviourAccount]) -> Table:

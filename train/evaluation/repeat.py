@@ -1,27 +1,25 @@
-"""Runs of an evaluation done again: they depend on the manifest only, so what was not recorded can be seen anew."""
+"""Repeat runs of an evaluation. A run depends on the manifest only, so a repeated run shows what was not recorded."""
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
-from clean_swarm_env.config.errors import ConfigurationError, one_line
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.starts import run_seed
-from clean_swarm_env.world.mission import Course, result_of
+from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.yaml import unknown
-from train.evaluation.plan import FINGERPRINTED, fingerprints, versions
-from train.running.results import MANIFEST
+from selector.documents.errors import one_line
+from selforg.registry import unknown
+from train.running.provenance import fingerprints, versions
+from train.running.run_folder import MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
 
 LISTED = 8
-"""Scenarios that an error lists."""
+"""Most scenarios that an error lists."""
 ROUNDING = 1e-9
-"""A time this little below the beginning of a control period belongs to it [periods]."""
+"""A time this little before the beginning of a control period belongs to that period [periods]."""
 
 
 def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> RunTask:
@@ -50,34 +48,16 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     return tasks[0 if condition is None else names.index(condition)]
 
 
-def read_manifest(directory: Path) -> dict[str, Any]:
-    """Return what `manifest.json` in a directory of results says."""
-    if not directory.is_dir():
-        raise ConfigurationError(f"{directory}: no such directory")
-    path = directory / MANIFEST
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation") from error
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f"{path}: cannot be read ({error})") from error
-    if not (isinstance(content, dict) and isinstance(content.get("identity"), dict)):
-        raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
-    return content
-
-
 def changed_versions(directory: Path) -> list[str]:
-    """Return where the versions that an evaluation ran with are not those of today, such as `numba 0.61, now 0.62`."""
+    """Return the packages whose version has changed since an evaluation, such as `numba 0.61, now 0.62`."""
     held = read_manifest(directory).get("versions", {})
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
 def steps_of(task: RunTask) -> Iterator[Worlds]:
-    """Repeat a run with explained robots; yield its world after each control period, until the mission is over."""
-    seed = run_seed(task.seed, task.scenario)
-    course = Course(
-        task.mission, task.start, seed, task.scores, task.strategy, task.directories, explained=True
-    )  # fmt: skip
+    """Repeat a run whose networks note their reasons; yield the world after each control period of the mission."""
+    run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
+    course = Course(run, explained=True)
     while course.in_progress:
         course.tick()
         yield course.worlds
@@ -114,7 +94,7 @@ def _of_scenario(tasks: Sequence[RunTask], scenario: str | None, directory: Path
 
 
 def _check_same_files(held: object, directories: Sequence[Path], path: Path) -> None:
-    now = fingerprints(FINGERPRINTED, directories)
+    now = fingerprints(directories)
     if held == now:
         return
     of_then = held if isinstance(held, dict) else {}

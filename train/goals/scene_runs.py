@@ -19,7 +19,7 @@ from train.analysis.statistics import Summary, summarise
 
 @dataclass(frozen=True)
 class GoalRequest:
-    """What the user asked for; None: as the scene says."""
+    """What the user asked for. The scene decides wherever a field is None."""
 
     goal: str
     """Name of the goal."""
@@ -45,7 +45,7 @@ class GoalRequest:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MeasureComparison:
     """One measure: what the mechanism and the baseline gave, and the difference on the same starts."""
 
     measure: Measure
@@ -69,13 +69,13 @@ class Comparison:
 
 @dataclass(frozen=True)
 class GoalOutcome:
-    """What came out for a goal."""
+    """The result of running a goal."""
 
     scene: type[Scene]
     option: str
     setting: Setting
     seeds: Sequence[int]
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[MeasureComparison, ...]
 
     @property
     def own_setting(self) -> bool:
@@ -89,7 +89,12 @@ class GoalOutcome:
 
 
 def run_goal(request: GoalRequest) -> GoalOutcome:
-    """Run a goal; whatever does not exist or fit raises an error of one line."""
+    """Run a goal in its scene.
+
+    Raises:
+        ConfigurationError: something that does not exist or fit.
+
+    """
     scene = find(request.goal)
     expert = expertise(request.goal, request.option, request.directories)
     setting = setting_of(scene, request)
@@ -107,8 +112,8 @@ def setting_of(scene: type[Scene], request: GoalRequest) -> Setting:
     return replace(scene.setting, **changes)
 
 
-def _compared(measure: Measure, served: Floats, rival: Floats) -> Comparison:
-    return Comparison(measure, summarise(served), summarise(rival), summarise(np.subtract(served, rival)))
+def _compared(measure: Measure, served: Floats, rival: Floats) -> MeasureComparison:
+    return MeasureComparison(measure, summarise(served), summarise(rival), summarise(np.subtract(served, rival)))
 
 
 def as_mapping(outcome: GoalOutcome) -> dict[str, Any]:

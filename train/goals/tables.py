@@ -8,22 +8,22 @@ from rich.table import Table
 from rich.text import Text
 
 from train.analysis.statistics import Summary
-from train.goals.scene_runs import Comparison, GoalOutcome
+from train.goals.scene_runs import GoalOutcome, MeasureComparison
 
 VERDICTS = {True: "yes", False: "no", None: "-"}
-COLUMNS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
-"""Of both tables; intervals are those of 95 %."""
+HEADS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
+"""Heads of the columns of both tables; intervals are 95 % intervals."""
 
 
-def on_terminal(outcome: GoalOutcome) -> Group:
+def goal_on_terminal(outcome: GoalOutcome) -> Group:
     """Return what is printed for one goal."""
     lines = [
         Text(f"{outcome.scene.goal} by {outcome.option}: {_setting(outcome)}"),
-        Text(_described(outcome)),
+        Text(f"baseline: {outcome.scene.baseline}"),
         Text(""),
     ]
     table = Table(box=box.HORIZONTALS, show_edge=False)
-    for index, name in enumerate(COLUMNS):
+    for index, name in enumerate(HEADS):
         table.add_column(name, justify="left" if index == 0 else "right")
     for comparison in outcome.comparisons:
         table.add_row(*_cells(comparison))
@@ -63,14 +63,18 @@ def as_page(outcomes: Sequence[GoalOutcome]) -> str:
     """Return the page of all goals for the docs."""
     seeds = outcomes[0].seeds
     return PAGE.format(
-        runs=len(seeds), first=seeds[0], last=seeds[-1], reached=sum(o.reached for o in outcomes),
-        count=len(outcomes), table=as_markdown(outcomes),
-    )  # fmt: skip
+        runs=len(seeds),
+        first=seeds[0],
+        last=seeds[-1],
+        reached=sum(outcome.reached for outcome in outcomes),
+        count=len(outcomes),
+        table=as_markdown(outcomes),
+    )
 
 
 def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
     """Return the table of all goals, and what their scenes are, as Markdown."""
-    lines = [f"| goal, option | {' | '.join(COLUMNS)} |", "|---" * (len(COLUMNS) + 1) + "|"]
+    lines = [f"| goal, option | {' | '.join(HEADS)} |", "|---" * (len(HEADS) + 1) + "|"]
     for outcome in outcomes:
         for index, comparison in enumerate(outcome.comparisons):
             first = f"{outcome.scene.goal}, {outcome.option}" if index == 0 else ""
@@ -83,15 +87,19 @@ def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
     return "\n".join(lines)
 
 
-def _cells(comparison: Comparison) -> tuple[str, ...]:
+def _cells(comparison: MeasureComparison) -> tuple[str, ...]:
     measure = comparison.measure
     unit = "" if measure.unit == "-" else f" [{measure.unit}]"
     sign = "≤" if measure.better == "lower" else "≥"
     return (
-        measure.name + unit, _interval(comparison.mechanism), f"{sign} {measure.target:g}",
-        _interval(comparison.baseline), _interval(comparison.difference), VERDICTS[comparison.met],
+        measure.name + unit,
+        _interval(comparison.mechanism),
+        f"{sign} {measure.target:g}",
+        _interval(comparison.baseline),
+        _interval(comparison.difference),
+        VERDICTS[comparison.met],
         VERDICTS[comparison.beats],
-    )  # fmt: skip
+    )
 
 
 def _interval(summary: Summary) -> str:
@@ -106,7 +114,3 @@ def _setting(outcome: GoalOutcome) -> str:
     setting, seeds = outcome.setting, outcome.seeds
     which = f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {seeds[0]} to {seeds[-1]}"
     return f"{setting.robots} robots, {setting.seconds:g} s, {setting.ground}, {which}"
-
-
-def _described(outcome: GoalOutcome) -> str:
-    return f"baseline: {outcome.scene.baseline}"

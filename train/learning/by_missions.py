@@ -1,4 +1,4 @@
-"""Learning by what whole missions cost: each team decides once a mission what to do in every situation.
+"""Learn from the costs of whole missions: each team decides once a mission what to do in every situation.
 
 What an option brings often shows only if the whole team keeps to it for long: robots that leave each other room meet
 less often minutes later. Missions differ far more by their scenarios than by what was decided; so several teams
@@ -14,36 +14,32 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Floats, Ints
 from train.learning.config import ComparisonConfig, TrainingConfig
 from train.learning.credit import Paid
 from train.learning.curriculum import Curriculum
 from train.learning.protocol import Taker
-from train.running.rule_pilot import RulePilot
-from train.running.trials import run_trials
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from train.running.pilots import RulePilot
+from train.running.trials import TrialSettings, run_trials
 
 
 class MissionLearning:
-    """Teams decide and are rewarded mission by mission; see `ComparisonConfig`.
+    """Learning in which teams decide and are rewarded mission by mission; see `ComparisonConfig`.
 
     Attributes:
         teams: (R,) mission of each row; rows are the situations of all missions of a round, R = M * S.
 
     """
 
-    def __init__(self, config: TrainingConfig, curriculum: Curriculum, directories: tuple[Path, ...] = ()) -> None:
+    def __init__(self, config: TrainingConfig, curriculum: Curriculum, trials: TrialSettings) -> None:
         assert config.bandit is not None
-        self._config, self._curriculum, self._directories = config, curriculum, directories
+        self._config, self._curriculum, self._trials = config, curriculum, trials
         self._situations, self._compared = config.bandit.context, config.bandit.comparison or ComparisonConfig()
         self._contexts: Floats = np.eye(len(self._situations)) if self._situations else np.zeros((1, 0))
         self._missions = sum(task.worlds for task in config.tasks)
@@ -70,18 +66,18 @@ class MissionLearning:
         return costs
 
     def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
-        """Return what the missions cost (M,) [s] in which teams keep to `rules` (M, S), G for each scenario."""
+        """Return the costs (M,) [s] of missions in which teams keep to `rules` (M, S), G missions for each scenario."""
         missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
         seeds = [scenario.seed for scenario in missions]
-        results = run_trials(
-            missions, lambda problem, teams: TeamsPilot(problem, self._situations, len(teams), seeds, rules),
-            observation=self._config.observation, directories=self._directories,
-        )  # fmt: skip
-        return np.array([result.cost_s for result in results])
+
+        def pilot(problem: Problem, teams: Ints) -> TeamsPilot:
+            return TeamsPilot(problem, self._situations, len(teams), seeds, rules)
+
+        return np.array([result.cost_s for result in run_trials(missions, pilot, self._trials)])
 
 
 class TeamsPilot(RulePilot):
-    """Each team keeps to a rule for its mission.
+    """A pilot by which each team keeps to a rule for its mission.
 
     Args:
         problem: goal and options; its features are all components of the observation.
@@ -101,7 +97,7 @@ class TeamsPilot(RulePilot):
             self._waiting[seed].append(rule)
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Let `rows` (N,) do the next mission of a seed."""
+        """Give `rows` (N,) the rule of the next mission of a seed."""
         self.rules[rows] = self._waiting[seed].popleft()
 
 

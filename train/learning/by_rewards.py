@@ -1,37 +1,36 @@
-"""Learning by the rewards that follow each decision: rows decide when their situation changes, or after some time."""
+"""Learn from the rewards that follow each decision: rows decide when their situation changes, or after some time."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.learning.joined import Joined
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
 from train.learning.config import TrainingConfig
 from train.learning.credit import Credit
 from train.learning.curriculum import Curriculum
-from train.learning.protocol import Taker, columns_of
-from train.running.trials import problem_of
-
-Ints = NDArray[np.int64]
+from train.learning.protocol import Taker
+from train.running.decided_goal import DecidedGoal
+from train.running.pilots import columns_of
 
 
 class RewardLearning:
-    """All robots of all worlds decide; see `CreditConfig` for when, and for what each decision is rewarded.
+    """Learning in which all robots of all worlds decide; `CreditConfig` says when, and which rewards count.
 
     Attributes:
         teams: (R,) world of each row; rows are robots.
 
     """
 
-    def __init__(self, config: TrainingConfig, curriculum: Curriculum) -> None:
+    def __init__(self, config: TrainingConfig, curriculum: Curriculum, goal: DecidedGoal) -> None:
         assert config.bandit is not None
+        self._goal = goal
         self._decisions, self._credit, self._curriculum = config.decisions, config.bandit.credit, curriculum
         self._joined = Joined(curriculum.batches)
-        first = self._joined.batches[0]
-        self._period = first.mission.decision_period
-        self._columns = columns_of(problem_of(first), config.bandit.context, "context")
-        self._watched = columns_of(problem_of(first), self._credit.until, "until")
+        self._period = self._joined.batches[0].mission.decision_period
+        self._columns = columns_of(goal.problem, config.bandit.context, "context")
+        self._watched = columns_of(goal.problem, self._credit.until, "until")
         self.teams: Ints = self._joined.world_of
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
@@ -52,7 +51,7 @@ class RewardLearning:
                 options[deciding] = strategy.select(context, rows=deciding)
                 credit.decide(deciding, options[deciding], context, strategy.chance[deciding])
                 left[deciding] = hold
-            step = self._joined.step(options)
+            step = self._joined.step(self._goal.actions(options))
             over = (step.terminated | step.truncated)[self.teams]
             left -= 1
             left[over] = 0

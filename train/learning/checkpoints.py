@@ -1,7 +1,7 @@
-"""The directory of a training: what identifies it, its last checkpoint, its history, and what came out.
+"""The directory of a training: its last checkpoint, its history, and the exported result.
 
-A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new one; everything
-else in the directory is written from it and can be written again.
+A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new one. Everything
+else in the directory is written from the checkpoint and can be written again.
 """
 
 from __future__ import annotations
@@ -11,41 +11,24 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.arrays import write_whole
+from train.running.run_folder import RunFolder
 
-MANIFEST, HISTORY = "manifest.json", "history.jsonl"
+HISTORY_FILE = "history.jsonl"
 
 
-class TrainingDirectory:
-    """The directory in which a training keeps everything."""
+class TrainingFolder(RunFolder):
+    """The directory in which a training keeps everything.
 
-    def __init__(self, path: Path, identity: Mapping[str, Any], checkpoint: str, *, resume: bool) -> None:
-        """Open `path` for the training that `identity` describes; `checkpoint` names its file.
+    Args:
+        path: the directory.
+        identity: what identifies the training.
+        resume: whether to go on with the training that the directory holds.
 
-        Raises ConfigurationError if there is another training, or one that is not to be resumed.
-        """
-        self.path, self.checkpoint = path, path / checkpoint
-        manifest = path / MANIFEST
-        if manifest.is_file():
-            known = json.loads(manifest.read_text(encoding="utf-8"))
-            if not resume:
-                raise ConfigurationError(f"{path}: there is a training already; --resume goes on with it")
-            given = json.loads(json.dumps(identity))
-            for key in sorted(set(known) | set(given)):
-                if known.get(key) != given.get(key):
-                    raise ConfigurationError(f"{path}: {key}: expected that of the training there, got another one")
-        elif path.is_dir() and any(path.iterdir()):
-            raise ConfigurationError(f"{path}: expected an empty directory or a training")
-        else:
-            write_whole(manifest, (json.dumps(identity, indent=2) + "\n").encode())
+    """
 
-    @property
-    def begun(self) -> bool:
-        """Whether there is a checkpoint to go on from."""
-        return self.checkpoint.is_file()
+    def __init__(self, path: Path, identity: Mapping[str, Any], *, resume: bool) -> None:
+        super().__init__(path, {"identity": identity}, resume=resume)
 
-    def write_history(self, history: Sequence[Mapping[str, Any]]) -> None:
+    def write_history(self, entries: Sequence[Mapping[str, Any]]) -> None:
         """Write one line for each checkpoint."""
-        text = "".join(json.dumps(line) + "\n" for line in history)
-        write_whole(self.path / HISTORY, text.encode())
+        self.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in entries))

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-import configs
 from clean_swarm_env.config.types import Count
 from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
-from selector.documents.yaml import (
-    Closed,
-    DocumentError,
-    Name,
-    NonNegative,
-    Positive,
-    Share,
-    read_mapping,
-    unknown,
-    validated,
-)
+from selector.documents.errors import DocumentError
+from selector.documents.fields import Closed, Name, NonNegative, Positive, Share
+from selector.documents.files import load_file
 from selector.strategies.registry import StrategySpec
-
-KIND = "training"
 
 
 class TaskConfig(Closed):
@@ -113,7 +103,7 @@ class BanditConfig(Closed):
 
     @model_validator(mode="after")
     def _exists(self) -> Self:
-        self.learned  # noqa: B018  (a mistake in the parameters is told when the file is read)
+        self.learned  # noqa: B018  (a mistake in the parameters is an error when the file is read)
         return self
 
     @property
@@ -132,6 +122,8 @@ class TrainingConfig(Closed):
     """What is learned, in one sentence."""
     tasks: Annotated[tuple[TaskConfig, ...], Field(min_length=1)]
     """The families to train on."""
+    goal: Name | None = None
+    """Goal of which the options are learned; AvoidCollision, or the only goal of the missions, unless given."""
     observation: ObservationConfig = ObservationConfig()
     """What each robot sees."""
     reward: RewardConfig = RewardConfig()
@@ -165,18 +157,14 @@ class TrainingConfig(Closed):
         return "ppo" if self.ppo is not None else "bandit"
 
 
-def load_training(name: str, learner: str) -> TrainingConfig:
-    """Return the training of a name or of a path to a YAML file.
+def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> TrainingConfig:
+    """Return the training of a name, in `directories` or among those that ship, or of a path to a YAML file.
 
     Raises:
         DocumentError: no such file, a mistake in it, or a training of another learner.
 
     """
-    shipped = configs.directory() / KIND
-    path = Path(name) if name.endswith((".yaml", ".yml")) else shipped / f"{name}.yaml"
-    if not path.is_file():
-        raise DocumentError(unknown("training", name, sorted(p.stem for p in shipped.glob("*.yaml"))))
-    config = validated(TrainingConfig, read_mapping(path), str(path))
+    config = load_file("training", name, TrainingConfig, directories)
     if config.learner != learner:
         raise DocumentError(f"{name}: expected a training by {learner}, got one by {config.learner}")
     return config

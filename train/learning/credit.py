@@ -1,4 +1,4 @@
-"""Which rewards belong to which decision of a bandit: all within a horizon after it, less the later they come.
+"""Credit rewards to the decisions of a bandit: all rewards within a horizon count, later ones less.
 
 Shapes: R rows, H decision periods of the horizon, F components of a context.
 """
@@ -8,11 +8,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from selforg.arrays import Flags, Floats, Ints
 
 
 class Paid(NamedTuple):
@@ -43,7 +40,7 @@ class Credit:
         self._contexts = np.zeros((periods, rows, features))
 
     def decide(self, rows: Ints, options: Ints, contexts: Floats, chances: Floats) -> None:
-        """Note what `rows` (K,) chose for the period that begins."""
+        """Note the `options` (K,) that `rows` (K,) chose for the period that begins."""
         place = self._place
         self._waits[place, rows] = True
         self._options[place, rows], self._chances[place, rows] = options, chances
@@ -51,7 +48,7 @@ class Credit:
         self._sums[place, rows], self._weights[place, rows] = 0.0, 1.0
 
     def pay(self, rewards: Floats, over: Flags) -> Paid:
-        """Note the `rewards` (R,) of a period and in which rows the mission is `over` (R,); return what is complete."""
+        """Add the `rewards` (R,) of a period, after which missions are `over` (R,); return complete decisions."""
         self._sums += self._weights * rewards
         self._weights *= self._discount
         self._place = (self._place + 1) % len(self._waits)
@@ -60,10 +57,9 @@ class Credit:
         places, rows = np.nonzero(complete)
         self._waits[places, rows] = False
         return Paid(
-            rows, self._options[places, rows], self._sums[places, rows], self._contexts[places, rows],
-            self._chances[places, rows],
-        )  # fmt: skip
-
-    def drop(self) -> None:
-        """Forget all decisions that wait."""
-        self._waits[:] = False
+            rows=rows,
+            options=self._options[places, rows],
+            rewards=self._sums[places, rows],
+            contexts=self._contexts[places, rows],
+            chances=self._chances[places, rows],
+        )

@@ -1,4 +1,4 @@
-"""Which scenarios are trained on and which are only measured on, from one seed.
+"""Choose from one seed the scenarios of a training, and those on which it is only measured.
 
 Training takes the split "train" of a family with odd seeds, measuring during the training the same split with an even
 one, and `clean-swarm evaluate` the split "test": no scenario is ever one of another use.
@@ -20,9 +20,9 @@ from clean_swarm_env.learning.joined import family_batches
 from train.learning.config import TrainingConfig
 
 TORI_TRIED = 200
-"""Scenarios from which the tori of a family are gathered."""
+"""Number of scenarios looked at to find the tori of a family."""
 VALIDATION_SEED = 2
-"""Seed of the scenarios that are measured on, the same for all trainings, so that they can be compared."""
+"""Seed of the scenarios of validation, the same for all trainings, so that trainings can be compared."""
 
 
 class Curriculum:
@@ -40,9 +40,13 @@ class Curriculum:
         self.batches: list[Batch] = []
         for family, task in zip(families, config.tasks, strict=True):
             self.batches += family_batches(
-                family, task.worlds, sizes=_sizes(family), observation=config.observation, reward=config.reward,
+                family,
+                task.worlds,
+                sizes=_sizes(family),
+                observation=config.observation,
+                reward=config.reward,
                 directories=directories,
-            )  # fmt: skip
+            )
         self._families = families
         self.validation = {
             family.name: [family.scenario(VALIDATION_SEED, k, "train") for k in range(config.validation.scenarios)]
@@ -50,13 +54,13 @@ class Curriculum:
         }
 
     def begin(self, checkpoint: int) -> None:
-        """Let the batches do from their next reset on what belongs after a checkpoint: the seed and it alone decide."""
+        """Give the batches the scenarios after a checkpoint, from the next reset; seed and checkpoint decide which."""
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):
             batch.share(int(word) * 2 + 1)
 
     def scenarios(self, checkpoint: int) -> list[Iterator[Scenario]]:
-        """Return the scenarios of each family that belong after a checkpoint, one after the other without end."""
+        """Return for each family the endless series of scenarios after a checkpoint."""
         words = np.random.SeedSequence([self._seed, checkpoint, 4]).generate_state(len(self._families), np.uint32)
         return [_drawn(family, int(word) * 2 + 1) for family, word in zip(self._families, words, strict=True)]
 
@@ -67,7 +71,7 @@ def _drawn(family: FamilyConfig, seed: int) -> Iterator[Scenario]:
 
 
 def _sizes(family: FamilyConfig) -> list[Size]:
-    """Return the tori of a family in the order in which its scenarios come upon them."""
+    """Return the tori of a family in the order of the scenarios that have them."""
     scenarios = (family.scenario(VALIDATION_SEED, k, "train") for k in range(TORI_TRIED if family.sizes else 1))
     worlds = [scenario.mission.world for scenario in scenarios]
     return list(dict.fromkeys((world.width, world.height) for world in worlds))

@@ -1,4 +1,4 @@
-"""From a network of Stable-Baselines3 to an exported policy, statistics of normalisation folded in."""
+"""Export a network of Stable-Baselines3 as a policy, with the statistics of normalisation."""
 
 from __future__ import annotations
 
@@ -10,21 +10,19 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
 
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy
+from selector.strategies.problem import Problem
 
 
-def exported(
-    model: PPO, normal: VecNormalize, goal: str, options: tuple[str, ...], observations: tuple[str, ...],
-    training: dict[str, Any],
-) -> TrainedPolicy:  # fmt: skip
-    """Return the policy that `model` has become; `training` says how."""
+def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[str, Any]) -> TrainedPolicy:
+    """Return the policy for a problem that `model` has become; `training` says how."""
     statistics = normal.obs_rms
     assert isinstance(statistics, RunningMeanStd)
     state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model)}
     hidden = tuple(state[f"hidden.{k}.bias"].shape[0] for k in range(len(state) // 2 - 1))
     spec = PolicySpec(
-        goal=goal,
-        options=options,
-        observations=observations,
+        goal=problem.goal,
+        options=problem.options,
+        observations=problem.features,
         hidden=hidden,
         activation="tanh",
         mean=tuple(float(value) for value in statistics.mean),

@@ -1,84 +1,87 @@
 """Training by PPO of Stable-Baselines3, with one set of parameters for all robots of all worlds.
 
-Between two checkpoints everything follows from the checkpoint's number, the seed and the state saved there: all worlds
-begin anew and all generators are seeded anew. So a training that was killed and resumed comes to the same bits.
+All worlds begin anew with each checkpoint and all generators are seeded anew; see `train.learning.training`.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+from gymnasium.spaces import Discrete
+from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecNormalize
+from stable_baselines3.common.vec_env import VecEnvWrapper, VecNormalize
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
-from selector.documents.arrays import write_whole
 from selector.strategies.policy_file import TrainedPolicy, save_policy
-from train.learning.checkpoints import TrainingDirectory
-from train.learning.config import PpoConfig, TrainingConfig
-from train.learning.curriculum import Curriculum
+from train.learning.config import PpoConfig
 from train.learning.policy_export import exported
-from train.learning.validation import Progress, measured
-from train.running.trials import PolicyPilot
+from train.learning.training import Training, TrainingJob
+from train.learning.validation import CheckpointHistory
+from train.running.decided_goal import DecidedGoal
+from train.running.pilots import PilotMaker, PolicyPilot
 
-CHECKPOINT, POLICY, TENSORBOARD = "checkpoint.pt", "policy", "tensorboard"
+POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 LAST_RATE = 0.1
 """Share of the learning rate that is left at the end."""
 
 
-class PpoTraining:
-    """One training, checkpoint by checkpoint.
+class PpoTraining(Training):
+    """One training of a policy, saved with all that Stable-Baselines3 needs to go on.
 
     Args:
-        config: the training.
-        seed: of everything random in it.
-        directory: where it keeps everything; it goes on from the checkpoint there.
-        told: is told after each update how many decisions have been made.
+        job: what to do, and where.
 
     """
 
-    def __init__(
-        self, config: TrainingConfig, seed: int, directory: TrainingDirectory, told: Callable[[int], None],
-        directories: tuple[Path, ...] = (),
-    ) -> None:  # fmt: skip
-        assert config.ppo is not None
+    CHECKPOINT = "checkpoint.pt"
+
+    def __init__(self, job: TrainingJob) -> None:
         torch.set_num_threads(1)
-        self.config, self.settings, self.seed, self.directory = config, config.ppo, seed, directory
-        self._directories, self._told = directories, told
-        self.curriculum = Curriculum(config, seed, directories)
-        self.progress, self.checkpoint = Progress(), 0
+        super().__init__(job)
+        assert job.config.ppo is not None
+        self.settings = job.config.ppo
         self._costs: list[float] = []
         self._envs = RobotVecEnv(batches=self.curriculum.batches)
-        self.normal = VecNormalize(self._envs, gamma=self.settings.discount)
-        self.model = _model(self.settings, self.normal, seed)
-        self.model.set_logger(configure(str(directory.path / TENSORBOARD), ["tensorboard"]))
+        self.normal = VecNormalize(OneGoalEnv(self._envs, self.goal), gamma=self.settings.discount)
+        self.model = _model(self.settings, self.normal, job.seed)
+        self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
-        if directory.begun:
-            self._load(torch.load(directory.checkpoint, weights_only=True))
-
-    @property
-    def finished(self) -> bool:
-        """Whether all checkpoints are done, or nothing has become better for long."""
-        patient = self.progress.since < self.config.validation.patience
-        return self.checkpoint >= self.config.checkpoints or not patient
+        if self.checkpoint_file.is_file():
+            self._load(torch.load(self.checkpoint_file, weights_only=True))
 
     @property
     def decisions(self) -> int:
         """Decisions made so far."""
         return int(self.model.num_timesteps)
 
-    def advance(self) -> None:
-        """Learn up to the next checkpoint, measure what was learned, and save everything."""
+    def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
+        """Return the network as it is now, as a policy for export."""
+        return exported(self.model, self.normal, self.goal.problem, training)
+
+    def export(self, command: str) -> Path:
+        """Write the best policy so far to the directory and return where."""
+        last = self._weights()
+        self._take(self._best or last)
+        entry = min(self.history.entries, key=lambda line: line["score"] or np.inf, default={})
+        training = {"command": command, "seed": self.job.seed, "configuration": self.config.model_dump(mode="json")}
+        policy = self.policy(**training, figures=entry)
+        self._take(last)
+        path = self.job.folder.path / POLICY_FOLDER
+        save_policy(path, policy)
+        return path
+
+    def _learn(self) -> dict[str, Any]:
         model, config = self.model, self.config
-        set_random_seed(_derived(self.seed, self.checkpoint))
+        set_random_seed(_derived(self.job.seed, self.checkpoint))
         done = self.checkpoint / config.checkpoints
         rate = self.settings.learning_rate * (1.0 - (1.0 - LAST_RATE) * done)
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
@@ -86,47 +89,17 @@ class PpoTraining:
         self.curriculum.begin(self.checkpoint)
         self._costs.clear()
         model.learn(config.decisions, callback=lambda *_: self._note(), reset_num_timesteps=model.num_timesteps == 0)
-        self.checkpoint += 1
-        figures = self._measured()
-        entry = {"checkpoint": self.checkpoint, "decisions": model.num_timesteps, "training_cost_s": _mean(self._costs)}
-        if self.progress.note(entry, figures):
-            self._best = self._weights()
-        for name, value in {**entry, **figures}.items():
-            if value is not None:
-                model.logger.record(f"validation/{name}", value)
-        model.logger.dump(model.num_timesteps)
-        self._save()
-
-    def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
-        """Return what the network is now, as it is exported."""
-        batch = self.curriculum.batches[0]
-        goal = batch.worlds.coordinator.model.goal
-        return exported(self.model, self.normal, goal, batch.options[goal], batch.observer.names, training)
-
-    def export(self, command: str) -> Path:
-        """Write the best policy so far to the directory and return where."""
-        last = self._weights()
-        self._take(self._best or last)
-        entry = min(self.progress.history, key=lambda line: line["score"] or np.inf, default={})
-        training = {"command": command, "seed": self.seed, "configuration": self.config.model_dump(mode="json")}
-        policy = self.policy(**training, figures=entry)
-        self._take(last)
-        save_policy(self.directory.path / POLICY, policy)
-        return self.directory.path / POLICY
+        return {"training_cost_s": float(np.mean(self._costs)) if self._costs else None}
 
     def _note(self) -> bool:
+        """Note the costs of missions that have ended; PPO calls this after each step and goes on if it is true."""
         self._costs += [end.result.cost_s for end in self._envs.finished]
-        self._told(self.model.num_timesteps)
+        self.job.on_progress(self.model.num_timesteps)
         return True
 
-    def _measured(self) -> dict[str, float]:
-        if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
-            return {}
+    def _pilot_maker(self) -> PilotMaker:
         policy = self.policy()
-        return measured(
-            self.curriculum.validation, lambda problem, _: PolicyPilot(policy, problem), self.config.observation,
-            self._directories,
-        )  # fmt: skip
+        return lambda problem, _: PolicyPilot(policy, problem)
 
     def _weights(self) -> dict[str, Any]:
         """Return copies of all that the exported policy is made of."""
@@ -139,7 +112,14 @@ class PpoTraining:
         self.model.policy.load_state_dict(weights["policy"])
         self.normal.obs_rms = _statistics(weights["observations"])
 
-    def _save(self) -> None:
+    def _keep_best(self) -> None:
+        self._best = self._weights()
+
+    def _save(self, figures: dict[str, Any]) -> None:
+        for name, value in figures.items():
+            if value is not None:
+                self.model.logger.record(f"validation/{name}", value)
+        self.model.logger.dump(self.model.num_timesteps)
         content = {
             **self._weights(),
             "optimizer": self.model.policy.optimizer.state_dict(),
@@ -148,12 +128,11 @@ class PpoTraining:
             "decisions": self.model.num_timesteps,
             "updates": self.model._n_updates,
             "best": self._best,
-            "progress": vars(self.progress),
+            "history": vars(self.history),
         }
         stream = io.BytesIO()
         torch.save(content, stream)
-        write_whole(self.directory.checkpoint, stream.getvalue())
-        self.directory.write_history(self.progress.history)
+        self.job.folder.write(self.CHECKPOINT, stream.getvalue())
 
     def _load(self, content: dict[str, Any]) -> None:
         self._take(content)
@@ -161,19 +140,49 @@ class PpoTraining:
         self.normal.ret_rms = _statistics(content["returns"])
         self.checkpoint, self.model.num_timesteps = content["checkpoint"], content["decisions"]
         self.model._n_updates, self._best = content["updates"], content["best"]
-        self.progress = Progress(**content["progress"])
-        self.directory.write_history(self.progress.history)
+        self.history = CheckpointHistory(**content["history"])
+        self.job.folder.write_history(self.history.entries)
+
+
+class OneGoalEnv(VecEnvWrapper):
+    """An environment whose actions are the options of one goal; the other goals keep their best option."""
+
+    def __init__(self, envs: RobotVecEnv, goal: DecidedGoal) -> None:
+        super().__init__(envs, action_space=Discrete(len(goal.problem.options)))
+        self._goal = goal
+
+    def reset(self) -> VecEnvObs:
+        """Begin all episodes."""
+        return self.venv.reset()
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Let each robot act by the option (R,) that serves the goal."""
+        self.venv.step_async(self._goal.actions(actions))
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Return what the step brought."""
+        return self.venv.step_wait()
 
 
 def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
     layers = list(settings.hidden)
     set_random_seed(_derived(seed, -1))  # PPO's own argument would seed the worlds too, which follow the curriculum
     return PPO(
-        "MlpPolicy", env, n_steps=settings.steps, batch_size=settings.minibatch, n_epochs=settings.epochs,
-        learning_rate=settings.learning_rate, gamma=settings.discount, gae_lambda=settings.trace,
-        clip_range=settings.clip, ent_coef=settings.entropy, vf_coef=settings.value, max_grad_norm=settings.gradient,
-        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}}, device="cpu",
-    )  # fmt: skip
+        "MlpPolicy",
+        env,
+        n_steps=settings.steps,
+        batch_size=settings.minibatch,
+        n_epochs=settings.epochs,
+        learning_rate=settings.learning_rate,
+        gamma=settings.discount,
+        gae_lambda=settings.trace,
+        clip_range=settings.clip,
+        ent_coef=settings.entropy,
+        vf_coef=settings.value,
+        max_grad_norm=settings.gradient,
+        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}},
+        device="cpu",
+    )
 
 
 def _derived(seed: int, checkpoint: int) -> int:
@@ -181,14 +190,9 @@ def _derived(seed: int, checkpoint: int) -> int:
     return int(np.random.SeedSequence([seed, checkpoint + 1, 2]).generate_state(1, np.uint32)[0])
 
 
-def _mean(values: list[float]) -> float | None:
-    return float(np.mean(values)) if values else None
-
-
 def _moments(statistics: RunningMeanStd) -> dict[str, Any]:
-    return {
-        "mean": torch.tensor(statistics.mean), "variance": torch.tensor(statistics.var), "count": statistics.count,
-    }  # fmt: skip
+    mean, variance = torch.tensor(statistics.mean), torch.tensor(statistics.var)
+    return {"mean": mean, "variance": variance, "count": statistics.count}
 
 
 def _statistics(moments: dict[str, Any]) -> RunningMeanStd:

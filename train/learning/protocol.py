@@ -1,21 +1,16 @@
-"""What the two ways have in common in which a strategy can learn from its decisions."""
+"""The interface of the two ways in which a strategy can learn from its decisions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from selector.documents.yaml import DocumentError, unknown
-from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
+from selforg.arrays import Ints
 from train.learning.credit import Paid
 
-Ints = NDArray[np.int64]
 Taker = Callable[[Paid, int], None]
-"""Is told of decisions whose rewards are complete, and how many more decisions have been made."""
+"""Called with decisions whose rewards are complete, and the number of decisions made since the last call."""
 
 
 class Learning(Protocol):
@@ -27,11 +22,3 @@ class Learning(Protocol):
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
         """Let the strategy decide and learn until the next checkpoint; return the costs of missions that ended [s]."""
-
-
-def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
-    """Return the places of components of an observation; an unknown one is a DocumentError."""
-    for name in names:
-        if name not in problem.features:
-            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
-    return np.array([problem.features.index(name) for name in names], dtype=np.int64)

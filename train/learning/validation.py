@@ -1,29 +1,25 @@
-"""How good is what was learned so far: mission costs on scenarios from which nothing is learned, and when to stop."""
+"""Measure what was learned so far: mission costs on scenarios that no training uses, and the best checkpoint."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import Scenario
-from clean_swarm_env.learning.observation.terms import ObservationConfig
-from train.running.trials import PilotMaker, run_trials
+from train.running.pilots import PilotMaker
+from train.running.trials import TrialSettings, run_trials
 
 
 def measured(
-    scenarios: Mapping[str, Sequence[Scenario]],
-    maker: PilotMaker,
-    observation: ObservationConfig,
-    directories: tuple[Path, ...] = (),
+    scenarios: Mapping[str, Sequence[Scenario]], maker: PilotMaker, settings: TrialSettings
 ) -> dict[str, float]:
     """Return mission cost [s], collision events and share of completed missions: means, family by family."""
     figures = {}
     for family, some in scenarios.items():
-        results = run_trials(some, maker, observation=observation, directories=directories)
+        results = run_trials(some, maker, settings)
         figures[f"{family}/cost_s"] = float(np.mean([result.cost_s for result in results]))
         figures[f"{family}/completed"] = float(np.mean([result.completed for result in results]))
         figures[f"{family}/duration_s"] = float(np.mean([result.duration_s for result in results]))
@@ -32,15 +28,15 @@ def measured(
 
 
 @dataclass
-class Progress:
-    """What the checkpoints so far have shown."""
+class CheckpointHistory:
+    """Figures of all checkpoints so far, and the best score."""
 
-    history: list[dict[str, Any]] = field(default_factory=list)
+    entries: list[dict[str, Any]] = field(default_factory=list)
     """One entry for each checkpoint."""
     best: float = float("inf")
     """Lowest score so far."""
     since: int = 0
-    """Measurements since then."""
+    """Number of measurements since the best one."""
 
     def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
         """Add a checkpoint's entry and its figures; return whether it is the best so far.
@@ -52,5 +48,5 @@ class Progress:
         better = bool(costs) and score < self.best
         if costs:
             self.best, self.since = (score, 0) if better else (self.best, self.since + 1)
-        self.history.append({**entry, **figures, "score": score if costs else None, "best": better})
+        self.entries.append({**entry, **figures, "score": score if costs else None, "best": better})
         return better

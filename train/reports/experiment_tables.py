@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from selforg.arrays import Floats
+from train.analysis.bootstrap import Interval
 from train.analysis.report import Report
-from train.analysis.statistics import Floats, Interval, distance_metrics
-from train.reports.text_table import Columns, Grid, Row, flat
+from train.analysis.statistics import distance_metrics
+from train.reports.text_table import EMPTY_CELL, Columns, Grid, Row, flat
 
 TITLES = {
     "duration_s": "duration",
@@ -21,12 +23,11 @@ SUMMARIES: dict[str, Callable[[Floats], float]] = {
     "median": lambda values: float(np.median(values)),
     "std": lambda values: float(np.std(values)),
 }
-ABSENT = "-"
 
 
 @dataclass(frozen=True)
 class _Column:
-    """Figures of one column: those of single scenarios, and all that its summary takes in."""
+    """Figures of one column: those of single scenarios, and those that the summary is made of."""
 
     by_scenario: Mapping[str, float]
     values: Floats
@@ -55,7 +56,9 @@ def table_1(report: Report) -> Grid:
         for scenario in report.figures.scenarios
     ]
     summary = [
-        Row(what, tuple(tuple(_two(take(c.values)) if c.values.size else ABSENT for c in group) for group in groups))
+        Row(
+            what, tuple(tuple(_two(take(c.values)) if c.values.size else EMPTY_CELL for c in group) for group in groups)
+        )
         for what, take in SUMMARIES.items()
     ]
     done = [f"{row.sum()}/{row.size}" for row in report.figures.completed]
@@ -77,14 +80,14 @@ def ratios(report: Report) -> Grid:
         )
         if published:
             a, b = (published.figures.get(name, {}).get(found.metric, ()) for name in (found.a, found.b))
-            row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else ABSENT,)
+            row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL,)
         rows.append(row)
     heads = ("conditions", "ratio", "95 % interval") + (("paper",) if published else ())
     return flat("ratios of means", "figure", heads, rows)
 
 
 def measured_means(report: Report) -> Grid:
-    """Return our means beside the measured ones; no rows where nothing was measured."""
+    """Return our means beside the measured means; no rows without measured figures."""
     rows = [
         (
             m.metric,
@@ -102,7 +105,7 @@ def measured_means(report: Report) -> Grid:
 
 
 def measured_ratios(report: Report) -> Grid:
-    """Return our ratios between conditions beside the measured ones; no rows where nothing was measured."""
+    """Return our ratios between conditions beside the measured ratios; no rows without measured figures."""
     rows = [
         (
             r.metric,
@@ -122,7 +125,7 @@ def _ours(report: Report, condition: int, metric: str) -> _Column:
 
 
 def _beside(report: Report, condition: str) -> list[_Column]:
-    """Return the columns of what was measured under a condition, else of what was published; none without either."""
+    """Return the columns of measured figures under a condition, else of published figures; none without either."""
     if report.reference.means:
         return [_measured(report, condition, metric) for metric in SHOWN]
     published = report.experiment.reference
@@ -156,7 +159,11 @@ def _notes(report: Report) -> tuple[str, ...]:
 
 
 def _scenario(column: _Column, scenario: str) -> str:
-    return _two(column.by_scenario[scenario]) if scenario in column.by_scenario else ABSENT
+    return _two(column.by_scenario[scenario]) if scenario in column.by_scenario else EMPTY_CELL
+
+
+def _summary(column: _Column, take: Callable[[Floats], float]) -> str:
+    return _two(take(column.values)) if column.values.size else EMPTY_CELL
 
 
 def _two(value: float) -> str:
@@ -166,13 +173,13 @@ def _two(value: float) -> str:
 def _number(value: float | None) -> str:
     """Return three significant digits, and all digits before the point."""
     if value is None:
-        return ABSENT
+        return EMPTY_CELL
     return f"{value:.1f}" if abs(value) >= 100.0 else f"{value:#.3g}"
 
 
 def _interval(interval: Interval | None) -> str:
-    return ABSENT if interval is None else f"[{_number(interval[0])}, {_number(interval[1])}]"
+    return EMPTY_CELL if interval is None else f"[{_number(interval[0])}, {_number(interval[1])}]"
 
 
 def _yes(agrees: bool | None) -> str:
-    return ABSENT if agrees is None else "yes" if agrees else "no"
+    return EMPTY_CELL if agrees is None else "yes" if agrees else "no"

@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
-from numpy.typing import NDArray
 
+from selforg.arrays import Flags, Floats
 from train.analysis.report import Report
-from train.analysis.statistics import Floats, Summary
+from train.analysis.statistics import Summary
 
 COLOURS = ("#c44e52", "#4c72b0", "#55a868", "#dd8452", "#8172b3", "#937860")
-"""One for each condition, in order."""
+"""Colours of the conditions, in order."""
 LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
 SPREAD = 0.06
 """Half the width over which the points of a condition are spread, in units of the distance between conditions."""
@@ -59,7 +59,7 @@ def _panel(axes: Axes, report: Report, metric: str, label: str) -> None:
     axes.set_title(_ratio_line(report, metric), fontsize=9, color="0.3")
 
 
-def _points(axes: Axes, places: Floats, values: Floats, completed: NDArray[np.bool_], colour: str) -> None:
+def _points(axes: Axes, places: Floats, values: Floats, completed: Flags, colour: str) -> None:
     axes.scatter(places[completed], values[completed], s=16, color=colour, alpha=0.75, linewidths=0, zorder=3)
     axes.scatter(places[~completed], values[~completed], s=22, facecolors="none", edgecolors=colour, zorder=3)
 
@@ -84,7 +84,7 @@ def _folded(name: str) -> str:
 
 
 def _ratio_line(report: Report, metric: str) -> str:
-    """Return the ratios to the last condition, which the others are compared with."""
+    """Return the ratios to the last condition, with which all others are compared."""
     last = report.figures.conditions[-1]
     found = [c for c in report.comparisons if c.metric == metric and c.b == last and c.ratio.ratio is not None]
     texts = [

@@ -6,15 +6,14 @@ from datetime import UTC, datetime
 
 from rich.table import Table
 
-from selector.documents.yaml import unknown
-from selector.store import Contents, Key, StoreError
-from selector.store.records import Entry
+from selector.store import Key, StoredKnowledge, StoreError
+from selector.store.stored_knowledge import Entry
+from selforg.registry import unknown
+from train.reports.text_table import EMPTY_CELL
 
-NOTHING = "-"
 
-
-def all_goals(contents: Contents) -> Table:
-    """Return one row a goal: how much is known of it, since when and from whom."""
+def all_goals(contents: StoredKnowledge) -> Table:
+    """Return a table with a row for each goal: options, contexts, updates, last update, sources."""
     table = _table("goal", options=True, contexts=True, updates=True, **{"last update": False, "sources": False})
     for goal in _goals(contents):
         learned = {key: entry for key, entry in contents.learned.items() if key.goal == goal}
@@ -25,12 +24,12 @@ def all_goals(contents: Contents) -> Table:
             str(len({key.context for key in learned})),
             str(sum(entry.moments.count for entry in learned.values())),
             _time(entry.updated for entry in learned.values()),
-            ", ".join(sorted({key.source for key in learned})) or NOTHING,
+            ", ".join(sorted({key.source for key in learned})) or EMPTY_CELL,
         )
     return table
 
 
-def one_goal(contents: Contents, goal: str) -> Table:
+def one_goal(contents: StoredKnowledge, goal: str) -> Table:
     """Return a row for each option, context and source of a goal: score, count, mean, standard deviation, update."""
     goals = _goals(contents)
     if goal not in goals:
@@ -43,9 +42,9 @@ def one_goal(contents: Contents, goal: str) -> Table:
     names += sorted({key.option for key in learned} - set(rated))
     for name in names:
         option = rated[name].option if name in rated else None
-        first = (name, option.configuration if option else NOTHING, f"{option.score:g}" if option else NOTHING)
+        first = (name, option.configuration if option else EMPTY_CELL, f"{option.score:g}" if option else EMPTY_CELL)
         own = sorted((key, entry) for key, entry in learned.items() if key.option == name)
-        for row in [_learned(key, entry) for key, entry in own] or [(NOTHING, "0", *[NOTHING] * 4)]:
+        for row in [_learned(key, entry) for key, entry in own] or [(EMPTY_CELL, "0", *[EMPTY_CELL] * 4)]:
             table.add_row(*first, *row)
             first = ("", "", "")
     return table
@@ -54,10 +53,10 @@ def one_goal(contents: Contents, goal: str) -> Table:
 def _learned(key: Key, entry: Entry) -> tuple[str, ...]:
     moments = entry.moments
     figures = (f"{moments.mean:.6g}", f"{math.sqrt(moments.variance):.6g}")
-    return (key.context or NOTHING, str(moments.count), *figures, _time([entry.updated]), key.source)
+    return (key.context or EMPTY_CELL, str(moments.count), *figures, _time([entry.updated]), key.source)
 
 
-def _goals(contents: Contents) -> list[str]:
+def _goals(contents: StoredKnowledge) -> list[str]:
     return sorted({goal for goal, _ in contents.expert} | {key.goal for key in contents.learned})
 
 
@@ -73,4 +72,4 @@ def _table(first: str, **columns: bool) -> Table:
 def _time(updates: Iterable[int]) -> str:
     """Return the latest time, in UTC to the second."""
     latest = max(updates, default=None)
-    return NOTHING if latest is None else f"{datetime.fromtimestamp(latest // 10**6, UTC):%Y-%m-%d %H:%M:%S}"
+    return EMPTY_CELL if latest is None else f"{datetime.fromtimestamp(latest // 10**6, UTC):%Y-%m-%d %H:%M:%S}"

@@ -8,8 +8,10 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+EMPTY_CELL = "-"
+"""Text of a cell without a figure."""
 MAX_ROWS_SHOWN = 30
-"""Rows above the summary that the terminal lists; Markdown always has all."""
+"""Most rows above the summary that the terminal shows; Markdown always has all rows."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ def markdown(grid: Grid) -> str:
 
 
 def on_terminal(grid: Grid) -> RenderableType:
-    """Return a grid for a rich console; the columns of a group share one cell, so that its title stands above all."""
+    """Return a grid for a rich console; the columns of a group share one cell, so that the title stands above them."""
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column(grid.corner)
     widths = [_widths(grid, place) for place in range(len(grid.columns))]

@@ -1,1 +1,1 @@
-"""Runs in processes, and the directory that keeps them."""
+"""Runs: tasks in processes, trials in batches of worlds, and the directories that keep the results."""

@@ -1,4 +1,4 @@
-"""Tasks in several processes, each told of as it is done."""
+"""Do tasks in several processes, and return the runs of each task as soon as it is done."""
 
 import multiprocessing
 import os
@@ -7,20 +7,18 @@ import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from typing import TypeVar
 
-Task = TypeVar("Task")
-Outcome = TypeVar("Outcome")
+from train.running.runs import RunRecord, Task
 
 
-def each_done(run: Callable[[Task], Outcome], tasks: Sequence[Task], workers: int) -> Generator[Outcome, None, None]:
-    """Yield what `run` returns for each task as it is done, in any order, from up to `workers` processes.
+def each_done(tasks: Sequence[Task], workers: int) -> Generator[list[RunRecord], None, None]:
+    """Yield the runs of each task as it is done, in any order, from up to `workers` processes.
 
     Closing the iterator, or an error in a task, ends the others at once. One worker is this process itself.
     """
     if min(workers, len(tasks)) <= 1:
         for task in tasks:
-            yield run(task)
+            yield task.run()
         return
     context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
     others = set(multiprocessing.active_children())
@@ -28,7 +26,7 @@ def each_done(run: Callable[[Task], Outcome], tasks: Sequence[Task], workers: in
     finished = False
     try:
         with _ctrl_c_ignored():  # the first tasks start the workers, which inherit this
-            futures = [pool.submit(run, task) for task in tasks]
+            futures = [pool.submit(task.run) for task in tasks]
         for future in as_completed(futures):
             yield future.result()
         finished = True

@@ -1,70 +1,89 @@
-"""One run: a mission of an experiment under one condition; many runs, one after the other or in several processes."""
+"""One run: a mission under one condition. What a run needs, what it comes to, and tasks for worker processes."""
 
 import os
 import time
-from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
+
+from pydantic import TypeAdapter
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
-from selector.coordination.selection import BY_SCORE
+from clean_swarm_env.world.mission import MissionResult, run_mission
 from selector.strategies.registry import StrategySpec
-from train.running.processes import each_done
 
+FIRST_SECOND = 1.0
+"""Time limit of a mission that is run only to compile what missions need [s]."""
 
-class MissionOutcome(Protocol):
-    """What a mission returns, as `clean_swarm_env.world.mission.MissionResult` does."""
-
-    @property
-    def completed(self) -> bool:
-        """Whether all items were dumped within the time limit."""
-
-    @property
-    def duration_s(self) -> float:
-        """Simulated time until the last item was dumped, or the time limit [s]."""
-
-    @property
-    def collision_samples_per_s(self) -> tuple[float, ...]:
-        """Samples of pairs closer than each collision distance [1/s]."""
-
-    @property
-    def collision_events_per_s(self) -> tuple[float, ...]:
-        """Pairs that came closer than each collision distance [1/s]."""
-
-    @property
-    def garbage_done(self) -> int:
-        """Number of items dumped."""
-
-    @property
-    def robots(self) -> int:
-        """Number of robots."""
-
-    @property
-    def ticks(self) -> int:
-        """Number of control periods."""
-
-    @property
-    def items_per_min(self) -> float:
-        """Items dumped per minute [1/min]."""
-
-    @property
-    def cost_s(self) -> float:
-        """Seconds plus the price of collision events; for each item where garbage keeps coming [s]."""
-
-
+RunKey = tuple[str, str]
+"""Scenario and condition."""
 MissionRunner = Callable[
     [MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]], StrategySpec, tuple[Path, ...]],
-    MissionOutcome,
+    MissionResult,
 ]
+"""What runs a mission; the arguments are those of `run_mission`."""
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """One finished run."""
+
+    experiment: str
+    """Name of the experiment or of the family."""
+    scenario: str
+    seed: int
+    """Seed of the evaluation."""
+    condition: str
+    result: MissionResult
+    wall_s: float
+    """Time that the run took [s]."""
+
+    @property
+    def key(self) -> RunKey:
+        """Scenario and condition, unique within an evaluation."""
+        return self.scenario, self.condition
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Return the record as `RUN_COLUMNS` name it, the mission's figures beside what names the run."""
+        own = {name: getattr(self, name) for name in NAMING}
+        return {**own, **asdict(self.result), "wall_s": self.wall_s}
+
+    @classmethod
+    def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
+        """Return the record that `as_mapping` gave; ValidationError for anything else."""
+        result = {name: value for name, value in given.items() if name in _RESULT_COLUMNS}
+        own = {name: value for name, value in given.items() if name not in _RESULT_COLUMNS}
+        return _RECORD.validate_python({**own, "result": result})
+
+
+NAMING = ("experiment", "scenario", "seed", "condition")
+"""What names a run."""
+_RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult))
+_RECORD = TypeAdapter(RunRecord)
+RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
+"""What is kept of a run, in the order of `runs.csv`."""
+
+
+class Task(Protocol):
+    """Runs that one process does; plain data that travels to a worker process."""
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+
+    def run(self) -> list[RunRecord]:
+        """Do the runs."""
+
+    def beginning(self) -> "Task":
+        """Return a task that does only the first second of one of the runs, which compiles what all runs need."""
 
 
 @dataclass(frozen=True)
 class RunTask:
-    """What one run needs; plain data that travels to a worker process."""
+    """One run of an experiment."""
 
     experiment: str
     scenario: str
@@ -74,57 +93,36 @@ class RunTask:
     mission: MissionConfig
     start: StartConfiguration
     scores: Mapping[str, Mapping[str, float]]
-    strategy: StrategySpec = BY_SCORE
+    """Goal -> option -> score, laid over the expert knowledge."""
+    strategy: StrategySpec
     """What decides which options serve the goals."""
-    directories: tuple[Path, ...] = ()
+    directories: tuple[Path, ...]
     """The user's own directories of configurations."""
-
-
-@dataclass(frozen=True)
-class RunRecord:
-    """One finished run; collisions have one entry per collision distance."""
-
-    experiment: str
-    scenario: str
-    seed: int
-    condition: str
-    completed: bool
-    duration_s: float
-    collision_samples_per_s: tuple[float, ...]
-    collision_events_per_s: tuple[float, ...]
-    garbage_done: int
-    robots: int
-    ticks: int
-    items_per_min: float
-    cost_s: float
-    wall_s: float
-
-    @classmethod
-    def of(
-        cls, outcome: MissionOutcome, experiment: str, scenario: str, seed: int, condition: str, wall: float
-    ) -> "RunRecord":
-        """Return the record of a mission's outcome, of which any number type becomes a plain one; `wall` in [s]."""
-        return cls(
-            experiment=experiment,
-            scenario=scenario,
-            seed=seed,
-            condition=condition,
-            completed=bool(outcome.completed),
-            duration_s=float(outcome.duration_s),
-            collision_samples_per_s=tuple(float(rate) for rate in outcome.collision_samples_per_s),
-            collision_events_per_s=tuple(float(rate) for rate in outcome.collision_events_per_s),
-            garbage_done=int(outcome.garbage_done),
-            robots=int(outcome.robots),
-            ticks=int(outcome.ticks),
-            items_per_min=float(outcome.items_per_min),
-            cost_s=float(outcome.cost_s),
-            wall_s=round(wall, 3),
-        )
+    run_mission: MissionRunner
+    """What runs the mission."""
 
     @property
-    def key(self) -> tuple[str, str]:
-        """Scenario and condition, unique within an experiment."""
-        return self.scenario, self.condition
+    def runs(self) -> int:
+        """One run."""
+        return 1
+
+    @property
+    def mission_seed(self) -> int:
+        """Seed of everything random in the mission."""
+        return run_seed(self.seed, self.scenario)
+
+    def run(self) -> list[RunRecord]:
+        """Run the mission."""
+        began = time.perf_counter()
+        result = self.run_mission(
+            self.mission, self.start, self.mission_seed, self.scores, self.strategy, self.directories
+        )
+        wall = round(time.perf_counter() - began, 3)
+        return [RunRecord(self.experiment, self.scenario, self.seed, self.condition, result, wall)]
+
+    def beginning(self) -> "RunTask":
+        """Return the first second of the run."""
+        return replace(self, mission=self.mission.model_copy(update={"time_limit": FIRST_SECOND}))
 
 
 def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:
@@ -132,33 +130,20 @@ def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, .
     missions = [for_start(experiment.mission, start) for start in experiment.starts]
     return [
         RunTask(
-            experiment.name,
-            start.id,
-            seed,
-            condition.name,
-            mission,
-            start,
-            condition.scores,
-            condition.strategy,
-            directories,
+            experiment=experiment.name,
+            scenario=start.id,
+            seed=seed,
+            condition=condition.name,
+            mission=mission,
+            start=start,
+            scores=condition.scores,
+            strategy=condition.strategy,
+            directories=directories,
+            run_mission=run_mission,
         )
         for start, mission in zip(experiment.starts, missions, strict=True)
         for condition in experiment.conditions
     ]
-
-
-def execute(task: RunTask, run_mission: MissionRunner) -> RunRecord:
-    """Run one task in this process."""
-    began = time.perf_counter()
-    seed = run_seed(task.seed, task.scenario)
-    result = run_mission(task.mission, task.start, seed, task.scores, task.strategy, task.directories)
-    wall = time.perf_counter() - began
-    return RunRecord.of(result, task.experiment, task.scenario, task.seed, task.condition, wall)
-
-
-def execute_all(tasks: Sequence[RunTask], workers: int, run_mission: MissionRunner) -> Generator[RunRecord, None, None]:
-    """Yield the record of each task as it is finished, in any order; see `processes.each_done`."""
-    yield from each_done(partial(execute, run_mission=run_mission), tasks, workers)
 
 
 def usable_cpus() -> int:

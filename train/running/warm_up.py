@@ -1,24 +1,30 @@
-"""Compiling before the runs: once and in one process, instead of in every worker at the same time."""
+"""Compile before the runs, once and in one process, instead of in every worker at the same time."""
 
-from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 
 from rich.console import Console
 
-from train.running.runs import MissionRunner, RunTask, execute
+from clean_swarm_env.world import tick_kernels
+from selforg.compiler.cache import folder_for
+from selforg.compiler.switches import COMPILED
+from train.running.runs import Task
+
+EVERY_MISSION = Path(tick_kernels.__file__)
+"""The file of kernels that every mission calls, and that only a running mission calls."""
 
 
-def compile_first(task: RunTask, run_mission: MissionRunner) -> None:
-    """Run the first control periods of a task if nothing was ever compiled here, and say so on the standard error."""
-    if compiled_before():
-        return
+def compile_first(task: Task) -> None:
+    """Run the first second of one run, which compiles the kernels that all runs call."""
+    announce()
+    task.beginning().run()
+
+
+def announce() -> None:
+    """Print on the standard error that the kernels are being compiled."""
     Console(stderr=True, highlight=False, soft_wrap=True).print("compiling for this machine, once: about a minute")
-    execute(replace(task, mission=task.mission.model_copy(update={"time_limit": 1.0})), run_mission)
 
 
 def compiled_before() -> bool:
-    """Tell whether compiled code lies beside the package; where it cannot be kept there, a short run costs little."""
-    spec = find_spec("selforg")
-    places = spec.submodule_search_locations if spec and spec.submodule_search_locations else ()
-    return any(any(Path(place).rglob("*.nbi")) for place in places)
+    """Tell whether the kernels of today's sources lie on the disk; true as well where nothing can be kept there."""
+    folder = folder_for(str(EVERY_MISSION))
+    return not COMPILED or folder is None or any(folder.rglob("*.nbi"))

@@ -1,20 +1,25 @@
-"""What a selector sees of each robot: the chosen terms of `observation_terms`, computed for all rows at once."""
+"""What a selector sees of each robot: the chosen terms, computed for all rows at once."""
 
 from __future__ import annotations
+
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.learning.observation.kernels import see
-from clean_swarm_env.learning.observation.terms import TERMS, ObservationConfig, components
-from clean_swarm_env.learning.progress import Progress
-from clean_swarm_env.world.robot import GOAL
+from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
+from clean_swarm_env.learning.observation.searches import find_items, find_neighbours, find_stations, list_present
+from clean_swarm_env.learning.observation.term import Observed
+from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
-from selforg.compiler.decorators import kernel
+from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Words
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Observations = NDArray[np.float32]
+SEARCHES = {"stations": find_stations, "neighbours": find_neighbours}
+"""What terms may need -> how it is found."""
 
 
 class Observer:
@@ -28,69 +33,76 @@ class Observer:
 
     """
 
-    def __init__(self, worlds: Worlds, progress: Progress, config: ObservationConfig | None = None) -> None:
+    def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = config or ObservationConfig()
-        self._worlds, self._progress = worlds, progress
-        options = {coordinator.model.goal: coordinator.model.options for coordinator in worlds.coordinators}
-        known = {term: components(term, self.config.neighbour_ranges, options) for term in TERMS}
-        catalogue = [name for names in known.values() for name in names]
-        self.names = tuple(name for term in self.config.terms for name in known[term.name])
+        self._around = AROUND_RECORD.pack(around_robots(worlds, self.config.neighbour_ranges))
+        self._terms = self.config.build(Observed(worlds, progress, self._around))
+        needed = {need for term in self._terms for need in term.needs}
+        self._searches = [search for name, search in SEARCHES.items() if name in needed]
+        self.names = tuple(name for term in self._terms for name in term.components)
         self.width = len(self.names)
-        self._columns = np.array([catalogue.index(name) for name in self.names], dtype=np.int64)
-        weights = [term.weight for term in self.config.terms for _ in known[term.name]]
-        self._weights = np.array(weights, dtype=np.float32)
+        sizes = [len(term.components) for term in self._terms]
+        self._lines = [slice(end - size, end) for size, end in zip(sizes, accumulate(sizes), strict=True)]
+        self._weights: Observations = np.repeat([np.float32(term.weight) for term in self.config.terms], sizes)
         self.bounds: Observations = np.abs(self._weights)
-        self.phases: Ints = np.zeros(worlds.rows, dtype=np.int64)
-        self._seen: Floats = np.zeros((worlds.rows, len(catalogue)))
+        self.phases = self._around.record.phases
+        self._rows: Ints = np.zeros(worlds.rows, dtype=np.int64)
+        self._seen: Floats = np.zeros((self.width, worlds.rows))
         self._all = np.arange(worlds.worlds)
-        self._scales = self._make_scales(worlds)
-        self._ranges = np.square(self.config.neighbour_ranges)
-        self._held_columns = np.cumsum([0, *(len(names) for names in options.values())])[:-1] + len(catalogue)
-        self._held_columns -= sum(len(names) for names in options.values())
-        self._held: Ints = np.zeros((worlds.rows, len(worlds.coordinators)), dtype=np.int64)
-        self._length_column = worlds.network.model.sensor_index.get("rep_len", -1)
-        self._avoiding = worlds.network.model.behaviour_index.get(GOAL, -1)
-
-    def _make_scales(self, worlds: Worlds) -> Floats:
-        mission, config = worlds.mission, self.config
-        robots, garbage = mission.robots, mission.garbage
-        return np.array(
-            [
-                garbage.diffusion + garbage.goal_radius + garbage.view_distance,  # range of sight [m]
-                0.5 * float(np.hypot(*worlds.extent)),  # longest way on the torus [m]
-                config.neighbour_ranges[-1],
-                max(robots.pose_diffusion + robots.pose_goal_radius, 1e-9),  # reach of a pose [m]
-                robots.max_speed,
-                robots.max_turn_rate,
-                config.station_range,
-                float(config.full_crowd),
-                max(config.patience / worlds.period, 1.0),  # [ticks]
-                float(np.pi / np.prod(worlds.extent)),  # share of the torus within 1 m of a point
-            ]
-        )
 
     def observe(self, observations: Observations, chosen: Ints | None = None) -> None:
-        """Fill `observations` (R, F) with what is so now, of all worlds or of the `chosen` (K,)."""
-        worlds, garbage, physics = self._worlds, self._worlds.garbage, self._worlds.physics
-        picked = self._all if chosen is None else chosen
-        for k, coordinator in enumerate(worlds.coordinators):
-            self._held[:, k] = coordinator.held
-        see(
-            picked, physics.positions, physics.headings, physics.velocities, physics.present, worlds.drive.speed,
-            worlds.drive.turn_rate, worlds.extent, worlds.stations, self._scales, self._ranges, garbage.positions,
-            garbage.stage, garbage.cargo, garbage.recycled, garbage.done, garbage.arrived, worlds.ticks,
-            self._progress.limits, self._progress.idle, worlds.network.readings, self._length_column,
-            worlds.network.executing, self._avoiding, self._held, self._held_columns, self.phases, self._seen,
-        )  # fmt: skip
-        weigh(picked, worlds.robots, self._seen, self._columns, self._weights, observations)
+        """Fill `observations` (R, F) with what is so now, of all worlds or of the `chosen` (C,)."""
+        worlds, words = self._all if chosen is None else chosen, self._around.words
+        rows = self._rows[: list_present(words, worlds, self._rows)]
+        find_items(words, rows)
+        for search in self._searches:
+            search(words, rows)
+        self._seen.fill(0.0)
+        for term, lines in zip(self._terms, self._lines, strict=True):
+            term.write(rows, self._seen[lines])
+        weigh(words, worlds, self._seen, self._weights, observations)
 
 
-@kernel
-def weigh(
-    chosen: Ints, robots: int, seen: Floats, columns: Ints, weights: Observations, observations: Observations
-) -> None:
-    """Write `columns` (F,) of `seen` (R, A), times `weights` (F,), into the rows of the worlds `chosen` (K,)."""
-    for index in range(chosen.shape[0] * robots):
-        row = chosen[index // robots] * robots + index % robots
-        for k in range(columns.shape[0]):
-            observations[row, k] = np.float32(seen[row, columns[k]]) * weights[k]
+def around_robots(worlds: Worlds, neighbour_ranges: tuple[float, ...]) -> Around:
+    """Return what is around the robots of `worlds`, with nothing found yet."""
+    garbage, physics, items = worlds.garbage, worlds.physics, worlds.mission.garbage
+
+    def numbers(*shape: int) -> Ints:
+        return np.zeros(shape, dtype=np.int64)
+
+    return Around(
+        extent=worlds.extent,
+        positions=physics.positions,
+        headings=physics.headings,
+        present=physics.present,
+        cargo=garbage.cargo,
+        recycled=garbage.recycled,
+        items=garbage.positions,
+        stage=garbage.stage,
+        stations=worlds.stations,
+        sight=items.diffusion + items.goal_radius + items.view_distance,
+        longest=0.5 * float(np.hypot(*worlds.extent)),
+        ranges=np.array(neighbour_ranges),
+        team=numbers(worlds.worlds),
+        item=numbers(worlds.rows),
+        phases=numbers(worlds.rows),
+        station_distances=np.zeros((2, worlds.rows)),
+        station_ways=np.zeros((2, 3, worlds.rows)),
+        neighbour=numbers(worlds.rows),
+        within=numbers(len(neighbour_ranges), worlds.rows),
+        carriers=numbers(1, worlds.rows),
+    )
+
+
+@lean_kernel
+def weigh(around: Words[Around], chosen: Ints, seen: Floats, weights: Observations, observations: Observations) -> None:
+    """Write `seen` (F, R) times `weights` (F,) into `observations` (R, F), for the worlds `chosen` (C,).
+
+    Robots that are not present see nothing.
+    """
+    a = open_around(around)
+    robots = a.present.shape[0] // a.team.shape[0]
+    for world in chosen:
+        for row in range(world * robots, (world + 1) * robots):
+            for k in range(weights.shape[0]):
+                observations[row, k] = np.float32(seen[k, row]) * weights[k] if a.present[row] else np.float32(0.0)

@@ -1,91 +1,47 @@
-"""The terms that an observation can be made of, and the choice of them.
+"""The choice of terms that an observation is made of.
 
-A term is a named group of components; every component lies within [-1, 1] and is multiplied by the weight of its term.
-Directions are unit vectors in the robot's own frame (`_ahead`, `_left`); distances are divided by the longest way on
-the torus, or by the range within which the thing is seen, and are 1 where nothing is seen.
+Every component lies within [-1, 1] and is multiplied by the weight of its term. Directions are unit vectors in the
+robot's own frame (`_ahead`, `_left`); distances are divided by the longest way on the torus, or by the range within
+which the thing is seen, and are 1 where nothing is seen.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from clean_swarm_env.config.types import Count
-from selector.documents.yaml import Closed, Name, Number, Positive, unknown
+from clean_swarm_env.learning.observation import own_terms as own_terms
+from clean_swarm_env.learning.observation import task_terms as task_terms
+from clean_swarm_env.learning.observation import team_terms as team_terms
+from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
+from selector.documents.fields import Closed, Name, Number, Positive
+from selforg.registry import unknown
 
-PHASES = ("patrol", "approach", "to_recycling", "to_dump")
-"""What a robot is about, in the order of their numbers: no item in sight, an item in sight, cargo, recycled cargo."""
-PATROL, APPROACH, TO_RECYCLING, TO_DUMP = range(4)
-
-TERMS: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "garbage": (
-        "The nearest item: whether one lies within sight, and the way to it by the range of sight.",
-        ("garbage_seen", "garbage_distance", "garbage_ahead", "garbage_left"),
-    ),
-    "cargo": ("Whether the robot carries something, and whether that has been recycled.", ("carrying", "recycled")),
-    "phase": (
-        "One flag: nothing in sight, an item in sight, on the way to recycling, on the way to the dump.",
-        tuple(f"phase_{phase}" for phase in PHASES),
-    ),
-    "situation": (
-        "One flag: without or with cargo, far from both stations or within `station_range` of one.",
-        ("free_far", "free_near", "carrying_far", "carrying_near"),
-    ),
-    "recycling": (
-        "The way to the recycling station, by half the torus' diagonal.",
-        ("recycling_distance", "recycling_ahead", "recycling_left"),
-    ),
-    "dump": ("The way to the dump, by half the torus' diagonal.", ("dump_distance", "dump_ahead", "dump_left")),
-    "nearness": (
-        "How near the stations are: 1 at a station, 0 from `station_range` on.",
-        ("recycling_near", "dump_near"),
-    ),
-    "target": (
-        "The way to the station that the cargo has to go to, by half the torus' diagonal.",
-        ("target_distance", "target_ahead", "target_left"),
-    ),
-    "neighbour": (
-        "The share of the other robots within the largest neighbour range, and the way to the nearest by that range.",
-        ("neighbours", "neighbour_distance", "neighbour_ahead", "neighbour_left"),
-    ),
-    "encounter": (
-        "The nearest neighbour: its heading in the robot's frame, how fast it comes closer by twice the largest speed, "
-        "whether it carries something.",
-        ("neighbour_heading_ahead", "neighbour_heading_left", "neighbour_closing", "neighbour_carries"),
-    ),
-    "crowd": ("Robots within each of `neighbour_ranges`, by `full_crowd`, whatever the size of the team.", ()),
-    "carriers": ("Robots with cargo within the largest neighbour range, by `full_crowd`.", ("carriers",)),
-    "avoidance": (
-        "Length of the avoidance vector by the reach of a pose, and whether the robot avoids others just now.",
-        ("avoidance_length", "avoiding"),
-    ),
-    "movement": ("Speed and turn rate of the drive, by the largest ones.", ("speed", "turn_rate")),
-    "mission": (
-        "Share of the items dumped of those that arrived, and of the time limit that is left.",
-        ("garbage_done", "time_left"),
-    ),
-    "idle": ("Time since the robot last picked, recycled or dumped something, by `patience`.", ("idle",)),
-    "density": ("Share of the torus within 1 m of the robots, if they were far apart.", ("density",)),
-    "holds": ("One flag for each option of each coordinated goal: is it held?", ()),
-}
-"""Name -> what the term says and its components; those of `crowd` and `holds` depend on ranges and options."""
+DEFAULT_TERMS = (
+    "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
+    "crowd", "carriers", "avoidance", "movement", "mission", "idle", "density", "holds",
+)  # fmt: skip
+"""What an observation is made of unless other terms are chosen; the modules of these terms are imported above."""
 
 
 class TermConfig(Closed):
-    """A term of the observation."""
+    """A term of the observation; further keys are settings of its own."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Number] = Field(init=False)
 
     name: Name
-    """One of the terms of `observation_terms.TERMS`."""
+    """Name of a registered term."""
     weight: Number = 1.0
     """Factor on the components of the term [-]."""
 
     @model_validator(mode="after")
     def _known(self) -> Self:
         if self.name not in TERMS:
-            raise ValueError(unknown("term", self.name, tuple(TERMS)))
+            raise ValueError(unknown("term", self.name, TERMS.names()))
         return self
 
 
@@ -95,10 +51,10 @@ def _by_name(given: object) -> object:
 
 
 class ObservationConfig(Closed):
-    """What a selector sees of each robot: terms in their order, and the ranges that they use."""
+    """What a selector sees of each robot: terms in their order, and the settings that terms share."""
 
     terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] = tuple(
-        TermConfig(name=name) for name in TERMS
+        TermConfig(name=name) for name in DEFAULT_TERMS
     )
     """The terms; a bare name stands for weight 1."""
     neighbour_ranges: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0, 1.5, 2.5)
@@ -119,18 +75,22 @@ class ObservationConfig(Closed):
         ranges = self.neighbour_ranges
         if any(near >= far for near, far in pairwise(ranges)):
             raise ValueError(f"neighbour_ranges: expected growing distances, got {list(ranges)}")
+        for term in self.terms:
+            settings, given = TERMS.find(term.name).settings(), term.__pydantic_extra__
+            own = {name: optional for name, optional in settings.items() if name not in type(self).model_fields}
+            for name in given:
+                if name not in own:
+                    raise ValueError(f"terms: {term.name}: {unknown('setting', name, tuple(own))}")
+            for name, optional in own.items():
+                if not optional and name not in given:
+                    raise ValueError(f"terms: {term.name}: missing setting {name!r}")
         return self
 
+    def build(self, observed: Observed) -> tuple[Term, ...]:
+        """Return the terms at work on what is `observed`."""
+        return tuple(self._built(term, observed) for term in self.terms)
 
-def components(term: str, ranges: Sequence[float], options: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Return the names of the components of a term; `options` by coordinated goal."""
-    if term == "crowd":
-        return tuple(f"crowd_{distance:g}m" for distance in ranges)
-    if term == "holds":
-        return tuple(holds(goal, option, options) for goal, names in options.items() for option in names)
-    return TERMS[term][1]
-
-
-def holds(goal: str, option: str, options: Mapping[str, Sequence[str]]) -> str:
-    """Return the name of the flag for an option; the goal is part of it where several goals are coordinated."""
-    return f"holds_{option}" if len(options) == 1 else f"holds_{goal}_{option}"
+    def _built(self, term: TermConfig, observed: Observed) -> Term:
+        kind = TERMS.find(term.name)
+        shared = {name: getattr(self, name) for name in kind.settings() if name in type(self).model_fields}
+        return kind(observed, **shared, **term.__pydantic_extra__)

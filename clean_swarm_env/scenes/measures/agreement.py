@@ -14,7 +14,7 @@ def in_earshot(positions: Floats, reach: float, ground: Ground) -> Flags:
 
 
 def connected(hears: Flags) -> bool:
-    """Tell whether word gets from everybody to everybody; hears (N, N) is symmetric."""
+    """Return whether every robot can be reached from every other; hears (N, N) is symmetric."""
     reached = np.zeros(len(hears), dtype=np.bool_)
     reached[0] = True
     for _ in range(len(hears)):
@@ -23,7 +23,7 @@ def connected(hears: Flags) -> bool:
 
 
 def rounds_needed(hears: Flags, first: int) -> int:
-    """Return the fewest rounds in which word gets from robot `first` to all others: hops to the farthest one.
+    """Return the fewest rounds in which a message of robot `first` reaches all others: hops to the farthest one.
 
     hears (N, N) must be connected.
     """
@@ -39,7 +39,7 @@ def rounds_needed(hears: Flags, first: int) -> int:
 def rounds_by_calls(hears: Flags, values: Floats, rng: np.random.Generator, most: int) -> int:
     """Return the rounds until all know the maximum if each robot asks one random neighbour a round, at most `most`.
 
-    hears (N, N) connected; values (N,). What is asked for is what the other knew before the round.
+    hears (N, N) connected; values (N,). A robot that is asked answers what it knew before the round.
     """
     known, best = values.copy(), values.max()
     neighbours: list[Ints] = [np.flatnonzero(row) for row in hears]

@@ -9,7 +9,7 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
-NEVER = -1.0
+UNSEEN = -1.0
 """Time at which a cell was seen that never was."""
 
 
@@ -24,7 +24,7 @@ class Coverage:
         closed: whether opposite edges of the square are one.
 
     Attributes:
-        seen: (maps, G, G) time [s], NEVER where nobody was.
+        seen: (maps, G, G) time [s], UNSEEN where nobody was.
 
     """
 
@@ -33,7 +33,7 @@ class Coverage:
         if cells < 1 or abs(cells * pitch - side) > 1e-6:
             raise ValueError(f"Coverage: side {side:g} m is no whole number of cells of {pitch:g} m")
         self._maps, self._corner, self._sight, self._pitch, self._closed = rows_of, corner, sight, pitch, closed
-        self.seen: Floats = np.full((int(rows_of.max()) + 1, cells, cells), NEVER)
+        self.seen: Floats = np.full((int(rows_of.max()) + 1, cells, cells), UNSEEN)
 
     def look(self, positions: Floats, now: float) -> None:
         """Let robots at positions (R, 2) [m] see what is around them at `now` [s]."""
@@ -42,7 +42,7 @@ class Coverage:
     @property
     def area(self) -> Floats:
         """Area seen so far (maps,) [m2]."""
-        count: Floats = (self.seen > NEVER).sum(axis=(1, 2)) * self._pitch**2
+        count: Floats = (self.seen > UNSEEN).sum(axis=(1, 2)) * self._pitch**2
         return count
 
     def idleness(self, now: float) -> Floats:

@@ -5,12 +5,13 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from selector.documents.yaml import NonNegative, Number
+from selector.documents.fields import NonNegative, Number
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, summed, weighted
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import Arrays, DecisionStrategy
+from selforg.arrays import Floats, Ints
 
 
 class DiscountedUCBParameters(PriorParameters):
@@ -24,7 +25,7 @@ class DiscountedUCBParameters(PriorParameters):
     """The paper's xi [-]; theory asks for more than 0.5."""
 
 
-@register
+@STRATEGIES.register
 class DiscountedUCB(DecisionStrategy):
     """Discounted UCB (Garivier & Moulines 2011, doi:10.1007/978-3-642-24412-4_16, algorithm 1).
 

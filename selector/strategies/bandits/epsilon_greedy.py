@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from selector.documents.yaml import NonNegative, Share
+from selector.documents.fields import NonNegative, Share
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.choosing import best, chance_of, drawn, even
-from selector.strategies.problem import Decisions, Ints
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions
+from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
 
 
 class EpsilonGreedyParameters(PriorParameters):
@@ -18,7 +19,7 @@ class EpsilonGreedyParameters(PriorParameters):
     """Rate at which that probability falls: it is epsilon * exp(-decay * rewards) [1/reward]."""
 
 
-@register
+@STRATEGIES.register
 class EpsilonGreedy(ValueTable):
     """Epsilon-greedy (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, section 2)."""
 

@@ -1,15 +1,16 @@
 """Exponential weights, for rewards of which nothing is assumed, not even that they follow a law."""
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from selector.documents.yaml import Closed, NonNegative, Number
+from selector.documents.fields import Closed, NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategies.problem import Decisions, Floats, Ints, Outcomes
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions, Outcomes, Problem
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import Arrays, DecisionStrategy
+from selforg.arrays import Floats, Ints
 
 
 class EXP3Parameters(Closed):
@@ -31,7 +32,7 @@ class EXP3Parameters(Closed):
         return self
 
 
-@register
+@STRATEGIES.register
 class EXP3(DecisionStrategy):
     """EXP3 (Auer, Cesa-Bianchi, Freund & Schapire 2002, doi:10.1137/S0097539701398375, figure 1).
 
@@ -42,6 +43,11 @@ class EXP3(DecisionStrategy):
     Parameters = EXP3Parameters
     parameters: EXP3Parameters
     log_weights: Floats  # (G, O)
+
+    @classmethod
+    def example(cls, problem: Problem) -> dict[str, Any]:
+        """Return a range of rewards."""
+        return {"lowest": -1.0, "highest": 2.0}
 
     def _first_state(self) -> Arrays:
         # one draw at the even chance 1 / O moves the logarithm by gamma * (reward * O) / O

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from selector.documents.yaml import Positive
+from selector.documents.fields import Positive
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Floats, Ints
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.streams import student_t
+from selforg.arrays import Floats, Ints
 
 
 class GaussianThompsonParameters(PriorParameters):
@@ -21,7 +22,7 @@ class GaussianThompsonParameters(PriorParameters):
     """Half the number of rewards that this expectation counts as [rewards]."""
 
 
-@register
+@STRATEGIES.register
 class GaussianThompson(ValueTable):
     """Thompson sampling for normal rewards of unknown mean and variance (Thompson 1933, doi:10.1093/biomet/25.3-4.285).
 

@@ -2,11 +2,12 @@
 
 from selector.strategies.bandits.linear_model import LinearModel
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions
+from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
 
 
-@register
+@STRATEGIES.register
 class LinUCB(LinearModel):
     """LinUCB with disjoint models (Li, Chu, Langford & Schapire 2010, doi:10.1145/1772690.1772758, algorithm 1).
 

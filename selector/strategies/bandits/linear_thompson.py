@@ -4,12 +4,13 @@ import numpy as np
 
 from selector.strategies.bandits.linear_model import LinearModel
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Ints
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.streams import normals
+from selforg.arrays import Ints
 
 
-@register
+@STRATEGIES.register
 class LinearThompson(LinearModel):
     """Thompson sampling with linear rewards (Agrawal & Goyal 2013, doi:10.48550/arXiv.1209.3352, algorithm 1).
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Floats, Ints
+from selector.strategies.problem import Decisions
+from selforg.arrays import Floats, Ints
 
 
 def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: float, scores: Floats) -> Ints:

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from selector.documents.yaml import NonNegative
+from selector.documents.fields import NonNegative
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, ValueTable
-from selector.strategies.problem import Decisions, Ints
-from selector.strategies.registry import register
+from selector.strategies.problem import Decisions
+from selector.strategies.registry import STRATEGIES
+from selforg.arrays import Ints
 
 
 class UCB1Parameters(PriorParameters):
@@ -16,7 +17,7 @@ class UCB1Parameters(PriorParameters):
     """Factor of the confidence interval: the range of the rewards makes it the paper's [reward]."""
 
 
-@register
+@STRATEGIES.register
 class UCB1(ValueTable):
     """UCB1 (Auer, Cesa-Bianchi & Fischer 2002, doi:10.1023/A:1013689704352, figure 1).
 

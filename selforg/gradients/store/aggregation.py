@@ -2,172 +2,135 @@
 
 import numpy as np
 
-from selforg.compiler.bundles import Bundle
 from selforg.compiler.decorators import part
-from selforg.gradients.store.candidates import store_of
-from selforg.gradients.store.columns import (
-    AFTER,
-    AGGREGATION_DISTANCE,
-    ATTRACTION,
-    AVERAGE,
-    CELL,
-    CLOCK,
-    COUNT,
-    COUNTERS,
-    DIFFUSION,
-    DROP,
-    DUE,
-    EXTENT,
-    GOAL,
-    HEAD,
-    LAYER,
-    MAX,
-    MIN_DIFFUSION,
-    NEW,
-    NEW_CHANNEL,
-    NEW_SOURCE,
-    NEXT,
-    PERIOD,
-    SERIAL,
-    SERIALS,
-    SOURCE,
-    STAMP,
-    START,
-    UNBOUNDED,
-    X,
-    Y,
-    Z,
-)
-from selforg.gradients.store.evaporation import evaporate, evaporated_away
-from selforg.gradients.store.grid import bucket_of, remove, whole
-from selforg.gradients.store.windows import MOST_CELLS, near_cells
+from selforg.compiler.records import Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.evaporation import evaporated_away, still_there
+from selforg.gradients.store.linking import remove
+from selforg.gradients.store.records import Store, open_store
+from selforg.grid import bucket_of, near_cells, whole
 from selforg.space import nearest_image, wrapped
 
 
 @part
-def aggregate(slot: int, first: int, rule: int, now: float, store: Bundle) -> bool:
+def aggregate(slot: int, first: int, rule: int, now: float, store: Words[Store]) -> bool:
     """Apply `rule` for the gradient in `slot` (not linked yet); False if it is not to be stored.
 
     first: first layer of its channel and space. The stored gradient that it replaces is removed.
     """
-    if rule == DROP:
+    if rule == c.AGGREGATE_DROP:
         return False
-    if rule in (NEW_SOURCE, NEW_CHANNEL):
+    if rule in (c.AGGREGATE_NEW_SOURCE, c.AGGREGATE_NEW_CHANNEL):
         return replace_older(slot, first, rule, now, store)
     nearest = find_nearest(slot, first, now, store)
     if nearest < 0:
         return True
-    near, links, far, marks, layers, buckets, _, counters, _ = store_of(store)
-    if rule == AVERAGE:
+    s = open_store(store)
+    if rule == c.AGGREGATE_AVERAGE:
         kept = merge(slot, nearest, store)
-    elif rule == NEW:
-        kept = far[slot, STAMP] >= far[nearest, STAMP]
+    elif rule == c.AGGREGATE_NEW:
+        kept = s.far[slot, c.FAR_STAMP] >= s.far[nearest, c.FAR_STAMP]
     else:
-        reach = near[slot, DIFFUSION] + near[slot, GOAL]
-        stored = near[nearest, DIFFUSION] + near[nearest, GOAL]
-        kept = reach >= stored if rule == MAX else reach <= stored
-    if kept or rule == AVERAGE:
-        remove(nearest, links, marks, layers, buckets, counters)
+        reach = s.near[slot, c.DIFFUSION] + s.near[slot, c.GOAL_RADIUS]
+        stored = s.near[nearest, c.DIFFUSION] + s.near[nearest, c.GOAL_RADIUS]
+        kept = reach >= stored if rule == c.AGGREGATE_MAX else reach <= stored
+    if kept or rule == c.AGGREGATE_AVERAGE:
+        remove(nearest, store)
     return kept
 
 
 @part
-def replace_older(slot: int, first: int, rule: int, now: float, store: Bundle) -> bool:
+def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Store]) -> bool:
     """Remove the gradients of the same source (or of the whole channel); False if one of them is newer."""
-    _, links, far, marks, layers, buckets, _, counters, _ = store_of(store)
+    s = open_store(store)
     for removing in (False, True):
-        for layer in range(first, first + UNBOUNDED + 1):
-            other = whole(layers[layer, HEAD])
+        for layer in range(first, first + c.UNBOUNDED + 1):
+            other = whole(s.layers[layer, c.LAYER_HEAD])
             while other >= 0:
-                following = whole(marks[other, AFTER])
+                following = whole(s.marks[other, c.MARK_AFTER])
                 alive = still_there(other, now, store)
-                if alive and (rule != NEW_SOURCE or marks[other, SOURCE] == marks[slot, SOURCE]):
+                same_source = s.marks[other, c.MARK_SOURCE] == s.marks[slot, c.MARK_SOURCE]
+                if alive and (rule != c.AGGREGATE_NEW_SOURCE or same_source):
                     if removing:
-                        remove(other, links, marks, layers, buckets, counters)
-                    elif far[other, STAMP] > far[slot, STAMP]:
+                        remove(other, store)
+                    elif s.far[other, c.FAR_STAMP] > s.far[slot, c.FAR_STAMP]:
                         return False
                 other = following
     return True
 
 
 @part
-def still_there(slot: int, now: float, store: Bundle) -> bool:
-    """Bring a stored gradient to `now` [s]; False if it evaporated away, it is removed then."""
-    near, links, far, marks, layers, buckets, _, counters, settings = store_of(store)
-    if now >= near[slot, DUE]:
-        evaporate(near, far, slot, now)
-        if evaporated_away(near, slot, settings[MIN_DIFFUSION]):
-            remove(slot, links, marks, layers, buckets, counters)
-            return False
-    return True
-
-
-@part
-def find_nearest(slot: int, first: int, now: float, store: Bundle) -> int:
+def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
     """Return the stored static gradient nearest to the one in `slot` within the aggregation distance, or -1.
 
     Among equally near ones the one stored first, so that the order of the walk does not matter.
     """
-    near, links, _, marks, layers, buckets, grid, counters, settings = store_of(store)
-    window = counters[COUNTERS : COUNTERS + MOST_CELLS]
-    radius = settings[AGGREGATION_DISTANCE]
+    s = open_store(store)
+    radius = s.aggregation_distance
     best, nearest = radius, -1
-    for level in range(UNBOUNDED + 1):
+    x, y, z = s.near[slot, c.X], s.near[slot, c.Y], s.near[slot, c.Z]
+    for level in range(c.UNBOUNDED + 1):
         layer = first + level
-        members = whole(layers[layer, COUNT])
+        members = whole(s.layers[layer, c.LAYER_COUNT])
         if members == 0:
             continue
         cells = -1
-        if level < UNBOUNDED:
-            cells = near_cells(near[slot, X], near[slot, Y], near[slot, Z], radius, grid, level, float(members), window)
+        if level < c.UNBOUNDED:
+            cells = near_cells(x, y, z, radius, s.cells, level, float(members), s.window)
         for index in range(max(cells, 1)):
-            other = whole(layers[layer, HEAD])
+            other = whole(s.layers[layer, c.LAYER_HEAD])
             if cells == 0:
                 break
             if cells > 0:
-                other = whole(buckets[bucket_of(layer, int(window[index]), buckets)])
+                other = whole(s.buckets[bucket_of(layer, int(s.window[index]), s.buckets)])
             while other >= 0:
-                following = whole(marks[other, AFTER] if cells < 0 else links[other, NEXT])
-                here = cells < 0 or (links[other, LAYER] == layer and links[other, CELL] == window[index])
-                # most are alive: the tables are handed over only for those that may not be
-                if here and (now < near[other, DUE] or still_there(other, now, store)):
-                    dx = nearest_image(near[other, X] - near[slot, X], settings[EXTENT])
-                    dy = nearest_image(near[other, Y] - near[slot, Y], settings[EXTENT + 1])
-                    dz = nearest_image(near[other, Z] - near[slot, Z], settings[EXTENT + 2])
+                following = whole(s.marks[other, c.MARK_AFTER] if cells < 0 else s.links[other, c.LINK_NEXT])
+                here = cells < 0 or (
+                    s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == s.window[index]
+                )
+                # most are alive: a call is only made for those that may not be
+                if here and (now < s.near[other, c.NEAR_DUE] or still_there(other, now, store)):
+                    dx = nearest_image(s.near[other, c.X] - x, s.extent[0])
+                    dy = nearest_image(s.near[other, c.Y] - y, s.extent[1])
+                    dz = nearest_image(s.near[other, c.Z] - z, s.extent[2])
                     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
-                    older = (
-                        nearest >= 0
-                        and (whole(marks[other, SERIAL]) - whole(marks[nearest, SERIAL])) % SERIALS > SERIALS // 2
-                    )
-                    if distance < best or (distance == best and (nearest < 0 or older)):
+                    if distance < best or (distance == best and (nearest < 0 or older(other, nearest, store))):
                         best, nearest = distance, other
                 other = following
     return nearest
 
 
 @part
-def merge(slot: int, other: int, store: Bundle) -> bool:
+def older(one: int, other: int, store: Words[Store]) -> bool:
+    """Tell whether the gradient in slot `one` was stored before the one in slot `other`."""
+    marks = open_store(store).marks
+    return (whole(marks[one, c.MARK_SERIAL]) - whole(marks[other, c.MARK_SERIAL])) % c.SERIALS > c.SERIALS // 2
+
+
+@part
+def merge(slot: int, other: int, store: Words[Store]) -> bool:
     """Average the gradient in `slot` with the stored `other`; False if nothing is left of them.
 
     Same sign: mean radii. Opposite signs weaken each other: differences of the radii, the sign of the larger reach.
     """
-    near, links, far, _, _, _, _, _, settings = store_of(store)
+    s = open_store(store)
+    near, far = s.near, s.far
     for axis in range(3):
-        delta = nearest_image(near[other, X + axis] - near[slot, X + axis], settings[EXTENT + axis])
-        near[slot, X + axis] = wrapped(near[slot, X + axis] + 0.5 * delta, settings[EXTENT + axis])
-    new_diffusion, new_goal = near[slot, DIFFUSION], near[slot, GOAL]
-    diffusion, goal = near[other, DIFFUSION], near[other, GOAL]
-    if np.isfinite(near[slot, DUE]):
-        far[slot, CLOCK] = near[slot, DUE] - far[slot, PERIOD]
-    if links[slot, ATTRACTION] == links[other, ATTRACTION]:
-        near[slot, DIFFUSION] = far[slot, START] = 0.5 * (new_diffusion + diffusion)
-        near[slot, GOAL] = 0.5 * (new_goal + goal)
+        delta = nearest_image(near[other, c.X + axis] - near[slot, c.X + axis], s.extent[axis])
+        near[slot, c.X + axis] = wrapped(near[slot, c.X + axis] + 0.5 * delta, s.extent[axis])
+    new_diffusion, new_goal = near[slot, c.DIFFUSION], near[slot, c.GOAL_RADIUS]
+    diffusion, goal = near[other, c.DIFFUSION], near[other, c.GOAL_RADIUS]
+    if np.isfinite(near[slot, c.NEAR_DUE]):
+        far[slot, c.FAR_CLOCK] = near[slot, c.NEAR_DUE] - far[slot, c.FAR_PERIOD]
+    if s.links[slot, c.LINK_SIGN] == s.links[other, c.LINK_SIGN]:
+        near[slot, c.DIFFUSION] = far[slot, c.FAR_START] = 0.5 * (new_diffusion + diffusion)
+        near[slot, c.GOAL_RADIUS] = 0.5 * (new_goal + goal)
         return True
     if diffusion + goal > new_diffusion + new_goal:
-        links[slot, ATTRACTION] = links[other, ATTRACTION]
-    near[slot, DIFFUSION] = far[slot, START] = difference(new_diffusion, diffusion)
-    near[slot, GOAL] = abs(new_goal - goal)
-    return not evaporated_away(near, slot, settings[MIN_DIFFUSION])
+        s.links[slot, c.LINK_SIGN] = s.links[other, c.LINK_SIGN]
+    near[slot, c.DIFFUSION] = far[slot, c.FAR_START] = difference(new_diffusion, diffusion)
+    near[slot, c.GOAL_RADIUS] = abs(new_goal - goal)
+    return not evaporated_away(slot, store)
 
 
 @part

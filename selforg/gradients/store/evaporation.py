@@ -1,64 +1,80 @@
 """Evaporation of one stored gradient: exact time (lazy, path independent) or whole seconds (eager, as the original).
 
 Exact time: the diffusion is a pure function of the clock, so it may be worked out whenever somebody looks. Whole
-seconds depend on when the buffer was touched (Q3); every operation then evaporates everything, and DUE is never set.
-
-`near` and `far` are the rows of stored gradients, see `selforg.gradients.store.columns`.
+seconds depend on when the buffer was touched (Q3); every operation then evaporates everything, and NEAR_DUE is never
+set.
 """
 
 import numpy as np
 
-from selforg.arrays import Floats
-from selforg.compiler.decorators import part
-from selforg.gradients.store.columns import CLOCK, DIFFUSION, DUE, FACTOR, GOAL, PERIOD, START
+from selforg.compiler.decorators import inlined, part
+from selforg.compiler.records import Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.linking import remove
+from selforg.gradients.store.records import Store, open_store
 
 
 @part
-def start_evaporation(near: Floats, far: Floats, slot: int, now: float, whole_seconds: bool) -> None:
-    """Set START and DUE of an incoming gradient, then evaporate it up to `now` [s]."""
-    far[slot, START] = near[slot, DIFFUSION]
-    near[slot, DUE] = np.inf
-    if far[slot, FACTOR] >= 1.0:
+def start_evaporation(slot: int, now: float, store: Words[Store]) -> None:
+    """Set FAR_START and NEAR_DUE of an incoming gradient, then evaporate it up to `now` [s]."""
+    s = open_store(store)
+    s.far[slot, c.FAR_START] = s.near[slot, c.DIFFUSION]
+    s.near[slot, c.NEAR_DUE] = np.inf
+    if s.far[slot, c.FAR_FACTOR] >= 1.0:
         return
-    if far[slot, PERIOD] <= 0.0:
-        near[slot, DIFFUSION] = 0.0
-        far[slot, START] = 0.0
-    elif whole_seconds:
-        evaporate_whole_seconds(near, far, slot, now)
+    if s.far[slot, c.FAR_PERIOD] <= 0.0:
+        s.near[slot, c.DIFFUSION] = 0.0
+        s.far[slot, c.FAR_START] = 0.0
+    elif s.whole_seconds:
+        evaporate_whole_seconds(slot, now, store)
     else:
-        near[slot, DUE] = far[slot, CLOCK] + far[slot, PERIOD]
-        if now >= near[slot, DUE]:
-            evaporate(near, far, slot, now)
+        s.near[slot, c.NEAR_DUE] = s.far[slot, c.FAR_CLOCK] + s.far[slot, c.FAR_PERIOD]
+        if now >= s.near[slot, c.NEAR_DUE]:
+            evaporate(slot, now, store)
 
 
 @part
-def evaporate(near: Floats, far: Floats, slot: int, now: float) -> None:
-    """Bring a gradient with `now` >= DUE to `now` [s], exactly."""
-    clock, period = far[slot, CLOCK], far[slot, PERIOD]
+def evaporate(slot: int, now: float, store: Words[Store]) -> None:
+    """Bring a gradient that is due to `now` [s], exactly."""
+    s = open_store(store)
+    clock, period = s.far[slot, c.FAR_CLOCK], s.far[slot, c.FAR_PERIOD]
     periods = np.floor((now - clock) / period)
-    # the division may round across a whole number, the product (which is what DUE holds) decides
+    # the division may round across a whole number, the product (which is what NEAR_DUE holds) decides
     if clock + periods * period > now:
         periods -= 1.0
     elif clock + (periods + 1.0) * period <= now:
         periods += 1.0
-    near[slot, DIFFUSION] = far[slot, START] * far[slot, FACTOR] ** periods
-    near[slot, DUE] = clock + (periods + 1.0) * period
+    s.near[slot, c.DIFFUSION] = s.far[slot, c.FAR_START] * s.far[slot, c.FAR_FACTOR] ** periods
+    s.near[slot, c.NEAR_DUE] = clock + (periods + 1.0) * period
 
 
 @part
-def evaporate_whole_seconds(near: Floats, far: Floats, slot: int, now: float) -> None:
+def evaporate_whole_seconds(slot: int, now: float, store: Words[Store]) -> None:
     """Bring a gradient to `now` [s] as the original does: only the whole seconds of its age count."""
-    if far[slot, FACTOR] >= 1.0 or far[slot, PERIOD] <= 0.0:
+    s = open_store(store)
+    if s.far[slot, c.FAR_FACTOR] >= 1.0 or s.far[slot, c.FAR_PERIOD] <= 0.0:
         return
-    age = now - far[slot, CLOCK]
-    if age < far[slot, PERIOD]:
+    age = now - s.far[slot, c.FAR_CLOCK]
+    if age < s.far[slot, c.FAR_PERIOD]:
         return
-    periods = np.floor(np.floor(age) / far[slot, PERIOD])
-    near[slot, DIFFUSION] *= far[slot, FACTOR] ** periods
-    far[slot, CLOCK] += periods * far[slot, PERIOD]
+    periods = np.floor(np.floor(age) / s.far[slot, c.FAR_PERIOD])
+    s.near[slot, c.DIFFUSION] *= s.far[slot, c.FAR_FACTOR] ** periods
+    s.far[slot, c.FAR_CLOCK] += periods * s.far[slot, c.FAR_PERIOD]
+
+
+@inlined
+def evaporated_away(slot: int, store: Words[Store]) -> bool:
+    """Tell whether nothing is left of a gradient: no goal area and less diffusion than the least that is kept."""
+    s = open_store(store)
+    return bool(s.near[slot, c.GOAL_RADIUS] == 0.0 and s.near[slot, c.DIFFUSION] < s.min_diffusion)
 
 
 @part
-def evaporated_away(near: Floats, slot: int, min_diffusion: float) -> bool:
-    """Tell whether nothing is left of a gradient: no goal area and less diffusion than `min_diffusion` [m]."""
-    return bool(near[slot, GOAL] == 0.0 and near[slot, DIFFUSION] < min_diffusion)
+def still_there(slot: int, now: float, store: Words[Store]) -> bool:
+    """Bring a stored gradient to `now` [s] if it is due; False if it evaporated away, it is removed then."""
+    if now >= open_store(store).near[slot, c.NEAR_DUE]:
+        evaporate(slot, now, store)
+        if evaporated_away(slot, store):
+            remove(slot, store)
+            return False
+    return True

@@ -1,44 +1,54 @@
 """Cells of the own poses: only teams of more than CROWD robots need them, smaller ones are looked through."""
 
-from collections.abc import Callable
+import numpy as np
 
-from selforg.arrays import Floats, Ints, Links
-from selforg.compiler.bundles import Bundle, Layout
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.gradients.store.columns import DIFFUSION, GOAL, POSES, TEAM, X, Y, Z
-from selforg.gradients.store.grid import bucket_of, cell_of
+from selforg.compiler.records import Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, open_poses
+from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of
+from selforg.space import Space
 
-CROWD = 32
+CROWD = 32  # robots of a team
 
-# own (N, K, POSE_COLUMNS), rows (N, ROW_COLUMNS), first member of each team (T + 1,), members (N,),
-# largest reach in each team (T,) [m], extent (3,) [m], cells (1, GRID_COLUMNS), buckets, next in bucket and cell (N, 2)
-Poses = tuple[Floats, Ints, Ints, Ints, Floats, Floats, Floats, Links, Links]
-POSE_TABLES = Layout("f3", "i2", "i1", "i1", "f1", "f1", "f2", "l1", "l2")
-poses_of: Callable[[Bundle], Poses] = POSE_TABLES.unbundle
+
+def make_pose_cells(space: Space, reach: float, sizes: Ints) -> Floats:
+    """Return the grid (1, CELL_COLUMNS) for poses of one `reach` [m], of teams of some `sizes` (T,).
+
+    Cells are not much narrower than leaves one robot to a cell: to look into empty ones costs more than to look at a
+    neighbour too far away.
+    """
+    width = max(reach, 0.1) if np.isfinite(reach) else 1.0
+    width = max(width, float(np.prod(space.extent) / sizes.max()) ** (1.0 / space.dim))
+    cells = np.zeros((1, CELL_COLUMNS))
+    for axis, side in enumerate(space.padded_extent):
+        cells[0, 2 * axis : 2 * axis + 2] = axis_cells(side, width, 1024.0 if side <= 0.0 else np.inf)
+    return cells
 
 
 @lean_kernel
-def index_poses(poses: Bundle) -> None:
+def index_poses(poses: Words[Poses]) -> None:
     """Note the largest reach of every team and put the rows of crowds into cells."""
-    own, rows, first, members, reach, _, grid, buckets, links = poses_of(poses)
+    p = open_poses(poses)
     crowded = False
-    for team in range(len(reach)):
-        reach[team] = 0.0
-        crowded |= first[team + 1] - first[team] > CROWD
-        for index in range(first[team], first[team + 1]):
-            row = members[index]
-            if rows[row, POSES] > 0:
-                reach[team] = max(reach[team], own[row, 0, DIFFUSION] + own[row, 0, GOAL])
+    for team in range(len(p.reach)):
+        p.reach[team] = 0.0
+        crowded |= p.first[team + 1] - p.first[team] > CROWD
+        for index in range(p.first[team], p.first[team + 1]):
+            row = p.members[index]
+            if p.rows[row, c.ROW_POSES] > 0:
+                p.reach[team] = max(p.reach[team], p.own[row, 0, c.DIFFUSION] + p.own[row, 0, c.GOAL_RADIUS])
     if not crowded:
         return
-    buckets[:] = -1
-    only = min(0, len(grid))  # not a constant: Numba would compile all it is handed to once more
-    for row in range(len(rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
-        team = int(rows[row, TEAM])
-        if rows[row, POSES] == 0 or first[team + 1] - first[team] <= CROWD:
+    p.buckets[:] = -1
+    only = min(0, len(p.cells))  # not a constant: Numba would compile what takes it once more
+    for row in range(len(p.rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
+        team = int(p.rows[row, c.ROW_TEAM])
+        if p.rows[row, c.ROW_POSES] == 0 or p.first[team + 1] - p.first[team] <= CROWD:
             continue
-        cell = cell_of(own[row, 0, X], own[row, 0, Y], own[row, 0, Z], grid, only)
-        bucket = bucket_of(team, cell, buckets)
-        links[row, 0] = buckets[bucket]
-        links[row, 1] = cell
-        buckets[bucket] = row
+        cell = cell_of(p.own[row, 0, c.X], p.own[row, 0, c.Y], p.own[row, 0, c.Z], p.cells, only)
+        bucket = bucket_of(team, cell, p.buckets)
+        p.links[row, 0] = p.buckets[bucket]
+        p.links[row, 1] = cell
+        p.buckets[bucket] = row

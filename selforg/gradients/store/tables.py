@@ -5,43 +5,12 @@ from typing import TypeVar
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
-from selforg.compiler.bundles import Bundle
+from selforg.compiler.records import Packed
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.candidates import MOST_CANDIDATES, STORE_TABLES, Store
-from selforg.gradients.store.columns import (
-    AFTER,
-    AGGREGATION_DISTANCE,
-    BEFORE,
-    CELL,
-    CHANNELS,
-    COUNT,
-    COUNTERS,
-    EXTENT,
-    FAR_COLUMNS,
-    FREE,
-    HEAD,
-    HIGH,
-    HISTORY,
-    LAST_SERIAL,
-    LAYER,
-    LAYER_COLUMNS,
-    LEVELS,
-    LINK_COLUMNS,
-    MARK_COLUMNS,
-    MIN_DIFFUSION,
-    NEAR_COLUMNS,
-    PER_ROW,
-    SERIAL,
-    SETTINGS,
-    SPACES,
-    SWEEP,
-    TAIL,
-    TIDY_AT,
-    USED,
-    WHOLE_SECONDS,
-)
-from selforg.gradients.store.grid import make_grid, rebuild
-from selforg.gradients.store.windows import MOST_CELLS
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.linking import make_levels, rebuild
+from selforg.gradients.store.records import MOST_CANDIDATES, STORE, Store
+from selforg.grid import MOST_CELLS
 from selforg.space import Space
 
 Table = TypeVar("Table", Floats, Links)
@@ -55,71 +24,92 @@ class Tables:
     """Tables for the gradients of `spaces` information spaces, of whole teams or (`per_row`) of single rows.
 
     Attributes:
-        near, far: (capacity, NEAR_COLUMNS) and (capacity, FAR_COLUMNS) float64.
-        links, marks: (capacity, LINK_COLUMNS) and (capacity, MARK_COLUMNS) int32.
-        layers: (channels * spaces * LEVELS, LAYER_COLUMNS) int32.
-        packed: what compiled code takes, see `candidates.Store`; a new tuple whenever a table is replaced.
-        bundle: the same as one argument.
+        spaces: number of information spaces.
+        packed: the tables as compiled code takes them; a new record whenever a table is replaced.
 
     """
 
+    packed: Packed[Store]
+
     def __init__(self, settings: BufferSettings, space: Space, spaces: int, per_row: bool) -> None:
         self.spaces = spaces
-        self.near: Floats = np.empty((SMALLEST_CAPACITY, NEAR_COLUMNS))
-        self.far: Floats = np.empty((SMALLEST_CAPACITY, FAR_COLUMNS))
-        self.links: Links = np.empty((SMALLEST_CAPACITY, LINK_COLUMNS), dtype=np.int32)
-        self.marks: Links = np.empty((SMALLEST_CAPACITY, MARK_COLUMNS), dtype=np.int32)
-        self.layers: Links = np.zeros((0, LAYER_COLUMNS), dtype=np.int32)
-        self._buckets: Links = np.full(SMALLEST_CAPACITY, -1, dtype=np.int32)
-        self._counters: Ints = np.zeros(COUNTERS + MOST_CELLS + 2 * MOST_CANDIDATES, dtype=np.int64)
-        self._counters[[FREE, SPACES, PER_ROW]] = -1, spaces, per_row
-        self._settings: Floats = np.zeros(SETTINGS + 5 * MOST_CANDIDATES)
-        self._settings[[AGGREGATION_DISTANCE, MIN_DIFFUSION]] = settings.aggregation_distance, settings.min_diffusion
-        self._settings[[WHOLE_SECONDS, HISTORY]] = settings.whole_seconds, settings.moving_storage_size
-        self._settings[EXTENT : EXTENT + 3] = space.padded_extent
-        self._grid = make_grid(space.padded_extent, space.dim, settings.smallest_cell)
-        self._counters[TIDY_AT] = SMALLEST_MESS
-        self._pack()
+        bounds, cells = make_levels(space.padded_extent, space.dim, settings.smallest_cell)
+        counters = np.zeros(c.COUNTERS, dtype=np.int64)
+        counters[[c.COUNTER_FREE, c.COUNTER_TIDY_AT]] = -1, SMALLEST_MESS
+        self.packed = STORE.pack(
+            Store(
+                near=np.empty((SMALLEST_CAPACITY, c.NEAR_COLUMNS)),
+                links=np.empty((SMALLEST_CAPACITY, c.LINK_COLUMNS), dtype=np.int32),
+                far=np.empty((SMALLEST_CAPACITY, c.FAR_COLUMNS)),
+                marks=np.empty((SMALLEST_CAPACITY, c.MARK_COLUMNS), dtype=np.int32),
+                layers=np.zeros((0, c.LAYER_COLUMNS), dtype=np.int32),
+                buckets=np.full(SMALLEST_CAPACITY, -1, dtype=np.int32),
+                rules=np.zeros(0, dtype=np.int64),
+                bounds=bounds,
+                cells=cells,
+                counters=counters,
+                extent=space.padded_extent,
+                window=np.zeros(MOST_CELLS, dtype=np.int64),
+                candidates=np.zeros(MOST_CANDIDATES, dtype=np.int64),
+                chosen=np.zeros(MOST_CANDIDATES, dtype=np.int64),
+                offsets_x=np.zeros(MOST_CANDIDATES),
+                offsets_y=np.zeros(MOST_CANDIDATES),
+                offsets_z=np.zeros(MOST_CANDIDATES),
+                reaches=np.zeros(MOST_CANDIDATES),
+                distances=np.zeros(MOST_CANDIDATES),
+                spaces=spaces,
+                per_row=int(per_row),
+                aggregation_distance=settings.aggregation_distance,
+                min_diffusion=settings.min_diffusion,
+                whole_seconds=int(settings.whole_seconds),
+                history=settings.moving_storage_size,
+            )
+        )
+
+    @property
+    def record(self) -> Store:
+        """The tables by name; each may be replaced when something is stored."""
+        return self.packed.record
 
     @property
     def used(self) -> int:
         """How many gradients are stored; those that evaporated unseen may still be counted."""
-        return int(self._counters[USED])
+        return int(self.record.counters[c.COUNTER_USED])
 
     @property
     def next_serial(self) -> int:
         """Serial number that the next message will get."""
-        return int(self._counters[LAST_SERIAL]) + 1
+        return int(self.record.counters[c.COUNTER_SERIAL]) + 1
 
     def serials(self) -> set[int]:
         """Return the serial numbers (modulo SERIALS) of all stored gradients."""
-        high = int(self._counters[HIGH])
-        return set(self.marks[:high, SERIAL][self.links[:high, LAYER] >= 0].tolist())
+        high = int(self.record.counters[c.COUNTER_HIGH])
+        stored = self.record.links[:high, c.LINK_LAYER] >= 0
+        return set(self.record.marks[:high, c.MARK_SERIAL][stored].tolist())
 
     @property
     def nbytes(self) -> int:
         """Memory of the tables [bytes]."""
-        return sum(array.nbytes for array in self.packed)
+        return sum(field.nbytes for field in self.record if isinstance(field, np.ndarray))
 
-    def add_channel(self) -> None:
-        """Make layers for one channel more."""
-        more = np.full((self.spaces * LEVELS, LAYER_COLUMNS), -1, dtype=np.int32)
-        more[:, COUNT] = 0
-        self.layers = np.concatenate([self.layers, more])
-        self._counters[CHANNELS] += 1
-        self._pack()
+    def add_channel(self, rule: int) -> None:
+        """Make layers for one channel more, which aggregates by `rule` (AGGREGATE_)."""
+        more = np.full((self.spaces * c.LEVELS, c.LAYER_COLUMNS), -1, dtype=np.int32)
+        more[:, c.LAYER_COUNT] = 0
+        layers = np.concatenate([self.record.layers, more])
+        self.packed = STORE.pack(self.record._replace(layers=layers, rules=np.append(self.record.rules, rule)))
 
     def count(self, channel: int, spaces: Ints) -> int:
         """Return how many gradients of a channel are stored in some spaces (S,)."""
-        counts = self.layers[:, COUNT].reshape(-1, self.spaces, LEVELS)
+        counts = self.record.layers[:, c.LAYER_COUNT].reshape(-1, self.spaces, c.LEVELS)
         return int(counts[channel, spaces].sum())
 
     def reserve(self, more: int) -> None:
         """Make room for `more` gradients, by doubling; called before each storing."""
-        needed, capacity = self.used + more, len(self.links)
+        needed, capacity, counters = self.used + more, len(self.record.links), self.record.counters
         while capacity < needed:
             capacity *= 2
-        if capacity > len(self.links) or self._counters[LAST_SERIAL] >= self._counters[TIDY_AT]:
+        if capacity > len(self.record.links) or counters[c.COUNTER_SERIAL] >= counters[c.COUNTER_TIDY_AT]:
             self._move_to(capacity)
 
     def _move_to(self, capacity: int) -> None:
@@ -127,29 +117,26 @@ class Tables:
 
         Done whenever a quarter as many have come as there were, so at a cost per gradient that hardly grows.
         """
-        live = np.flatnonzero(self.links[: int(self._counters[HIGH]), LAYER] >= 0)
-        order = live[np.lexsort((self.links[live, CELL], self.links[live, LAYER]))]
-        place = np.full(len(self.links) + 1, -1, dtype=np.int32)  # new slot of each old one; the last: of "none"
+        tables, layers, counters = self.record._asdict(), self.record.layers, self.record.counters
+        del self.packed  # the old tables go one by one, before the next is made
+        links = tables["links"]
+        live = np.flatnonzero(links[: int(counters[c.COUNTER_HIGH]), c.LINK_LAYER] >= 0)
+        order = live[np.lexsort((links[live, c.LINK_CELL], links[live, c.LINK_LAYER]))]
+        place = np.full(len(links) + 1, -1, dtype=np.int32)  # new slot of each old one; the last: of "none"
         place[order] = np.arange(len(order), dtype=np.int32)
-        del self.packed, self.bundle  # they hold the old tables, which go before the next are made
-        self.near, self.far = moved(self.near, order, capacity), moved(self.far, order, capacity)
-        self.links, self.marks = moved(self.links, order, capacity), moved(self.marks, order, capacity)
-        for column in (AFTER, BEFORE):
-            self.marks[: len(order), column] = place[self.marks[: len(order), column]]
-        for column in (HEAD, TAIL, SWEEP):
-            self.layers[:, column] = place[self.layers[:, column]]
-        self._counters[[FREE, HIGH]] = -1, len(order)
-        self._buckets = np.empty(capacity, dtype=np.int32)
-        rebuild(self.links, self.marks, self.layers, self._buckets, self._counters)
-        self._counters[TIDY_AT] = self._counters[LAST_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
-        self._pack()
-
-    def _pack(self) -> None:
-        self.packed: Store = (
-            self.near, self.links, self.far, self.marks, self.layers, self._buckets, self._grid, self._counters,
-            self._settings,
-        )  # fmt: skip
-        self.bundle: Bundle = STORE_TABLES.bundle(*self.packed)
+        del links
+        for name in ("near", "far", "links", "marks"):
+            tables[name] = moved(tables[name], order, capacity)
+        marks = tables["marks"]
+        for column in (c.MARK_AFTER, c.MARK_BEFORE):
+            marks[: len(order), column] = place[marks[: len(order), column]]
+        for column in (c.LAYER_HEAD, c.LAYER_TAIL, c.LAYER_SWEEP):
+            layers[:, column] = place[layers[:, column]]
+        counters[[c.COUNTER_FREE, c.COUNTER_HIGH]] = -1, len(order)
+        counters[c.COUNTER_TIDY_AT] = counters[c.COUNTER_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
+        tables["buckets"] = np.empty(capacity, dtype=np.int32)
+        self.packed = STORE.pack(Store(**tables))
+        rebuild(self.packed.words)
 
 
 def moved(old: Table, order: Ints, capacity: int) -> Table:

@@ -1,65 +1,89 @@
 """Decision rules: what one row makes of its neighbours' spread values. Compiled, chosen by an integer."""
 
-from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.bundles import Bundle
-from selforg.compiler.decorators import lean_kernel, part
-from selforg.gradients.store.candidates import store_of
-from selforg.gradients.store.columns import DISTANCE, KEY, POSES, SLOT, VALUE
-from selforg.gradients.store.gathering import gather
-from selforg.gradients.store.pose_cells import poses_of
+from typing import Annotated, NamedTuple
 
-QUORUM, GOSSIP_MAX, BARYCENTER = 0, 1, 2
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.decorators import lean_kernel, part
+from selforg.compiler.records import Recording, Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.gathering import gather, look_all_around
+from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
+
+DECIDE_QUORUM, DECIDE_GOSSIP_MAX, DECIDE_BARYCENTER = 0, 1, 2
+
+
+class Deciding(NamedTuple):
+    """A decision rule, what rows have decided so far, and room for what they decide now."""
+
+    rule: int  # DECIDE_
+    see: int  # SEE_ bits
+    view_distance: float  # [m]
+    threshold: float  # of a quorum: number of neighbours
+    key: int  # code of the payload entry that is compared
+    before: Annotated[Floats, "N"]  # values up to now
+    values: Annotated[Floats, "N"]  # room for values
+    states: Annotated[Ints, "N"]  # room for states; they come in as they are up to now
+    decided: Annotated[Flags, "N"]  # room for whether there is a decision
+
+
+DECIDING = Recording(Deciding)
+open_deciding = DECIDING.open
 
 
 @lean_kernel
 def decide_rows(
-    begin: int, rule: int, now: float, see: int, view: float, threshold: float, key: int, rows: Ints, channels: Ints,
-    poses: Bundle, store: Bundle, pairs: Floats, before: Floats, values: Floats, states: Ints, decided: Flags,
-) -> int:  # fmt: skip
-    """Write value, state and whether there is a decision for rows[begin:] (R,) into `values`, `states`, `decided` (R,).
+    now: float,
+    rows: Ints,
+    sight: Words[Sight],
+    deciding: Words[Deciding],
+    poses: Words[Poses],
+    store: Words[Store],
+) -> int:
+    """Write value, state and whether there is a decision for `rows` (R,) into those rows of `deciding`.
 
-    before: (N,) values up to now; key: code of the payload entry that is compared; states come in as they are now.
-    Returns how many rows are done, fewer than R if `pairs` is too short.
+    Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
     """
-    for index in range(begin, len(rows)):
+    d, known, pairs = open_deciding(deciding), open_poses(poses).rows, open_sight(sight).pairs
+    for index in range(len(rows)):
         row = int(rows[index])
-        values[index] = before[row]
-        decided[index] = poses_of(poses)[1][row, POSES] > 0
-        if not decided[index]:
+        d.values[row] = d.before[row]
+        d.decided[row] = known[row, c.ROW_POSES] > 0
+        if not d.decided[row]:
             continue
-        found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
+        look = look_all_around(row, now, d.see, (d.view_distance, d.view_distance, d.view_distance), 0, sight, poses)
+        found = gather(look, sight, poses, store)
         if found > len(pairs):
             return index
-        if rule == QUORUM:
-            values[index] = found
-            states[index] = found >= threshold
-        elif rule == GOSSIP_MAX:
-            values[index] = highest(before[row], pairs, found, key, store)
+        if d.rule == DECIDE_QUORUM:
+            d.values[row] = found
+            d.states[row] = found >= d.threshold
+        elif d.rule == DECIDE_GOSSIP_MAX:
+            d.values[row] = highest(d.before[row], found, d.key, sight, store)
         elif found > 0:
-            values[index] = 0.0
+            d.values[row] = 0.0
             for other in range(found):
-                values[index] += pairs[other, DISTANCE]
-            states[index] = all_above(values[index], pairs, found, key, store)
+                d.values[row] += pairs[other, c.PAIR_DISTANCE]
+            d.states[row] = all_above(d.values[row], found, d.key, sight, store)
     return len(rows)
 
 
 @part
-def highest(own: float, pairs: Floats, found: int, key: int, store: Bundle) -> float:
+def highest(own: float, found: int, key: int, sight: Words[Sight], store: Words[Store]) -> float:
     """Return the maximum of the own value and those that the first `found` pairs carry under `key`."""
-    _, _, far, marks, _, _, _, _, _ = store_of(store)
+    s, pairs = open_store(store), open_sight(sight).pairs
     for index in range(found):
-        slot = int(pairs[index, SLOT])
-        if slot >= 0 and marks[slot, KEY] == key:
-            own = max(own, far[slot, VALUE])
+        slot = int(pairs[index, c.PAIR_SLOT])
+        if slot >= 0 and s.marks[slot, c.MARK_KEY] == key:
+            own = max(own, s.far[slot, c.FAR_VALUE])
     return own
 
 
 @part
-def all_above(own: float, pairs: Floats, found: int, key: int, store: Bundle) -> bool:
+def all_above(own: float, found: int, key: int, sight: Words[Sight], store: Words[Store]) -> bool:
     """Tell whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
-    _, _, far, marks, _, _, _, _, _ = store_of(store)
+    s, pairs = open_store(store), open_sight(sight).pairs
     for index in range(found):
-        slot = int(pairs[index, SLOT])
-        if slot < 0 or marks[slot, KEY] != key or not far[slot, VALUE] > own:
+        slot = int(pairs[index, c.PAIR_SLOT])
+        if slot < 0 or s.marks[slot, c.MARK_KEY] != key or not s.far[slot, c.FAR_VALUE] > own:
             return False
     return True

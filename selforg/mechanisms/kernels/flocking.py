@@ -4,39 +4,48 @@ A boid is a row of a table, float64 (M, BOID_COLUMNS): its offset from the robot
 or unit heading (Reynolds), its goal radius [m].
 """
 
+from typing import Annotated, NamedTuple
+
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints, Links
-from selforg.compiler.bundles import Bundle
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, part
-from selforg.gradients.store.candidates import store_of
-from selforg.gradients.store.columns import (
-    DIFFUSION,
-    DX,
-    GOAL,
-    HX,
-    LAYER,
-    PAIR_GOAL,
-    PHX,
-    POSE_STAMP,
-    POSES,
-    SLOT,
-    SOURCE,
-    STAMP,
-    X,
-)
-from selforg.gradients.store.gathering import gather
-from selforg.gradients.store.pose_cells import poses_of
-from selforg.mechanisms.kernels.rules import limit
+from selforg.compiler.records import Recording, Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.gathering import gather, look_all_around
+from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
+from selforg.mechanisms.kernels.motion import Movements, limit, open_movements
 from selforg.randomness import take_direction
 from selforg.space import nearest_image
 
-OFFSET, VELOCITY, BOID_GOAL = 0, 3, 6
+BOID_OFFSET = 0  # and the two columns after it [m]
+BOID_VELOCITY = 3  # and the two columns after it [m/s], or a heading [-]
+BOID_GOAL_RADIUS = 6  # [m]
 BOID_COLUMNS = 7
 
-# Parameters, float64 (FLOCK_PARAMETERS,)
-VIEW, MAX_SPEED, SEPARATION, EPSILON, A, B, H, MAX_ACCELERATION = 0, 1, 2, 3, 4, 5, 6, 7
-FLOCK_PARAMETERS = 8
+
+class Flock(NamedTuple):
+    """The parameters of a flocking rule, the random directions of a `DirectionStream`, and room for boids."""
+
+    reynolds: int  # 1: Reynolds, 0: Olfati-Saber
+    see: int  # SEE_ bits
+    view_distance: float  # [m]
+    max_speed: float  # [m/s]
+    separation: float  # weight r of Reynolds' separation
+    epsilon: float  # of the sigma-norm
+    a: float  # steepness of the action function
+    b: float
+    h: float  # where the bump begins to fall
+    max_acceleration: float  # [m/s2]
+    directions: Annotated[Floats, "N BLOCK 3"]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "N"]  # next direction of each row
+    low: Annotated[Flags, "1"]  # set when a row has used half of its directions
+    boids: Annotated[Floats, "P BOID"]  # room for as many boids as pairs; columns BOID_
+    total: Annotated[Floats, "3"]  # room for a sum
+
+
+FLOCK = Recording(Flock)
+open_flock = FLOCK.open
 
 SHORTEST_TIME = 1e-6
 """Two poses count as at least so far apart in time [s]: stamps may differ by less than a velocity can bear."""
@@ -78,181 +87,195 @@ def action(
 
 @kernel
 def olfati_saber(
-    boids: Floats, count: int, velocity: Floats, parameters: Floats, avoidance_distance: float, gradient: Floats,
+    count: int,
+    velocity: Floats,
+    avoidance_distance: float,
+    gradient: Floats,
     consensus: Floats,
-) -> None:  # fmt: skip
-    """Add gradient term and velocity consensus over `boids` (M, BOID_COLUMNS) to (3,) each; algorithm 1."""
-    epsilon, h, view = parameters[EPSILON], parameters[H], parameters[VIEW]
+    flock: Words[Flock],
+) -> None:
+    """Add gradient term and velocity consensus over `count` boids to (3,) each; algorithm 1."""
+    f = open_flock(flock)
     for index in range(count):
         squared = 0.0
         for axis in range(3):
-            squared += boids[index, OFFSET + axis] ** 2
-        pull = action(squared, epsilon, parameters[A], parameters[B], h, avoidance_distance, view)
-        weight = adjacency(squared, epsilon, h, view)
+            squared += f.boids[index, BOID_OFFSET + axis] ** 2
+        pull = action(squared, f.epsilon, f.a, f.b, f.h, avoidance_distance, f.view_distance)
+        weight = adjacency(squared, f.epsilon, f.h, f.view_distance)
         for axis in range(3):
-            gradient[axis] += pull * boids[index, OFFSET + axis] / np.sqrt(1.0 + epsilon * squared)
-            consensus[axis] += weight * (boids[index, VELOCITY + axis] - velocity[axis])
+            gradient[axis] += pull * f.boids[index, BOID_OFFSET + axis] / np.sqrt(1.0 + f.epsilon * squared)
+            consensus[axis] += weight * (f.boids[index, BOID_VELOCITY + axis] - velocity[axis])
 
 
 @kernel
-def separation(
-    boids: Floats, count: int, own_goal: float, r: float, full: float, row: int, drawn: Floats, cursor: Ints,
-    total: Floats,
-) -> None:  # fmt: skip
-    """Add to `total` (3,) unit vectors away from each boid, weighted by 1 / (r * clearance); Reynolds (1987).
+def separation(count: int, own_goal: float, full: float, row: int, flock: Words[Flock]) -> None:
+    """Add to the sum unit vectors away from each of `count` boids, weighted by 1 / (r * clearance); Reynolds (1987).
 
     Overlapping boids count `full` [m] away (deviation Q12: the original draws from the positive octant).
     """
+    f = open_flock(flock)
     for index in range(count):
         squared = 0.0
         for axis in range(3):
-            squared += boids[index, OFFSET + axis] ** 2
+            squared += f.boids[index, BOID_OFFSET + axis] ** 2
         distance = np.sqrt(squared)
-        clearance = distance - own_goal - boids[index, BOID_GOAL]
+        clearance = distance - own_goal - f.boids[index, BOID_GOAL_RADIUS]
         weight = full
         if clearance > 0.0:
-            weight = 1.0 / (r * clearance)
+            weight = 1.0 / (f.separation * clearance)
         if distance > 0.0:
             for axis in range(3):
-                total[axis] -= weight * boids[index, OFFSET + axis] / distance
+                f.total[axis] -= weight * f.boids[index, BOID_OFFSET + axis] / distance
         else:
-            x, y, z = take_direction(drawn, cursor, row)
-            total[0], total[1], total[2] = total[0] + weight * x, total[1] + weight * y, total[2] + weight * z
+            x, y, z = take_direction(f.directions, f.cursor, row)
+            f.total[0], f.total[1], f.total[2] = (
+                f.total[0] + weight * x,
+                f.total[1] + weight * y,
+                f.total[2] + weight * z,
+            )
 
 
 @kernel
-def mean_difference(boids: Floats, count: int, column: int, own: Floats, total: Floats) -> None:
-    """Add to `total` (3,) the mean of three columns of the boids minus `own` (3,): alignment or cohesion."""
+def mean_difference(count: int, column: int, own: Floats, flock: Words[Flock]) -> None:
+    """Add to the sum the mean of three columns of `count` boids minus `own` (3,): alignment or cohesion."""
+    f = open_flock(flock)
     for axis in range(3):
         mean = 0.0
         for index in range(count):
-            mean += boids[index, column + axis] / count
+            mean += f.boids[index, column + axis] / count
         if count > 0:
-            total[axis] += mean - own[axis]
+            f.total[axis] += mean - own[axis]
 
 
 @kernel
 def flock_rows(
-    begin: int, reynolds: bool, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats,
-    poses: Bundle, store: Bundle, drawn: Floats, cursor: Ints, pairs: Floats, boids: Floats, vectors: Floats,
-    active: Flags,
-) -> tuple[int, bool]:  # fmt: skip
-    """Write the flocking movement of rows[begin:] (R,) into the rows `places` (R,) of `vectors` and `active`.
+    now: float,
+    rows: Ints,
+    places: Ints,
+    movements: Words[Movements],
+    sight: Words[Sight],
+    flock: Words[Flock],
+    poses: Words[Poses],
+    store: Words[Store],
+) -> int:
+    """Write the flocking movement of `rows` (R,) into the rows `places` (R,) of `movements`.
 
-    boids: room for as many as `pairs`. Returns how many rows are done, fewer than R if `pairs` is too short, and
-    whether some row's directions run low.
+    Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
     """
-    pose_tables, tables = poses_of(poses), store_of(store)
-    own, known, extent = pose_tables[0], pose_tables[1], pose_tables[5]
-    links, far, marks = tables[1], tables[2], tables[3]
-    view, low = parameters[VIEW], False
-    for index in range(begin, len(rows)):
-        row = int(rows[index])
-        total = np.zeros(3)
-        place = places[index]
-        active[place] = known[row, POSES] >= (1 if reynolds else 2)
-        if active[place]:
-            found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
-            if found > len(pairs):
-                return index, low
-            if reynolds:
-                count = note_headings(pairs, found, own, far, boids)
-                move_reynolds(row, boids, count, parameters, own, drawn, cursor, total)
+    f, known, answers = open_flock(flock), open_poses(poses).rows, open_movements(movements)
+    margins, room = (f.view_distance, f.view_distance, f.view_distance), len(open_sight(sight).pairs)
+    for index in range(len(rows)):
+        row, place = int(rows[index]), places[index]
+        f.total[:] = 0.0
+        answers.active[place] = known[row, c.ROW_POSES] >= (1 if f.reynolds else 2)
+        if answers.active[place]:
+            found = gather(look_all_around(row, now, f.see, margins, 0, sight, poses), sight, poses, store)
+            if found > room:
+                return index
+            if f.reynolds:
+                move_reynolds(row, note_headings(found, sight, flock, poses, store), flock, poses)
             else:
-                count = note_velocities(pairs, found, own, links, far, marks, extent, boids)
-                move_olfati_saber(row, boids, count, parameters, own, extent, total)
-            limit(total, 0.0, parameters[MAX_SPEED])
-        for axis in range(vectors.shape[1]):
-            vectors[place, axis] = total[axis]
-        low |= 2 * cursor[row] >= drawn.shape[1]
-    return len(rows), low
+                move_olfati_saber(row, note_velocities(found, sight, flock, poses, store), flock, poses)
+            limit(f.total, 0.0, f.max_speed)
+        for axis in range(answers.vectors.shape[1]):
+            answers.vectors[place, axis] = f.total[axis]
+        if 2 * f.cursor[row] >= f.directions.shape[1]:
+            f.low[0] = True
+    return len(rows)
 
 
 @kernel
-def move_reynolds(
-    row: int, boids: Floats, count: int, parameters: Floats, own: Floats, drawn: Floats, cursor: Ints, total: Floats
-) -> None:
-    """Put separation + cohesion + alignment into `total` (3,)."""
-    own_goal, reach = own[row, 0, GOAL], own[row, 0, DIFFUSION] + own[row, 0, GOAL]
-    separation(boids, count, own_goal, parameters[SEPARATION], reach, row, drawn, cursor, total)
-    mean_difference(boids, count, OFFSET, np.zeros(3), total)
-    mean_difference(boids, count, VELOCITY, own[row, 0, PHX : PHX + 3], total)
+def move_reynolds(row: int, count: int, flock: Words[Flock], poses: Words[Poses]) -> None:
+    """Add separation + cohesion + alignment to the sum."""
+    own = open_poses(poses).own
+    own_goal, reach = own[row, 0, c.GOAL_RADIUS], own[row, 0, c.DIFFUSION] + own[row, 0, c.GOAL_RADIUS]
+    separation(count, own_goal, reach, row, flock)
+    mean_difference(count, BOID_OFFSET, np.zeros(3), flock)
+    mean_difference(count, BOID_VELOCITY, own[row, 0, c.POSE_HEADING : c.POSE_HEADING + 3], flock)
 
 
 @kernel
-def move_olfati_saber(
-    row: int, boids: Floats, count: int, parameters: Floats, own: Floats, extent: Floats, total: Floats
-) -> None:
-    """Put own velocity + limited acceleration into `total` (3,); the avoidance distance is the own reach."""
+def move_olfati_saber(row: int, count: int, flock: Words[Flock], poses: Words[Poses]) -> None:
+    """Set the sum to own velocity + limited acceleration; the avoidance distance is the own reach."""
+    p, f = open_poses(poses), open_flock(flock)
     velocity, gradient = np.zeros(3), np.zeros(3)
-    elapsed = max(own[row, 0, POSE_STAMP] - own[row, 1, POSE_STAMP], SHORTEST_TIME)
+    elapsed = max(p.own[row, 0, c.POSE_STAMP] - p.own[row, 1, c.POSE_STAMP], SHORTEST_TIME)
     for axis in range(3):
-        velocity[axis] = nearest_image(own[row, 0, X + axis] - own[row, 1, X + axis], extent[axis]) / elapsed
-    reach = own[row, 0, DIFFUSION] + own[row, 0, GOAL]
-    olfati_saber(boids, count, velocity, parameters, reach, gradient, gradient)
-    limit(gradient, 0.0, parameters[MAX_ACCELERATION])
+        moved = nearest_image(p.own[row, 0, c.X + axis] - p.own[row, 1, c.X + axis], p.extent[axis])
+        velocity[axis] = moved / elapsed
+    reach = p.own[row, 0, c.DIFFUSION] + p.own[row, 0, c.GOAL_RADIUS]
+    olfati_saber(count, velocity, reach, gradient, gradient, flock)
+    limit(gradient, 0.0, f.max_acceleration)
     for axis in range(3):
-        total[axis] = velocity[axis] + gradient[axis]
+        f.total[axis] = velocity[axis] + gradient[axis]
 
 
 @part
-def note_headings(pairs: Floats, found: int, own: Floats, far: Floats, boids: Floats) -> int:
-    """Make boids (M, BOID_COLUMNS) with headings of the first `found` pairs; return how many."""
-    rows = len(own)
+def note_headings(
+    found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
+) -> int:
+    """Make boids with headings of the first `found` pairs; return how many."""
+    pairs, boids, own = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).own
+    far, rows = open_store(store).far, len(own)
     for index in range(found):
-        slot = int(pairs[index, SLOT])
+        slot = int(pairs[index, c.PAIR_SLOT])
         for axis in range(3):
-            boids[index, OFFSET + axis] = pairs[index, DX + axis]
+            boids[index, BOID_OFFSET + axis] = pairs[index, c.PAIR_DX + axis]
             if slot >= 0:
-                boids[index, VELOCITY + axis] = far[slot, HX + axis]
+                boids[index, BOID_VELOCITY + axis] = far[slot, c.FAR_HEADING + axis]
             else:
-                boids[index, VELOCITY + axis] = own[(-1 - slot) % rows, (-1 - slot) // rows, PHX + axis]
-        boids[index, BOID_GOAL] = pairs[index, PAIR_GOAL]
+                shared = own[(-1 - slot) % rows, (-1 - slot) // rows, c.POSE_HEADING + axis]
+                boids[index, BOID_VELOCITY + axis] = shared
+        boids[index, BOID_GOAL_RADIUS] = pairs[index, c.PAIR_GOAL_RADIUS]
     return found
 
 
 @part
 def note_velocities(
-    pairs: Floats, found: int, own: Floats, links: Links, far: Floats, marks: Links, extent: Floats, boids: Floats
+    found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
 ) -> int:
-    """Make boids (M, BOID_COLUMNS) of the sources with two or more of the first `found` pairs; return how many.
+    """Make boids of the sources with two or more of the first `found` pairs; return how many.
 
     Position: the newest; velocity: from the oldest to the newest that is in view.
     """
+    pairs, boids, extent = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).extent
     count = 0
     for index in range(found):
-        source, stamp = spreader(pairs, index, own, links, marks), stamp_of(pairs, index, own, far)
+        slot = int(pairs[index, c.PAIR_SLOT])
+        source, stamp = spreader(slot, poses, store), stamp_of(slot, poses, store)
         oldest, oldest_stamp, newest = index, stamp, True
         for other in range(found):
-            if other != index and spreader(pairs, other, own, links, marks) == source:
-                other_stamp = stamp_of(pairs, other, own, far)
+            other_slot = int(pairs[other, c.PAIR_SLOT])
+            if other != index and spreader(other_slot, poses, store) == source:
+                other_stamp = stamp_of(other_slot, poses, store)
                 newest = newest and other_stamp < stamp
                 if other_stamp < oldest_stamp:
                     oldest, oldest_stamp = other, other_stamp
         if not newest or oldest == index:
             continue
         for axis in range(3):
-            moved = nearest_image(pairs[index, DX + axis] - pairs[oldest, DX + axis], extent[axis])
-            boids[count, OFFSET + axis] = pairs[index, DX + axis]
-            boids[count, VELOCITY + axis] = moved / max(stamp - oldest_stamp, SHORTEST_TIME)
-        boids[count, BOID_GOAL] = pairs[index, PAIR_GOAL]
+            delta = pairs[index, c.PAIR_DX + axis] - pairs[oldest, c.PAIR_DX + axis]
+            moved = nearest_image(delta, extent[axis])
+            boids[count, BOID_OFFSET + axis] = pairs[index, c.PAIR_DX + axis]
+            boids[count, BOID_VELOCITY + axis] = moved / max(stamp - oldest_stamp, SHORTEST_TIME)
+        boids[count, BOID_GOAL_RADIUS] = pairs[index, c.PAIR_GOAL_RADIUS]
         count += 1
     return count
 
 
 @part
-def spreader(pairs: Floats, index: int, own: Floats, links: Links, marks: Links) -> tuple[int, int]:
-    """Return what tells the histories of a pair's table apart: layer (-1: shared poses) and source."""
-    slot = int(pairs[index, SLOT])
+def spreader(slot: int, poses: Words[Poses], store: Words[Store]) -> tuple[int, int]:
+    """Return what tells apart the histories of which a pair's `slot` may be: layer (-1: shared poses) and source."""
     if slot >= 0:
-        return int(links[slot, LAYER]), int(marks[slot, SOURCE])
-    return -1, (-1 - slot) % len(own)
+        s = open_store(store)
+        return int(s.links[slot, c.LINK_LAYER]), int(s.marks[slot, c.MARK_SOURCE])
+    return -1, (-1 - slot) % len(open_poses(poses).own)
 
 
 @part
-def stamp_of(pairs: Floats, index: int, own: Floats, far: Floats) -> float:
-    """Return when the gradient of a pair was spread [s]."""
-    slot = int(pairs[index, SLOT])
+def stamp_of(slot: int, poses: Words[Poses], store: Words[Store]) -> float:
+    """Return when the gradient of a pair's `slot` was spread [s]."""
     if slot >= 0:
-        return float(far[slot, STAMP])
-    return float(own[(-1 - slot) % len(own), (-1 - slot) // len(own), POSE_STAMP])
+        return float(open_store(store).far[slot, c.FAR_STAMP])
+    own = open_poses(poses).own
+    return float(own[(-1 - slot) % len(own), (-1 - slot) // len(own), c.POSE_STAMP])

@@ -4,54 +4,65 @@ from collections.abc import Callable
 from functools import cache
 from typing import TypeAlias
 
-from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.bundles import Bundle
+from selforg.arrays import Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.gradients.store.columns import DIFFUSION, DISTANCE, GOAL, PAIR_DIFFUSION, PAIR_GOAL, POSES, SIGN
-from selforg.gradients.store.gathering import gather
-from selforg.gradients.store.pose_cells import poses_of
-from selforg.mechanisms.kernels.rules import MAX_SPEED, MIN_SPEED, PARAMETERS, VIEW, add, full_length, limit
+from selforg.compiler.records import Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.gathering import gather, look_all_around
+from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight
+from selforg.mechanisms.kernels.motion import Motion, Movements, add, full_length, limit, open_motion, open_movements
 
-# (distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
-# towards the gradient if positive, away from it if negative; minus infinity is full repulsion, of the gradient's reach
-Formula: TypeAlias = Callable[[float, float, float, float, float, float], float]
-Walk: TypeAlias = Callable[..., tuple[int, bool]]
+UserFormula: TypeAlias = Callable[[float, float, float, float, float, float], float]
+"""(distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
+towards the gradient if positive, away from it if negative; minus infinity is full repulsion, of the gradient's
+reach."""
+Walk: TypeAlias = Callable[..., int]
 
 
 @cache
-def make_walk(formula: Formula) -> Walk:
+def make_walk(formula: UserFormula) -> Walk:
     """Return a kernel that sums `formula`, a function compiled with `kernel`, over what rows see.
 
-    The kernel is called as `FormulaMechanism` does it; it takes and returns what `moving.move_rows` does.
+    The kernel takes and returns what `moving.move_rows` does.
     """
 
     @lean_kernel
     def walk(
-        begin: int, now: float, see: int, rows: Ints, places: Ints, channels: Ints, parameters: Floats, poses: Bundle,
-        store: Bundle, drawn: Floats, cursor: Ints, pairs: Floats, vectors: Floats, active: Flags,
-    ) -> tuple[int, bool]:  # fmt: skip
-        own, known, _, _, _, _, _, _, _ = poses_of(poses)
-        view, total, low = parameters[VIEW], parameters[PARAMETERS:], False
-        for index in range(begin, len(rows)):
-            row = int(rows[index])
-            total[:] = 0.0
+        now: float,
+        rows: Ints,
+        places: Ints,
+        movements: Words[Movements],
+        sight: Words[Sight],
+        motion: Words[Motion],
+        poses: Words[Poses],
+        store: Words[Store],
+    ) -> int:
+        m, p, answers = open_motion(motion), open_poses(poses), open_movements(movements)
+        pairs = open_sight(sight).pairs
+        for index in range(len(rows)):
+            row, place = int(rows[index]), places[index]
+            m.total[:] = 0.0
             found = 0
-            if known[row, POSES] > 0:
-                found = gather(row, (view, view, view), see, len(pairs) + 1, now, channels, poses, store, pairs)
+            if p.rows[row, c.ROW_POSES] > 0:
+                look = look_all_around(
+                    row, now, m.see, (m.view_distance, m.view_distance, m.view_distance), 0, sight, poses
+                )
+                found = gather(look, sight, poses, store)
             if found > len(pairs):
-                return index, low
-            own_goal, own_reach = own[row, 0, GOAL], own[row, 0, DIFFUSION] + own[row, 0, GOAL]
+                return index
+            own_goal = p.own[row, 0, c.GOAL_RADIUS]
+            own_reach = p.own[row, 0, c.DIFFUSION] + own_goal
             for i in range(found):
-                length = formula(
-                    pairs[i, DISTANCE], own_goal, own_reach, pairs[i, PAIR_DIFFUSION], pairs[i, PAIR_GOAL],
-                    pairs[i, SIGN],
-                )  # fmt: skip
-                add(total, pairs, i, length, full_length(pairs, i), row, drawn, cursor)
-            limit(total, parameters[MIN_SPEED], parameters[MAX_SPEED])
-            active[places[index]] = found > 0
-            for axis in range(vectors.shape[1]):
-                vectors[places[index], axis] = total[axis]
-            low |= 2 * cursor[row] >= drawn.shape[1]
-        return len(rows), low
+                distance, diffusion = pairs[i, c.PAIR_DISTANCE], pairs[i, c.PAIR_DIFFUSION]
+                goal, sign = pairs[i, c.PAIR_GOAL_RADIUS], pairs[i, c.PAIR_SIGN]
+                length = formula(distance, own_goal, own_reach, diffusion, goal, sign)
+                add(i, length, full_length(i, sight), row, sight, motion)
+            limit(m.total, m.min_speed, m.max_speed)
+            answers.active[place] = found > 0
+            for axis in range(answers.vectors.shape[1]):
+                answers.vectors[place, axis] = m.total[axis]
+            if 2 * m.cursor[row] >= m.directions.shape[1]:
+                m.low[0] = True
+        return len(rows)
 
     return walk

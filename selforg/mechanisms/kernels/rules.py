@@ -1,174 +1,174 @@
-"""Movement rules: what one row makes of the pairs it sees. Small compiled functions, chosen by an integer.
+"""The movement rules: what one row makes of the pairs it sees. Each rule stands here once, with all that belongs to it.
 
-One kernel for all rules, because compiling and loading a kernel is what costs; the rules themselves are short sums of
-the potentials.
+To add a rule, write its function below, with the decorator `sums` if it sums one formula over all pairs, else with
+`combines`. The decorator returns the `MovementRule` that a mechanism names (`rule = follow_all`). For the arguments of
+formulas see `movement_rule.Formula`.
 """
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
-from selforg.compiler.decorators import part
-from selforg.gradients.choosing import NEAREST, choose
-from selforg.gradients.store.columns import DISTANCE, DX, DY, DZ, PAIR_DIFFUSION, PAIR_GOAL, SIGN
-from selforg.potentials import (
-    attraction_balch,
-    attraction_ge,
-    repulsion_balch,
-    repulsion_fernandez,
-    repulsion_ge,
+from selforg.compiler.records import Words
+from selforg.gradients.choosing import (
+    CHOOSE_FARTHEST,
+    CHOOSE_LEAST_REACH,
+    CHOOSE_MOST_REACH,
+    CHOOSE_NEAREST,
+    CHOOSE_STRONGEST,
+    choose,
 )
-from selforg.randomness import take_direction
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Sight, open_sight
+from selforg.mechanisms.kernels.motion import Motion, Own, add, full_length, open_motion
+from selforg.mechanisms.kernels.movement_rule import (
+    COMBINATIONS,
+    FORMULAS,
+    NOT_AT_ALL,
+    OWN_GOAL_RADIUS,
+    VIEW_DISTANCE,
+    by_number,
+    combines,
+    sums,
+)
+from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_fernandez, repulsion_ge
 
-# Sums of one formula over all pairs
-FERNANDEZ, REPULSION, COLLISION, FOLLOW_ALL, AVOID_ALL, EXPLOIT = 0, 1, 2, 3, 4, 5
-# Rules that first choose one gradient
-CHEMOTAXIS_BALCH, CHEMOTAXIS_GE, FOLLOW_ONE = 10, 11, 12
-# A rule without gradients: a random direction
-WANDER = 20
+EVERYTHING = (VIEW_DISTANCE, VIEW_DISTANCE, VIEW_DISTANCE)
+ATTRACTIVE = (NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE)
+ATTRACTIVE_AND_NEAR_REPULSIVE = (OWN_GOAL_RADIUS, NOT_AT_ALL, VIEW_DISTANCE)
+BY_REPULSIVE = (True, False, False)  # which gradients in view make a rule active
+BY_ANY = (True, True, True)
 
-# Parameters of a rule, float64 (PARAMETERS,)
-VIEW, MIN_SPEED, MAX_SPEED, CHOICE, RANDOM_IF_ZERO, ANGLE_XY, ANGLE_YZ = 0, 1, 2, 3, 4, 5, 6
-PARAMETERS = 7
-
-# vectors (N, block, 3) and cursor (N,) below are those of a DirectionStream
+BALCH, GE = 0, 1  # potentials of chemotaxis
 
 
-@part
-def strength(
-    rule: int, distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float,
-    view: float,
-) -> float:  # fmt: skip
-    """Return the length [m or -] of a contribution: towards the gradient if positive, -inf is full repulsion."""
-    if rule == FERNANDEZ:
-        return -repulsion_fernandez(distance - goal, own_reach, distance) if distance - goal <= view else 0.0
+@combines(random=True)
+def wander(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+    """Look at no gradient: the sum is zero."""
+    return True
+
+
+@combines()
+def sum_all(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+    """Sum one formula over all pairs."""
+    m, pairs = open_motion(motion), open_sight(sight).pairs
+    x, y, z = 0.0, 0.0, 0.0
+    for index in range(found):
+        distance = pairs[index, c.PAIR_DISTANCE]
+        diffusion, goal = pairs[index, c.PAIR_DIFFUSION], pairs[index, c.PAIR_GOAL_RADIUS]
+        sign = pairs[index, c.PAIR_SIGN]
+        length = run_formula(m.formula, distance, diffusion, goal, sign, own.goal_radius, own.reach, m.view_distance)
+        if distance > 0.0 and length > -np.inf:
+            scale = length / distance
+            x += scale * pairs[index, c.PAIR_DX]
+            y += scale * pairs[index, c.PAIR_DY]
+            z += scale * pairs[index, c.PAIR_DZ]
+        else:
+            add(index, length, own.reach if m.by_own_reach else full_length(index, sight), row, sight, motion)
+    m.total[0] += x
+    m.total[1] += y
+    m.total[2] += z
+    return True
+
+
+@sums(sum_all, looks=EVERYTHING, by_own_reach=True)
+def fernandez(
+    distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
+) -> float:
+    """Repulsion of Fernandez-Marquez et al. (2013) from what is within the view distance."""
+    return -repulsion_fernandez(distance - goal, own_reach, distance) if distance - goal <= view else 0.0
+
+
+@sums(sum_all, looks=EVERYTHING, by_own_reach=True)
+def repulsion(
+    distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
+) -> float:
+    """Repulsion of Balch & Hybinette (2000) from everything."""
+    return -repulsion_balch(distance - own_goal - goal, diffusion)
+
+
+# The same formula, of nearer gradients, and by the speeds of the mechanism
+avoid_repulsive = repulsion._replace(
+    looks=(OWN_GOAL_RADIUS, NOT_AT_ALL, NOT_AT_ALL), wakes=BY_REPULSIVE, by_own_reach=False
+)
+avoid_all = repulsion._replace(
+    looks=(OWN_GOAL_RADIUS, OWN_GOAL_RADIUS, OWN_GOAL_RADIUS), wakes=BY_ANY, by_own_reach=False
+)
+patrol = avoid_all._replace(random=True)
+
+
+@sums(sum_all, looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_REPULSIVE)
+def follow_all(
+    distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
+) -> float:
+    """Attraction and repulsion of Balch & Hybinette (2000), by the sign of the gradient."""
     clearance = distance - own_goal - goal
-    if rule == EXPLOIT:
-        return attraction_ge(clearance, diffusion)
-    if rule == FOLLOW_ALL and sign >= 0.0:
+    if sign >= 0.0:
         return sign * attraction_balch(clearance, diffusion, distance)
     return -repulsion_balch(clearance, diffusion)
 
 
-@part
-def add(
-    total: Floats, pairs: Floats, index: int, length: float, full: float, row: int, vectors: Floats, cursor: Ints
-) -> None:
-    """Add a contribution of `length` along the offset of a pair to `total` (3,); -inf becomes `full` [m] away.
-
-    Where the centres coincide there is no offset, and the direction is random.
-    """
-    if length == 0.0:
-        return
-    if np.isinf(length):
-        length = -full
-    distance = pairs[index, DISTANCE]
-    if distance > 0.0:
-        scale = length / distance
-        total[0] += scale * pairs[index, DX]
-        total[1] += scale * pairs[index, DY]
-        total[2] += scale * pairs[index, DZ]
-    else:
-        x, y, z = take_direction(vectors, cursor, row)
-        total[0] += abs(length) * x
-        total[1] += abs(length) * y
-        total[2] += abs(length) * z
+@sums(sum_all, looks=EVERYTHING, ahead=True)
+def exploit(
+    distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
+) -> float:
+    """Attraction of Ge & Cui (2000) to everything ahead."""
+    return attraction_ge(distance - own_goal - goal, diffusion)
 
 
-@part
-def full_length(pairs: Floats, index: int) -> float:
-    """Return the length [m] of full repulsion: the reach of the gradient, 1 where that is infinite (Q2)."""
-    reach = pairs[index, PAIR_DIFFUSION] + pairs[index, PAIR_GOAL]
-    return reach if np.isfinite(reach) else 1.0
-
-
-@part
-def sum_rule(
-    rule: int, pairs: Floats, found: int, own_goal: float, own_reach: float, view: float, row: int,
-    vectors: Floats, cursor: Ints, total: Floats,
-) -> None:  # fmt: skip
-    """Add up one formula over the first `found` pairs (P, PAIR_COLUMNS) into `total` (3,)."""
-    by_own_reach = rule in (FERNANDEZ, REPULSION)
-    x, y, z = 0.0, 0.0, 0.0
-    for index in range(found):
-        distance = pairs[index, DISTANCE]
-        length = strength(
-            rule, distance, pairs[index, PAIR_DIFFUSION], pairs[index, PAIR_GOAL], pairs[index, SIGN], own_goal,
-            own_reach, view,
-        )  # fmt: skip
-        if distance > 0.0 and length > -np.inf:
-            scale = length / distance
-            x += scale * pairs[index, DX]
-            y += scale * pairs[index, DY]
-            z += scale * pairs[index, DZ]
-        else:
-            full = own_reach if by_own_reach else full_length(pairs, index)
-            add(total, pairs, index, length, full, row, vectors, cursor)
-    total[0] += x
-    total[1] += y
-    total[2] += z
-
-
-@part
-def follow_one(
-    choice: int, pairs: Floats, found: int, own_goal: float, row: int, vectors: Floats, cursor: Ints, total: Floats
-) -> bool:
-    """Put the Balch vector of the gradient chosen by rule `choice` into `total` (3,); False if none is chosen."""
-    chosen = choose(choice, pairs, found, own_goal)
-    if chosen < 0 or pairs[chosen, SIGN] == 0.0:
+@combines(looks=ATTRACTIVE)
+def follow_one(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+    """Follow one chosen gradient by the potentials of Balch & Hybinette (2000); False if none is chosen."""
+    pairs = open_sight(sight).pairs
+    chosen = choose(open_motion(motion).chooses, pairs, found, own.goal_radius)
+    if chosen < 0 or pairs[chosen, c.PAIR_SIGN] == 0.0:
         return False
-    distance, diffusion = pairs[chosen, DISTANCE], pairs[chosen, PAIR_DIFFUSION]
-    clearance = distance - own_goal - pairs[chosen, PAIR_GOAL]
-    if pairs[chosen, SIGN] > 0.0:
+    distance, diffusion = pairs[chosen, c.PAIR_DISTANCE], pairs[chosen, c.PAIR_DIFFUSION]
+    clearance = distance - own.goal_radius - pairs[chosen, c.PAIR_GOAL_RADIUS]
+    if pairs[chosen, c.PAIR_SIGN] > 0.0:
         length = attraction_balch(clearance, diffusion, distance)
     else:
         length = -repulsion_balch(clearance, diffusion)
-    add(total, pairs, chosen, length, full_length(pairs, chosen), row, vectors, cursor)
+    add(chosen, length, full_length(chosen, sight), row, sight, motion)
     return True
 
 
-@part
-def chemotaxis(
-    ge: bool, pairs: Floats, found: int, own_goal: float, row: int, vectors: Floats, cursor: Ints, total: Floats
-) -> bool:
-    """Add attraction to the nearest attractive gradient and all repulsions into `total` (3,); False without any.
+follow_strongest = follow_one._replace(looks=EVERYTHING, chooses=CHOOSE_STRONGEST)
+follow_farthest = follow_one._replace(chooses=CHOOSE_FARTHEST)
+follow_least_reach = follow_one._replace(chooses=CHOOSE_LEAST_REACH)
+follow_most_reach = follow_one._replace(chooses=CHOOSE_MOST_REACH)
 
-    Potentials of Ge & Cui if `ge`, of Balch & Hybinette otherwise and where there is no goal.
+
+@combines(looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_REPULSIVE, formula=BALCH, chooses=CHOOSE_NEAREST)
+def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+    """Add attraction to the nearest attractive gradient and all repulsions; False without any.
+
+    Potentials of Ge & Cui (2000) for `chemotaxis_ge`, of Balch & Hybinette (2000) else and where there is no goal.
     """
-    nearest = min(NEAREST, found)  # not a constant: Numba would compile all it is handed to once more
-    goal = choose(nearest, pairs, found, own_goal)
+    m, pairs = open_motion(motion), open_sight(sight).pairs
+    ge = m.formula == GE
+    goal = choose(m.chooses, pairs, found, own.goal_radius)
     goal_clearance, contributions = 0.0, 0
     if goal >= 0:
-        contributions, diffusion = 1, pairs[goal, PAIR_DIFFUSION]
-        goal_clearance = pairs[goal, DISTANCE] - own_goal - pairs[goal, PAIR_GOAL]
-        pull = attraction_balch(goal_clearance, diffusion, pairs[goal, DISTANCE])
+        contributions, diffusion = 1, pairs[goal, c.PAIR_DIFFUSION]
+        goal_clearance = pairs[goal, c.PAIR_DISTANCE] - own.goal_radius - pairs[goal, c.PAIR_GOAL_RADIUS]
+        pull = attraction_balch(goal_clearance, diffusion, pairs[goal, c.PAIR_DISTANCE])
         if ge:
             pull = attraction_ge(goal_clearance, diffusion)
-        add(total, pairs, goal, pull, 0.0, row, vectors, cursor)
+        add(goal, pull, 0.0, row, sight, motion)
     for index in range(found):
-        if pairs[index, SIGN] >= 0.0:
+        if pairs[index, c.PAIR_SIGN] >= 0.0:
             continue
         contributions += 1
-        clearance = pairs[index, DISTANCE] - own_goal - pairs[index, PAIR_GOAL]
-        away, to_goal = repulsion_balch(clearance, pairs[index, PAIR_DIFFUSION]), 0.0
+        clearance = pairs[index, c.PAIR_DISTANCE] - own.goal_radius - pairs[index, c.PAIR_GOAL_RADIUS]
+        away, to_goal = repulsion_balch(clearance, pairs[index, c.PAIR_DIFFUSION]), 0.0
         if ge and goal >= 0:
-            away, to_goal = repulsion_ge(clearance, pairs[index, PAIR_DIFFUSION], goal_clearance)
-            if pairs[goal, DISTANCE] > 0.0:
-                add(total, pairs, goal, to_goal, 0.0, row, vectors, cursor)
-        add(total, pairs, index, -away, full_length(pairs, index), row, vectors, cursor)
+            away, to_goal = repulsion_ge(clearance, pairs[index, c.PAIR_DIFFUSION], goal_clearance)
+            if pairs[goal, c.PAIR_DISTANCE] > 0.0:
+                add(goal, to_goal, 0.0, row, sight, motion)
+        add(index, -away, full_length(index, sight), row, sight, motion)
     return contributions > 0
 
 
-@part
-def limit(total: Floats, lowest: float, highest: float) -> None:
-    """Bring the length of `total` (3,) into [`lowest`, `highest`] in place; a zero vector stays zero."""
-    # scaled by the largest component first: a square must not overflow
-    largest = max(abs(total[0]), abs(total[1]), abs(total[2]))
-    if largest == 0.0:
-        return
-    x, y, z = total[0] / largest, total[1] / largest, total[2] / largest
-    unit_length = np.sqrt(x * x + y * y + z * z)
-    length = largest * unit_length
-    wanted = min(max(length, lowest), highest)
-    if wanted != length:
-        scale = wanted / unit_length
-        total[0], total[1], total[2] = x * scale, y * scale, z * scale
+chemotaxis_ge = chemotaxis_balch._replace(formula=GE)
+
+run_formula = by_number(FORMULAS)
+combine = by_number(COMBINATIONS)

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from selforg.compiler.decorators import inlined
+from selforg.parameters import Finite, NonNegative, Share
+from selforg.registry import Registry
 
 BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
 """Kinds of activators."""
@@ -19,15 +21,24 @@ BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
 
 @dataclass(frozen=True, kw_only=True)
 class Activator(ABC):
-    """The base of all activators: the satisfaction when it is not fulfilled and when it is."""
+    """The base of all activators: the satisfaction when it is not fulfilled and when it is.
 
-    low: float = 0.0
-    high: float = 1.0
+    A registered activator can be declared in documents: its keys are its fields. One of a new class shares the rule of
+    another, by its `kind`; the planner knows the rules of the classes below, and those of their subclasses.
+    """
+
+    low: Share = 0.0
+    high: Share = 1.0
     kind: ClassVar[int]
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.low <= self.high <= 1.0:
             raise ValueError(f"{type(self).__name__}: expected 0 <= low <= high <= 1, got {self.low} and {self.high}")
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return the arguments with which the contract tests build the class."""
+        return {}
 
     @property
     @abstractmethod
@@ -40,6 +51,10 @@ class Activator(ABC):
         """Sign of the wanted change."""
 
 
+ACTIVATORS: Registry[Activator] = Registry("activator")
+
+
+@ACTIVATORS.register
 @dataclass(frozen=True)
 class Boolean(Activator):
     """Fulfilled while a fact is `desired`."""
@@ -58,6 +73,7 @@ class Boolean(Activator):
         return 1.0 if self.desired else -1.0
 
 
+@ACTIVATORS.register
 @dataclass(frozen=True)
 class Threshold(Activator):
     """Fulfilled at or above `threshold` (at or below, if not `minimum`).
@@ -65,10 +81,15 @@ class Threshold(Activator):
     The wish is what is missing, divided by `value_range` and clamped to [-1, 1]; without a range it is +1 or -1.
     """
 
-    threshold: float
+    threshold: Finite
     minimum: bool = True
-    value_range: float = 0.0
+    value_range: NonNegative = 0.0
     kind: ClassVar[int] = THRESHOLD_RULE
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a threshold."""
+        return {"threshold": 2.0}
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -81,18 +102,24 @@ class Threshold(Activator):
         return 1.0 if self.minimum else -1.0
 
 
+@ACTIVATORS.register
 @dataclass(frozen=True)
 class Linear(Activator):
     """Rises from `low` at `zero` to `high` at `full` (which may lie below `zero`)."""
 
-    zero: float
-    full: float
+    zero: Finite
+    full: Finite
     kind: ClassVar[int] = LINEAR_RULE
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a slope."""
+        return {"zero": 1.0, "full": 3.0}
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.zero == self.full:
-            raise ValueError(f"Linear: zero and full must differ, got {self.zero} for both")
+            raise ValueError(f"Linear: expected different readings zero and full, got {self.zero} for both")
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -105,12 +132,13 @@ class Linear(Activator):
         return 1.0 if self.full > self.zero else -1.0
 
 
+@ACTIVATORS.register
 @dataclass(frozen=True)
 class Greedy(Activator):
     """Never fulfilled, always wishes on; with `step_size` 0 fulfilled as well."""
 
     maximise: bool = True
-    step_size: float = 1.0
+    step_size: Finite = 1.0
     kind: ClassVar[int] = GREEDY_RULE
 
     @property
@@ -124,12 +152,18 @@ class Greedy(Activator):
         return 1.0 if self.maximise else -1.0
 
 
+@ACTIVATORS.register
 @dataclass(frozen=True)
 class Equal(Activator):
     """Fulfilled while a reading is exactly `value`."""
 
-    value: float
+    value: Finite
     kind: ClassVar[int] = EQUAL_RULE
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return a value."""
+        return {"value": 2.0}
 
     @property
     def parameters(self) -> tuple[float, float]:

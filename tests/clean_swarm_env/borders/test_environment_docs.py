@@ -5,7 +5,8 @@ from importlib.util import find_spec
 
 import pytest
 
-from clean_swarm_env.learning.observation.terms import TERMS
+from clean_swarm_env.learning.observation.term import TERMS
+from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS
 from clean_swarm_env.learning.reward import RewardConfig
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
@@ -29,11 +30,12 @@ def test_the_examples_run(example):
 
 def test_all_terms_are_on_the_page_as_they_are():
     rows = {row[0].strip("`"): row[1:] for row in table("terms")}
-    assert list(rows) == list(TERMS)
-    for name, (meaning, components) in TERMS.items():
-        assert rows[name][0] == meaning
-        if components:
-            assert re.findall(r"`(\w+)`", rows[name][1]) == list(components)
+    assert list(rows) == list(DEFAULT_TERMS)
+    for name in DEFAULT_TERMS:
+        term = TERMS.find(name)
+        assert rows[name][0] == term.meaning()
+        if term.components:
+            assert re.findall(r"`(\w+)`", rows[name][1]) == list(term.components)
 
 
 def test_all_weights_are_on_the_page_as_they_are():

@@ -14,6 +14,7 @@ from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorE
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.world.robot import GOAL
 from tests.clean_swarm_env.courses import long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=50.0)
@@ -133,7 +134,7 @@ def test_one_option_serves_all_robots_of_a_team():
     envs = TeamVectorEnv(2, mission=SHORT, one_for_all=True)
     envs.reset(seed=1)
     envs.step(np.array([2, 1]))
-    assert envs.batch.worlds.coordinator.held.tolist() == [2] * 5 + [1] * 5
+    assert envs.batch.worlds.minds.coordinator_of(GOAL).held.tolist() == [2] * 5 + [1] * 5
 
 
 def test_a_start_can_be_given():

@@ -9,9 +9,9 @@ from pydantic import BaseModel, ValidationError
 from clean_swarm_env.config import mission as config
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.files import laid_over, load_experiment, load_mission, names
+from clean_swarm_env.config.files import load_experiment, load_mission, names, with_changes
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
-from selector.documents.yaml import Closed
+from selector.documents.fields import Closed
 
 MODELS = [
     model
@@ -135,7 +135,7 @@ def test_a_given_directory_is_searched_before_the_shipped_one(tmp_path):
 
 def test_changes_are_laid_over_mapping_by_mapping():
     base = {"a": {"b": 1, "c": 2}, "d": 3}
-    assert laid_over(base, {"a": {"b": 5}, "d": {"e": 1}}) == {"a": {"b": 5, "c": 2}, "d": {"e": 1}}
+    assert with_changes(base, {"a": {"b": 5}, "d": {"e": 1}}) == {"a": {"b": 5, "c": 2}, "d": {"e": 1}}
     assert base == {"a": {"b": 1, "c": 2}, "d": 3}
 
 

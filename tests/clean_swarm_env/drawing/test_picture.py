@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, Scene, appearances, draw_world, trail_strength
+from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, Canvas, appearances, draw_world, trail_strength
 
 STATIONS = {"recycling": (2.75, 5.5), "dump": (8.25, 5.5)}
 
 
-def scene(**changes):
-    return Scene(**(STATIONS | {"positions": np.array([[5.0, 5.0], [0.1, 3.0]]), "headings": np.zeros(2)} | changes))
+def canvas(**changes):
+    return Canvas(**(STATIONS | {"positions": np.array([[5.0, 5.0], [0.1, 3.0]]), "headings": np.zeros(2)} | changes))
 
 
 @pytest.mark.parametrize(
@@ -23,13 +23,13 @@ def scene(**changes):
     ],
 )
 def test_what_lies_on_a_seam_shows_on_both_sides(place, expected):
-    found = {(round(x, 9), round(y, 9)) for x, y in appearances(scene(), np.array(place), 0.25)}
+    found = {(round(x, 9), round(y, 9)) for x, y in appearances(canvas(), np.array(place), 0.25)}
     assert found == expected
 
 
 def test_the_trail_is_the_strongest_pheromone_at_the_shorter_way():
     rng = np.random.default_rng(1)
-    drawn = scene(
+    drawn = canvas(
         pheromones=rng.uniform(0, (11, 7), (30, 2)), pheromone_diffusions=rng.uniform(0.2, 1.5, 30), height=7.0
     )
     raster = trail_strength(drawn)
@@ -43,14 +43,14 @@ def test_the_trail_is_the_strongest_pheromone_at_the_shorter_way():
 
 def test_a_pheromone_wider_than_the_world_still_has_its_centre():
     raster = trail_strength(
-        scene(width=2.0, height=2.0, pheromones=np.array([[0.55, 1.05]]), pheromone_diffusions=np.array([9.0]))
+        canvas(width=2.0, height=2.0, pheromones=np.array([[0.55, 1.05]]), pheromone_diffusions=np.array([9.0]))
     )
     assert np.unravel_index(raster.argmax(), raster.shape) == (10, 5)
     assert raster.max() == pytest.approx(1.0)
 
 
 def test_a_full_scene_is_drawn_and_saved(tmp_path):
-    drawn = scene(
+    drawn = canvas(
         cargo=np.array([GARBAGE, LEFTOVERS]),
         garbage=np.array([[1.0, 1.0]]),
         pheromones=np.array([[10.9, 3.0]]),
@@ -65,7 +65,7 @@ def test_a_full_scene_is_drawn_and_saved(tmp_path):
 
 
 def test_the_legend_names_only_what_the_scene_has():
-    labels = [text.get_text() for text in draw_world(scene()).legends[0].get_texts()]
+    labels = [text.get_text() for text in draw_world(canvas()).legends[0].get_texts()]
     assert "pheromones" not in labels
     assert "carrying garbage" not in labels
 
@@ -81,4 +81,4 @@ def test_the_legend_names_only_what_the_scene_has():
 )
 def test_an_array_of_another_shape_is_named(change, message):
     with pytest.raises(ValueError, match=message):
-        scene(**change)
+        canvas(**change)

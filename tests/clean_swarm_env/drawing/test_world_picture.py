@@ -1,9 +1,9 @@
-"""The scene of a world holds what the world holds."""
+"""The canvas of a world holds what the world holds."""
 
 import numpy as np
 
 from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING
-from clean_swarm_env.drawing.world_picture import scene_of
+from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import mission, worlds_at_start
 
@@ -15,15 +15,15 @@ def test_the_scene_shows_robots_items_cargo_and_the_trail_of_its_own_world():
         worlds.tick()
         for world in range(2):
             rows = worlds.rows_of(world)
-            for row, load in zip(rows, scene_of(worlds, world).cargo, strict=True):
+            for row, load in zip(rows, canvas_of(worlds, world).cargo, strict=True):
                 carries, recycled = worlds.garbage.cargo[row] != NOTHING, worlds.garbage.recycled[row]
                 assert load == ((LEFTOVERS if recycled else GARBAGE) if carries else SEARCHING)
                 loads.add(int(load))
     assert loads == {SEARCHING, GARBAGE, LEFTOVERS}
-    scene = scene_of(worlds, 1)
-    assert np.array_equal(scene.positions, worlds.physics.positions[5:])
-    assert len(scene.garbage) == (worlds.garbage.stage[1] == LYING).sum()
-    assert len(scene.pheromones) > 50
-    assert scene.pheromone_diffusions.max() == 1.0
-    assert 0.3 < scene.pheromone_diffusions.min() < 0.95  # evaporated once at least, and not yet gone
-    assert ((scene.pheromones >= 0.0) & (scene.pheromones < 11.0)).all()
+    canvas = canvas_of(worlds, 1)
+    assert np.array_equal(canvas.positions, worlds.physics.positions[5:])
+    assert len(canvas.garbage) == (worlds.garbage.stage[1] == LYING).sum()
+    assert len(canvas.pheromones) > 50
+    assert canvas.pheromone_diffusions.max() == 1.0
+    assert 0.3 < canvas.pheromone_diffusions.min() < 0.95  # evaporated once at least, and not yet gone
+    assert ((canvas.pheromones >= 0.0) & (canvas.pheromones < 11.0)).all()

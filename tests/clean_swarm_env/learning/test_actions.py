@@ -6,9 +6,10 @@ import pytest
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.terms import PHASES
+from clean_swarm_env.learning.phases import PHASES
 from clean_swarm_env.world.garbage import NOTHING
-from selector.documents.yaml import DocumentError
+from clean_swarm_env.world.robot import GOAL
+from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 SERVES = ActionConfig(
@@ -38,7 +39,7 @@ def test_masks_follow_the_phase_and_options_that_cannot_serve_give_way():
             break
         stand_in = [0 if TABLE[phase][0] else 2 for phase in phases]  # scores: 1.0, 0.0, 0.5
         expected = np.where(masks[np.arange(10), options], options, stand_in)
-        assert batch.worlds.coordinator.held.tolist() == expected.tolist()
+        assert batch.worlds.minds.coordinator_of(GOAL).held.tolist() == expected.tolist()
     assert met == set(PHASES)
 
 
@@ -56,7 +57,7 @@ def test_infos_hold_the_mask_as_the_space_takes_it():
         actions = {agent: env.action_space(agent).sample(infos[agent]["action_mask"]) for agent in env.agents}
         assert all(infos[agent]["action_mask"][action] == 1 for agent, action in actions.items())
         *_, infos = env.step(actions)
-        held = env.unwrapped._batch.worlds.coordinator.held
+        held = env.unwrapped._batch.worlds.minds.coordinator_of(GOAL).held
         assert held.tolist() == [int(action) for action in actions.values()]
 
 

@@ -158,3 +158,8 @@ def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused(
     for size in (None, (9.0, 9.0)):
         with pytest.raises(ValueError, match=r"size: expected one of .* 'unseen', \(8.0, 8.0\), .*, got"):
             Batch(family="unseen", size=size)
+
+
+def test_unknown_settings_are_refused():
+    with pytest.raises(TypeError, match=r"unexpected settings \['famly'\]"):
+        Batch(famly="crowded")

@@ -9,7 +9,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import episodes_of
 from clean_swarm_env.learning.joined import Joined, family_batches
 from clean_swarm_env.learning.observation.terms import ObservationConfig
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=30.0)

@@ -5,10 +5,12 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.terms import PHASES, TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.term import TERMS
+from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.phases import PHASES
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
@@ -43,7 +45,7 @@ def _task(batch, row):
         "garbage": [1.0, *_way(worlds, row, items[near[0][1]], 2.0)] if seen else [0.0, 1.0, 0.0, 0.0],
         "cargo": [float(carrying), float(recycled)],
         "phase": [float(phase == name) for name in PHASES],
-        "situation": [float(place_name == name) for name in TERMS["situation"][1]],
+        "situation": [float(place_name == name) for name in TERMS.find("situation").components],
         "recycling": ways[0],
         "dump": ways[1],
         "nearness": [max(1.0 - distance / 2.0, 0.0) for distance in distances],
@@ -88,9 +90,9 @@ def _expected(batch, row, idle):
             garbage.done[world] / config.garbage.count, 1.0 - worlds.ticks[world] * 0.2 / config.time_limit,
         ],
         "idle": [min(idle / 60.0, 1.0)],
-        "holds": [float(worlds.coordinator.held[row] == k) for k in range(3)],
+        "holds": [float(worlds.coordinators[0].held[row] == k) for k in range(3)],
     }  # fmt: skip
-    return np.concatenate([terms[name] for name in TERMS])
+    return np.concatenate([terms[name] for name in DEFAULT_TERMS])
 
 
 @long_course
@@ -114,7 +116,7 @@ def test_names_are_those_of_the_terms_and_unique():
     assert len(set(names)) == len(names)
     assert names[-3:] == tuple(f"holds_{option}" for option in OPTIONS)
     assert [name for name in names if name.startswith("crowd")] == ["crowd_1m", "crowd_1.5m", "crowd_2.5m"]
-    assert names[: len(TERMS["garbage"][1])] == TERMS["garbage"][1]
+    assert names[: len(TERMS.find("garbage").components)] == TERMS.find("garbage").components
 
 
 def test_terms_are_chosen_ordered_and_weighted():
@@ -123,7 +125,7 @@ def test_terms_are_chosen_ordered_and_weighted():
     batch = Batch(observation=ObservationConfig(terms=chosen))
     full, part = whole.reset([3]), batch.reset([3])
     names = batch.observer.names
-    weight = {"garbage_done": -2.0, "time_left": -2.0, **dict.fromkeys(TERMS["neighbour"][1], 0.5)}
+    weight = {"garbage_done": -2.0, "time_left": -2.0, **dict.fromkeys(TERMS.find("neighbour").components, 0.5)}
     for k, name in enumerate(names):
         expected = full[:, whole.observer.names.index(name)] * np.float32(weight.get(name, 1.0))
         assert np.array_equal(part[:, k], expected)
@@ -140,6 +142,7 @@ def test_terms_are_chosen_ordered_and_weighted():
         ({"terms": []}, "at least 1"),
         ({"terms": [{"name": "cargo", "wait": 1.0}]}, "wait"),
         ({"neighbour_ranges": [1.0, 1.0]}, "expected growing distances"),
+        ({"terms": [{"name": "idle", "patience": 3.0}]}, "unknown setting 'patience'"),
         ({"full_crowd": 0}, "greater than or equal to 1"),
     ],
 )
@@ -167,6 +170,16 @@ def test_observations_stay_within_their_bounds(changes):
         seen = batch.step(np.full(batch.rows, 1)).observations
 
 
+def test_without_items_nobody_sees_one():
+    batch = Batch(mission(garbage={"count": 0}), 2)
+    seen = [batch.reset([5, 6]).copy()]
+    for _ in range(20):
+        step = batch.step(np.zeros(batch.rows, dtype=np.int64))
+        seen += [step.observations.copy(), step.final_observations.copy()]
+        assert not batch.observer.phases.any()
+    assert not np.array(seen)[:, :, batch.observer.names.index("garbage_seen")].any()
+
+
 def test_looking_changes_nothing():
     batch = Batch()
     seen = batch.reset([1]).copy()
@@ -178,7 +191,7 @@ def test_looking_changes_nothing():
 
 
 def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
-    mission = laid_over(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
+    mission = with_changes(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
     batch = Batch(MissionConfig.model_validate(mission))
     names, seen = batch.observer.names, batch.reset([4])
     places, extent = batch.worlds.physics.positions, batch.worlds.extent

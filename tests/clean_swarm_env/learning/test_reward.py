@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.learning.progress import (
-    AVOIDING,
-    COLLISION,
+    AVOIDINGS,
+    COLLISIONS,
     COMPLETED,
-    CONTACT,
-    DUMPED,
+    CONTACTS,
+    DUMPINGS,
     EVENTS,
-    PICKED,
-    RECYCLED,
-    RUNS,
+    PERIOD_RECORD,
+    PICKINGS,
+    RECYCLINGS,
+    RUNNING,
+    Period,
 )
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
 
@@ -24,10 +26,10 @@ def progress(**events):
     counted = np.zeros((len(EVENTS), 4), dtype=np.int64)
     for name, values in events.items():
         counted[EVENTS.index(name)] = values
-    return SimpleNamespace(
-        events=counted, ticks=np.array([5, 2]), dumped=np.array([1, 0]), outcome=np.array([COMPLETED, RUNS]),
-        took_part=np.ones(4, dtype=np.bool_),
-    )  # fmt: skip
+    period = Period(
+        counted, np.array([5, 2]), np.array([1, 0]), np.array([COMPLETED, RUNNING]), np.ones(4, dtype=np.bool_)
+    )
+    return SimpleNamespace(period=PERIOD_RECORD.pack(period), **period._asdict())
 
 
 def gained(config, counted):
@@ -44,8 +46,8 @@ def test_the_reward_is_the_weighted_sum_of_its_parts():
 @pytest.mark.parametrize(
     ("term", "kind", "amount"),
     [
-        ("own_picked", PICKED, 1.0), ("own_recycled", RECYCLED, 1.0), ("own_dumped", DUMPED, 1.0),
-        ("collision", COLLISION, 1.0), ("contact", CONTACT, 0.2), ("avoiding", AVOIDING, 0.2),
+        ("own_picked", PICKINGS, 1.0), ("own_recycled", RECYCLINGS, 1.0), ("own_dumped", DUMPINGS, 1.0),
+        ("collision", COLLISIONS, 1.0), ("contact", CONTACTS, 0.2), ("avoiding", AVOIDINGS, 0.2),
     ],
 )  # fmt: skip
 def test_each_term_of_its_own_pays_for_its_own_events(term, kind, amount):

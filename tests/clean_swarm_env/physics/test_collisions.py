@@ -64,7 +64,7 @@ def test_cells_against_the_naive_count(robots, size):
     walk[0, 0] = 0.0  # the corner itself, and the last place before it
     walk[0, 1] = np.nextafter(size, 0.0)
     counter = CollisionCounter(1, robots, *size, distances=(1.0, 0.25, 0.5))
-    assert counter._columns * counter._lines > 1
+    assert counter.packed.record.cells.size > 1
     for positions in walk:
         counter.count(positions)
     samples, events, contact, entered = naive_counts(walk, *size, (1.0, 0.25, 0.5))
@@ -84,7 +84,7 @@ def test_pairs_listed_before_against_the_naive_count(robots, size):
     lists = set()
     for positions in walk:
         counter.count(positions)
-        lists.add(int(counter._listed[0]))
+        lists.add(int(counter.packed.record.listed[0]))
     assert (lists == {-1}) if size < 7.0 else (1 < len(lists) < len(walk))  # a list holds for some counts
     samples, events, contact, entered = naive_counts(walk, size, size, (0.3, 1.0))
     assert counter.samples[0].tolist() == samples.tolist()

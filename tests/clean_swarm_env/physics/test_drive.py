@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clean_swarm_env.physics.drive import DifferentialDrive
+from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
 
 EVERYBODY = np.ones(1, np.bool_)
 NOBODY = np.zeros(1, np.bool_)
 
 
 def drive_of_one(vector, heading, **limits):
-    drive = DifferentialDrive(1, **limits)
+    drive = DifferentialDrive(1, DriveSettings(**limits))
     drive.command(np.array([vector], float), EVERYBODY, np.array([heading], float), 0.0)
     return drive.speed[0], drive.turn_rate[0]
 
@@ -106,6 +106,6 @@ def test_the_arrays_stay_the_same_objects():
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_senseless_settings_are_refused_by_name(name, value):
     with pytest.raises(ValueError, match=f"{name}: expected a positive number"):
-        DifferentialDrive(1, **{name: value})
+        DriveSettings(**{name: value})
     with pytest.raises(ValueError, match="rows: expected at least 1, got 0"):
         DifferentialDrive(0)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from clean_swarm_env.physics import motion as motion
 from clean_swarm_env.physics.contact_space import SHARED_MEMORY, ContactSpace
+from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, MOTION
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -38,7 +38,7 @@ def shorter(offsets, size=SIZE):
 
 def placed(worlds, robots, seed, **settings):
     """Worlds of robots at random places, all in motion soon."""
-    physics = Physics(worlds, robots, **settings)
+    physics = Physics(PhysicsSettings(worlds, robots, **settings))
     for world in range(worlds):
         rng = np.random.default_rng((seed, world))
         physics.place(world, rng.uniform(0, physics.settings.width, (robots, 2)), rng.uniform(-3, 3, robots))
@@ -61,7 +61,7 @@ def wander(physics, substeps, seed):
 
 def meeting(place, start, headings, speeds=(1.0, 1.0), substeps=80):
     """Positions (T, 2, 2) of two robots relative to the place at which they meet."""
-    physics = Physics(1, 2, SIZE, SIZE)
+    physics = Physics(PhysicsSettings(1, 2))
     physics.place(0, np.array(start) + place, np.array(headings))
     history = []
     for _ in range(substeps):
@@ -101,7 +101,7 @@ def test_robots_that_push_each_other_stay_apart_and_stand_still():
 
 @pytest.mark.parametrize("contacts", ["solid", "pass_through"])
 def test_free_robots_move_by_speed_along_the_heading_before_the_turn(contacts):
-    physics = Physics(1, 2, SIZE, SIZE, contacts=contacts)
+    physics = Physics(PhysicsSettings(1, 2, contacts=contacts))
     places, headings = np.array([[1.0, 1.0], [6.0, 6.0]]), np.array([0.3, -2.0])
     physics.place(0, places, headings)
     speed, turn_rate = np.array([0.7, 0.4]), np.array([1.5, -2.0])
@@ -120,7 +120,7 @@ def test_robots_pass_through_each_other_only_where_they_may():
     start, headings = np.array([[4.0, 5.0], [6.0, 5.0]]), np.array([0.0, math.pi])
     ends = {}
     for contacts in ("solid", "pass_through"):
-        physics = Physics(1, 2, SIZE, SIZE, contacts=contacts)
+        physics = Physics(PhysicsSettings(1, 2, contacts=contacts))
         physics.place(0, start, headings)
         for _ in range(40):
             physics.substep(np.ones(2), np.zeros(2))
@@ -133,12 +133,12 @@ def test_robots_pass_through_each_other_only_where_they_may():
 def test_free_motion_and_pymunk_are_one_integrator(seed):
     """Pymunk asked in every substep gives what pymunk gives that is asked while robots touch."""
     sparing, always = (placed(1, 2, seed, width=2.0, height=2.0) for _ in range(2))
-    always._search = motion.ALWAYS
+    always._motion = MOTION.pack(always._motion.record._replace(search=ALWAYS_TOUCHING))
     engaged = []
     for walk in range(20):
         apart = shorter(wander(sparing, 20, walk) - wander(always, 20, walk), 2.0)
         np.testing.assert_allclose(apart, 0.0, atol=1e-9)
-        engaged.append(bool(sparing._patience[0]))
+        engaged.append(bool(sparing._motion.record.patience[0]))
     assert True in engaged
     assert False in engaged
 
@@ -148,7 +148,7 @@ def test_a_robot_that_is_pushed_over_a_seam_stays_in_contact():
     start = np.array([(-0.9, -0.05), (0.0, 0.0), (0.55, 0.6)])
     runs = []
     for place in (MIDDLE, (0.0, 0.0), (0.2, 10.9)):
-        physics = Physics(1, 3, SIZE, SIZE)
+        physics = Physics(PhysicsSettings(1, 3))
         physics.place(0, start + place, np.array([0.0, 0.0, -math.pi / 2]))
         history = []
         for _ in range(60):
@@ -182,7 +182,7 @@ def test_a_world_of_a_batch_has_the_bits_it_has_alone():
     batch = placed(4, 12, 3)
     walk = wander(batch, 200, 4)
     for world in (0, 3):
-        alone = Physics(1, 12)
+        alone = Physics(PhysicsSettings(1, 12))
         rng = np.random.default_rng((3, world))
         alone.place(0, rng.uniform(0, SIZE, (12, 2)), rng.uniform(-3, 3, 12))
         stream = np.random.default_rng((4, world))
@@ -262,7 +262,7 @@ def test_both_ways_to_pymunk_give_the_same_bits():
 )
 def test_impossible_settings_are_refused_by_name(change, message):
     with pytest.raises(ValueError, match=message):
-        Physics(**({"worlds": 1, "robots": 5} | change))
+        PhysicsSettings(**({"worlds": 1, "robots": 5} | change))
 
 
 @pytest.mark.parametrize(
@@ -276,4 +276,4 @@ def test_impossible_settings_are_refused_by_name(change, message):
 )
 def test_wrong_placements_are_refused(world, positions, headings, message):
     with pytest.raises(ValueError, match=message):
-        Physics(1, 2).place(world, positions, headings)
+        Physics(PhysicsSettings(1, 2)).place(world, positions, headings)

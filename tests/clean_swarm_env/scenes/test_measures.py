@@ -4,7 +4,7 @@ from numpy.testing import assert_allclose
 
 from clean_swarm_env.scenes.ground import Ground
 from clean_swarm_env.scenes.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
-from clean_swarm_env.scenes.measures.coverage import NEVER, Coverage
+from clean_swarm_env.scenes.measures.coverage import UNSEEN, Coverage
 from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.measures.field import Field, height
 from clean_swarm_env.scenes.measures.order import (
@@ -29,7 +29,7 @@ def test_coverage_is_that_of_a_naive_search_of_all_cells(closed):
     rng = np.random.default_rng(3)
     coverage = Coverage(np.array([0, 0, 1]), 10.0, 0.0, 1.3, 0.5, closed)
     middles = np.stack(np.meshgrid(*2 * [np.arange(20) * 0.5 + 0.25], indexing="xy"), axis=-1)
-    expected = np.full((2, 20, 20), NEVER)
+    expected = np.full((2, 20, 20), UNSEEN)
     for now in (1.0, 2.0, 3.0):
         positions = rng.uniform(0.0, 10.0, size=(3, 2))
         coverage.look(positions, now)
@@ -38,7 +38,7 @@ def test_coverage_is_that_of_a_naive_search_of_all_cells(closed):
             away = np.minimum(away, 10.0 - away) if closed else away
             expected[row // 2][np.hypot(*np.moveaxis(away, -1, 0)) <= 1.3] = now
     assert_allclose(coverage.seen, expected)
-    assert_allclose(coverage.area, (expected > NEVER).sum(axis=(1, 2)) * 0.25)
+    assert_allclose(coverage.area, (expected > UNSEEN).sum(axis=(1, 2)) * 0.25)
 
 
 def test_idleness_grows_where_nobody_looks():

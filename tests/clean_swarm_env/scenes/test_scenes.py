@@ -1,12 +1,16 @@
-"""Contract of every scene: what it declares, and that a world takes the same course alone and in a batch."""
+"""Contract of every scene: what it declares, and that a world takes the same course alone and in a batch.
+
+A scene of a user's own, `Gathering`, joins.
+"""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.scenes import Measure, Setting, find, goals
-from clean_swarm_env.scenes.scene import register
+from clean_swarm_env.scenes import SCENES, Measure, Scene, Setting, find, goals
+from clean_swarm_env.scenes.baselines import GoTo, StandStill
+from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.served import ServedTeam, expertise
 from selector.knowledge import load_knowledge
 
@@ -18,14 +22,42 @@ FOURTEEN = {
 SECONDS = 4.0
 
 
-def short(goal, ground=None):
-    own = find(goal).setting
-    return Setting(own.robots, SECONDS, ground or own.ground)
+class Gathering(Scene):
+    """Robots come together in the middle."""
+
+    goal = "Gathering"
+    story = "4 robots come together on a field of 10 m x 10 m"
+    measures = (Measure("distance to the middle", "m", "lower", 1.0, "room for four"),)
+    baseline = "nobody moves"
+    setting = Setting(robots=4, seconds=20.0, ground="torus")
+    side = 10.0
+
+    def _place(self, rng):
+        return scattered(rng, self.chosen.robots, self.ground, 1.0), any_headings(rng, self.chosen.robots)
+
+    def _baseline(self):
+        return StandStill(self.arena)
+
+    def _result(self):
+        return {"distance to the middle": self.ground.distances(self.positions, self.ground.centre).mean(axis=1)}
 
 
-def served(goal, setting, seeds):
-    expert = expertise(goal)
-    return find(goal)(setting, seeds).run(lambda scene: ServedTeam(scene, expert))
+EVERY = [pytest.param(scene, id=scene.goal) for scene in (*SCENES, Gathering)]
+
+
+def to_the_middle(scene):
+    return GoTo(scene.arena, np.tile(scene.ground.centre, (scene.arena.rows, 1)), 0.5)
+
+
+def short(scene, ground=None):
+    return Setting(scene.setting.robots, SECONDS, ground or scene.setting.ground)
+
+
+def served(kind, setting, seeds):
+    if kind is Gathering:
+        return kind(setting, seeds).run(to_the_middle)
+    expert = expertise(kind.goal)
+    return kind(setting, seeds).run(lambda scene: ServedTeam(scene, expert))
 
 
 def test_every_goal_has_a_scene_and_options():
@@ -33,9 +65,8 @@ def test_every_goal_has_a_scene_and_options():
     assert set(load_knowledge("library").goals) == FOURTEEN
 
 
-@pytest.mark.parametrize("goal", goals())
-def test_a_scene_says_what_it_is(goal):
-    scene = find(goal)
+@pytest.mark.parametrize("scene", EVERY)
+def test_a_scene_says_what_it_is(scene):
     assert scene.story
     assert scene.baseline
     assert scene.setting.robots >= scene.fewest
@@ -46,10 +77,9 @@ def test_a_scene_says_what_it_is(goal):
 
 
 @pytest.mark.parametrize("ground", ["torus", "open"])
-@pytest.mark.parametrize("goal", goals())
-def test_every_scene_measures_on_both_grounds(goal, ground):
-    scene = find(goal)
-    for run in (served(goal, short(goal, ground), [3, 4]), scene(short(goal, ground), [3, 4]).run()):
+@pytest.mark.parametrize("scene", EVERY)
+def test_every_scene_measures_on_both_grounds(scene, ground):
+    for run in (served(scene, short(scene, ground), [3, 4]), scene(short(scene, ground), [3, 4]).run()):
         assert set(run.values) == {measure.name for measure in scene.measures}
         for name, values in run.values.items():
             assert values.shape == (2,), name
@@ -57,25 +87,25 @@ def test_every_scene_measures_on_both_grounds(goal, ground):
         assert run.tracks.shape == (SECONDS * 5 + 1, 2 * scene.setting.robots, 2)
 
 
-@pytest.mark.parametrize("goal", goals())
-def test_a_run_is_the_same_again_and_alone_and_in_a_batch(goal):
-    setting = short(goal)
-    for run in (served, lambda goal, setting, seeds: find(goal)(setting, seeds).run()):
-        batch, again = run(goal, setting, [5, 6]), run(goal, setting, [5, 6])
+@pytest.mark.parametrize("scene", EVERY)
+def test_a_run_is_the_same_again_and_alone_and_in_a_batch(scene):
+    setting = short(scene)
+    for run in (served, lambda scene, setting, seeds: scene(setting, seeds).run()):
+        batch, again = run(scene, setting, [5, 6]), run(scene, setting, [5, 6])
         assert_array_equal(batch.tracks, again.tracks)
         for world, seed in enumerate((5, 6)):
-            alone, rows = run(goal, setting, [seed]), slice(world * setting.robots, (world + 1) * setting.robots)
+            alone, rows = run(scene, setting, [seed]), slice(world * setting.robots, (world + 1) * setting.robots)
             assert_array_equal(alone.tracks, batch.tracks[:, rows])
             for name, values in alone.values.items():
                 assert values[0] == batch.values[name][world], name
 
 
-@pytest.mark.parametrize("goal", goals())
-def test_mechanism_and_baseline_have_the_same_start(goal):
-    setting = short(goal)
-    starts = [run.tracks[0] for run in (served(goal, setting, [7]), find(goal)(setting, [7]).run())]
+@pytest.mark.parametrize("scene", EVERY)
+def test_mechanism_and_baseline_have_the_same_start(scene):
+    setting = short(scene)
+    starts = [run.tracks[0] for run in (served(scene, setting, [7]), scene(setting, [7]).run())]
     assert_array_equal(*starts)
-    assert not np.array_equal(starts[0], find(goal)(setting, [8]).run().tracks[0])
+    assert not np.array_equal(starts[0], scene(setting, [8]).run().tracks[0])
 
 
 def test_open_land_is_wide_enough_for_the_fastest():
@@ -102,8 +132,17 @@ def test_too_few_and_too_many_robots_are_refused():
 
 
 def test_a_goal_has_one_scene():
-    with pytest.raises(ValueError, match="'ReachGoal' has a scene already"):
-        register(find("ReachGoal"))
+    with pytest.raises(ValueError, match="goal 'ReachGoal' is registered already"):
+        SCENES.register(find("ReachGoal"))
+
+
+def test_a_scene_of_the_users_own_is_found_by_its_goal(monkeypatch):
+    monkeypatch.setattr(SCENES, "_classes", dict(SCENES._classes))
+    SCENES.register(Gathering)
+    assert find("Gathering") is Gathering
+    assert "Gathering" in goals()
+    run = Gathering(Gathering.setting, [0, 1]).run(to_the_middle)
+    assert Gathering.measures[0].met(float(run.values["distance to the middle"].mean()))
 
 
 def test_targets_are_met_from_their_better_side():
@@ -113,6 +152,7 @@ def test_targets_are_met_from_their_better_side():
 
 @pytest.mark.parametrize("goal", ["MaxValue", "FindBarycenter", "AgentCollisionAvoidance", "CircleFormation"])
 def test_quick_goals_are_reached(goal):
-    values = served(goal, find(goal).setting, range(100, 104)).values
-    for measure in find(goal).measures:
+    scene = find(goal)
+    values = served(scene, scene.setting, range(100, 104)).values
+    for measure in scene.measures:
         assert measure.met(float(values[measure.name].mean())), (measure.name, values[measure.name])

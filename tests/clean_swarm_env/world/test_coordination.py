@@ -5,20 +5,20 @@ import pytest
 
 from clean_swarm_env.config.files import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.mission import Course, run_mission
+from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec
-from tests.clean_swarm_env.courses import snapshot
+from tests.clean_swarm_env.courses import avoidance, snapshot
 
 
 def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
     plain, coordinated = load_mission("table1"), load_mission("cleaning-patrol")
     start = random_start(plain, 5, 0)
-    one, other = Course(plain, start, 3, {}), Course(coordinated, start, 3, {})
+    one, other = Course(MissionRun(plain, start, 3, {})), Course(MissionRun(coordinated, start, 3, {}))
     for _ in range(1000):
         one.tick()
         other.tick()
@@ -26,7 +26,9 @@ def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
     for name, part in snapshot(one.worlds, 0).items():
         if name not in ("inner", "held"):  # of the coordinators, of which one has one more
             assert np.array_equal(part, parts[name]), name
-    assert other.worlds.pheromones.count(0, "pheromone") == one.worlds.pheromones.count(0, "pheromone") > 100
+    assert (
+        other.worlds.minds.pheromones.count(0, "pheromone") == one.worlds.minds.pheromones.count(0, "pheromone") > 100
+    )
 
 
 def test_what_robots_patrol_by_decides_the_mission():
@@ -39,7 +41,7 @@ def test_what_robots_patrol_by_decides_the_mission():
 def test_the_same_seed_takes_the_same_course_however_options_change():
     mission = load_mission("cleaning-patrol")
     start = random_start(mission, 5, 1)
-    courses = [Course(mission, start, 7, {}, StrategySpec(name="Random")) for _ in range(2)]
+    courses = [Course(MissionRun(mission, start, 7, {}, StrategySpec(name="Random"))) for _ in range(2)]
     held = set()
     for _ in range(200):
         for course in courses:
@@ -59,5 +61,13 @@ def test_each_coordinator_wants_an_option():
     assert [coordinator.held.tolist() for coordinator in worlds.coordinators] == [[2] * 5, [1] * 5]
     with pytest.raises(ValueError, match=r"one option for each of ExplorationPatrol, AvoidCollision, got shape \(5,\)"):
         worlds.hold(np.zeros(5, np.int64))
+    assert worlds.minds.coordinator_of("AvoidCollision") is worlds.coordinators[1]
+    assert worlds.minds.coordinator_of("ExplorationPatrol") is worlds.coordinators[0]
     with pytest.raises(DocumentError, match="unknown coordinated goal 'ExplorationPatrol'"):
         Worlds(mission, models[1:])
+
+
+def test_a_goal_that_the_mission_does_not_coordinate_has_no_coordinator():
+    worlds = Worlds(load_mission("table1"), avoidance())
+    with pytest.raises(KeyError, match=r"unknown coordinated goal 'ExplorationPatrol' \(known: AvoidCollision\)"):
+        worlds.minds.coordinator_of("ExplorationPatrol")

@@ -5,7 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, Garbage, handle_cargo, nearest_lying
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, Garbage, nearest_lying
+from clean_swarm_env.world.records import FLOOR, MINDS
+from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided
+from selforg.network.state.state import STARTED
+from tests.clean_swarm_env.world.records import floor_record, minds_record
 
 EXTENT = np.array([11.0, 7.0])
 PICK, RECYCLE, DUMP = 0, 2, 3  # columns of `started`, one of which means something else
@@ -13,19 +17,17 @@ COLUMNS = np.array([PICK, RECYCLE, DUMP])
 
 
 def _handle(garbage, robots, started):
-    picked = np.zeros((len(robots), 2), np.int64)
-    worlds = np.arange(len(robots)) // garbage.robots
-    nearest = np.array(
-        [
-            nearest_lying(*robot, garbage.positions[world], garbage.stage[world], EXTENT)[0]
-            for world, robot in zip(worlds, np.asarray(robots, float), strict=True)
-        ]
-    )
-    count = handle_cargo(
-        np.asarray(started), COLUMNS, np.asarray(robots, float), EXTENT, 0.6, nearest, garbage.positions, garbage.stage,
-        garbage.leftover, garbage.cargo, garbage.recycled, garbage.done, picked,
-    )  # fmt: skip
-    return picked[:count].tolist()
+    """Let the behaviours act that have just `started` (R, B); return the items picked."""
+    places, worlds = np.asarray(robots, float), np.arange(len(robots)) // garbage.robots
+    nearest = [
+        nearest_lying(*robot, garbage.positions[world], garbage.stage[world], EXTENT)[0]
+        for world, robot in zip(worlds, places, strict=True)
+    ]
+    floor = floor_record(garbage, places, EXTENT, nearest=np.array(nearest), pick_distance=0.6)
+    minds = minds_record(len(robots), behaviours=4, handling=COLUMNS)
+    minds.marks[:, STARTED] = started
+    count = handle_cargo_as_decided(FLOOR.pack(floor).words, MINDS.pack(minds).words)
+    return floor.picked[:count].tolist()
 
 
 def _starting(robots, **what):

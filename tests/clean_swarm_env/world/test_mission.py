@@ -87,7 +87,7 @@ def test_items_without_room_are_lost():
     for _ in range(60):
         worlds.tick()
     assert (worlds.garbage.stage[0] < 2).sum() == 5
-    assert worlds.items.count(0, "garbage") == (worlds.garbage.stage[0] == 0).sum()
+    assert worlds.minds.items.count(0, "garbage") == (worlds.garbage.stage[0] == 0).sum()
 
 
 def test_a_mission_waits_for_garbage_that_is_still_to_land():

@@ -22,11 +22,11 @@ def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), **changes):
 def _spread(worlds, ticks=1):
     """Let poses be spread as in a tick, without moving; return how many poses each robot sees."""
     for _ in range(ticks):
-        worlds.poses.update(worlds.physics.positions, worlds.physics.headings, worlds.now)
-        worlds.reception.listen()
-        worlds._now_ticks += 1
+        worlds.minds.poses.update(worlds.physics.positions, worlds.physics.headings, worlds.now)
+        worlds.minds.receive_poses()
+        worlds._clock.advance()
     everything = Filter(static=False, view_distance=np.inf)
-    return [len(Queries(worlds.gradients).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
+    return [len(Queries(worlds.minds.gradients).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
 
 
 def test_poses_reach_robots_within_range():
@@ -39,10 +39,10 @@ def test_poses_reach_robots_within_range():
 def test_a_pose_is_kept_for_its_time_and_then_forgotten():
     worlds = _still({"own_contents": True, "pose_memory": 0.6})
     assert _spread(worlds) == [2, 2, 2]
-    worlds.reception.set(0, 1.0, 0.0)
+    worlds.minds.reception.set(0, 1.0, 0.0)
     worlds.physics.positions[0, 0] += 0.5
     assert _spread(worlds) == [2, 2, 2]
-    seen = Queries(worlds.gradients).gradients(1, worlds.now, Filter(static=False, view_distance=np.inf))
+    seen = Queries(worlds.minds.gradients).gradients(1, worlds.now, Filter(static=False, view_distance=np.inf))
     assert sorted(gradient.position[0] for gradient in seen) == [1.0, 6.0]  # where robot 0 was when last heard
     assert _spread(worlds, 2) == [2, 2, 2]
     assert _spread(worlds) == [0, 0, 0]
@@ -58,9 +58,9 @@ def test_losses_have_the_given_probability():
 def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
     worlds = _still({"reach": 2.5})
     _spread(worlds)
-    worlds.patrol.deposit(worlds.now, np.array([0]))
+    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
     trail = Filter(("pheromone",), moving=False, view_distance=np.inf)
-    known = [len(Queries(worlds.pheromones).gradients(row, worlds.now, trail)) for row in range(3)]
+    known = [len(Queries(worlds.minds.pheromones).gradients(row, worlds.now, trail)) for row in range(3)]
     assert known == [1, 1, 0]
 
 
@@ -110,10 +110,10 @@ def test_events_of_the_delivery_happen_in_their_time():
     seen = []
     for _ in range(12):
         worlds.tick()
-        seen.append((float(worlds.reception._reaches[0]), float(worlds.reception._losses[0])))
+        seen.append((float(worlds.minds.reception._reaches[0]), float(worlds.minds.reception._losses[0])))
     assert seen == [(1e9, 0.0)] * 5 + [(2.5, 0.25)] * 5 + [(1e9, 0.0)] * 2
 
 
 def test_a_world_whose_robots_share_all_refuses_losses():
     with pytest.raises(ValueError, match=r"expected a mission with delivery\.own_contents"):
-        worlds_at_start(mission(), [1]).reception.set(0, 1.0, 0.0)
+        worlds_at_start(mission(), [1]).minds.reception.set(0, 1.0, 0.0)

@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
-from clean_swarm_env.world.robot import SENSORS, read_sensors, robot_model
+from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING, Garbage
+from clean_swarm_env.world.records import FLOOR, MINDS
+from clean_swarm_env.world.robot import SENSORS, robot_network
+from clean_swarm_env.world.tick_kernels import read_sensors
 from tests.clean_swarm_env.courses import avoidance
+from tests.clean_swarm_env.world.records import floor_record, minds_record
 
 EXTENT = np.array([11.0, 11.0])
 STATIONS = np.array([[2.75, 5.5], [8.25, 5.5]])
-LIMITS = np.array([2.0, 0.55, 0.5, 0.6])
 
 BEHAVIOURS = {
     "Patrol": ({"garbage_found"}, {"patrolled": 1, "garbage_seen": 1}, 0.8),
@@ -26,17 +28,19 @@ BEHAVIOURS = {
 
 
 def _read(robot, items, stage, cargo=NOTHING, recycled=0):
-    readings = np.full((1, len(SENSORS)), 9.0)
-    read_sensors(
-        np.array([robot], float), EXTENT, STATIONS[None], LIMITS, np.array([items], float).reshape(1, -1, 2),
-        np.array([stage], np.int64).reshape(1, -1), np.array([cargo]), np.array([recycled]), readings,
-        np.zeros(1, np.int64),
-    )  # fmt: skip
-    return dict(zip((sensor.name for sensor in SENSORS), readings[0].tolist(), strict=True))
+    garbage = Garbage(1, len(items), 1)
+    garbage.positions[0], garbage.stage[0] = np.reshape(items, (-1, 2)), stage
+    garbage.cargo[0], garbage.recycled[0] = cargo, recycled
+    distances = {"sight": 2.0, "at_item": 0.55, "at_station": 0.5, "pick_distance": 0.6}
+    floor = floor_record(garbage, np.array([robot], float), EXTENT, stations=STATIONS[None], **distances)
+    minds = minds_record(1)
+    minds.readings[:] = 9.0
+    read_sensors(FLOOR.pack(floor).words, MINDS.pack(minds).words)
+    return dict(zip((sensor.name for sensor in SENSORS), minds.readings[0].tolist(), strict=True))
 
 
 def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_reference():
-    model = robot_model(NetworkConfig(), [avoidance()])
+    model = robot_network(NetworkConfig(), [avoidance()]).model
     assert [behaviour.name for behaviour in model.behaviours] == [*BEHAVIOURS, "AvoidCollision"]
     for behaviour in model.behaviours[:-1]:
         sensors, effects, ready = BEHAVIOURS[behaviour.name]
@@ -51,7 +55,7 @@ def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_referen
 
 def test_settings_reach_the_network():
     config = NetworkConfig(activation_threshold=5.0, threshold_decay=0.7, activation_decay=0.6, max_parallel=2)
-    settings = robot_model(config, [avoidance()]).settings
+    settings = robot_network(config, [avoidance()]).model.settings
     assert (settings.activation_threshold, settings.threshold_decay) == (5.0, 0.7)
     assert (settings.activation_decay, settings.max_parallel) == (0.6, 2)
 

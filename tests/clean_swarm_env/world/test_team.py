@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import laid_over
+from clean_swarm_env.config.files import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
@@ -106,7 +106,7 @@ def test_the_order_of_the_robots_does_not_matter_while_the_team_changes(seed):
     first.reset(0, start, seed)
     second.reset(0, moved(start, order), seed)
     streams = np.random.SeedSequence(seed).spawn(5)
-    second.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
+    second.minds.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
     for one, two in zip(course(first, 0, 40), course(second, 0, 40), strict=True):
         np.testing.assert_allclose(one["positions"][order], two["positions"], atol=1e-6)
         assert np.array_equal(one["samples"], two["samples"])
@@ -114,7 +114,7 @@ def test_the_order_of_the_robots_does_not_matter_while_the_team_changes(seed):
 
 def _poses_seen(worlds, row):
     everything = Filter(static=False, view_distance=np.inf)
-    return len(Queries(worlds.gradients).gradients(row, worlds.now, everything))
+    return len(Queries(worlds.minds.gradients).gradients(row, worlds.now, everything))
 
 
 def test_a_robot_taken_away_is_nowhere():
@@ -172,11 +172,11 @@ def test_cargo_lies_where_its_robot_is_lost_and_is_picked_up_as_it_was(way, recy
         worlds.tick()
     row = int(np.flatnonzero((worlds.garbage.cargo != NOTHING) & (worlds.garbage.recycled == recycled))[0])
     item, place = int(worlds.garbage.cargo[row]), worlds.physics.positions[row].copy()
-    lying = worlds.items.count(0, "garbage")
+    lying = worlds.minds.items.count(0, "garbage")
     getattr(worlds.team, way)(np.array([row]))
     assert worlds.garbage.stage[0, item] == LYING
     assert (worlds.garbage.positions[0, item] == place).all()
-    assert worlds.items.count(0, "garbage") == lying + 1
+    assert worlds.minds.items.count(0, "garbage") == lying + 1
     assert (worlds.garbage.cargo[row], worlds.garbage.recycled[row]) == (NOTHING, 0)
     for _ in range(3000):
         worlds.tick()
@@ -232,7 +232,7 @@ def test_a_robot_joins_only_where_and_when_there_is_room():
 def test_robots_join_at_random_places_without_touching_anybody():
     config = mission(robots={"count": 1}, events=[{"at": 0.0, "do": "join", "robots": 30}])
     worlds = worlds_at_start(config, [3, 4])
-    worlds.agendas.let_happen(0)
+    worlds._agendas.apply_due()
     for world in range(2):
         places = worlds.physics.positions[worlds.rows_of(world)]
         offsets = np.abs(places[:, None] - places[None])
@@ -269,4 +269,4 @@ def test_snapshots_of_changing_worlds_stay_finite():
         worlds.tick()
     assert all(np.isfinite(part).all() for part in snapshot(worlds, 0).values())
     assert worlds.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0]]
-    assert laid_over({}, CHANGING)["events"][0]["do"] == "fail"
+    assert with_changes({}, CHANGING)["events"][0]["do"] == "fail"

@@ -10,7 +10,9 @@ import pytest
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.world.robot import GOAL
 from tests.clean_swarm_env.courses import (
+    CROWD,
     begin,
     course,
     difference,
@@ -68,7 +70,7 @@ def test_the_order_of_the_robots_does_not_matter(name, seed):
     second.reset(0, moved(start, order), seed)
     first.reset(0, start, seed)
     streams = np.random.SeedSequence(seed).spawn(5)
-    second.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
+    second.minds.directions.reset(np.arange(5), [np.random.default_rng(streams[k]) for k in order])
     for one, other in zip(course(first, 0, 40), course(second, 0, 40), strict=True):
         np.testing.assert_allclose(one["positions"][order], other["positions"], atol=1e-6)
         np.testing.assert_allclose(one["values"][:, order], other["values"], atol=1e-6)
@@ -105,7 +107,7 @@ def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
                 assert now["stage"][had] == DONE
                 assert _apart(place, stations.dump, worlds) <= 0.5
         assert (now["stage"] == DONE).sum() == worlds.garbage.done[0] == dumped
-        assert worlds.items.count(0, "garbage") == (now["stage"] == LYING).sum()
+        assert worlds.minds.items.count(0, "garbage") == (now["stage"] == LYING).sum()
         before = now
     assert picked == recycled == dumped == 10
 
@@ -133,8 +135,8 @@ def test_a_forced_option_is_held_and_the_only_one_that_runs(name):
         worlds = worlds_at_start(mission(name), [1], option)
         for _ in range(300):
             worlds.tick()
-            assert (worlds.coordinator.held == option).all()
-        ran = [bool(content.network.state.values.any()) for content in worlds.coordinator.contents]
+            assert (worlds.minds.coordinator_of(GOAL).held == option).all()
+        ran = [bool(content.network.state.values.any()) for content in worlds.minds.coordinator_of(GOAL).contents]
         assert ran == [k == option for k in range(3)]
 
 
@@ -176,7 +178,7 @@ def test_robots_of_one_world_may_hold_different_options():
     worlds.hold(np.array([0, 1]), np.array([3, 4]))
     for _ in range(200):
         worlds.tick()
-    assert worlds.coordinator.held.tolist() == [2, 2, 2, 0, 1]
+    assert worlds.minds.coordinator_of(GOAL).held.tolist() == [2, 2, 2, 0, 1]
 
 
 def test_what_cannot_be_is_refused():
@@ -195,16 +197,30 @@ def test_the_clock_of_the_buffers_keeps_time():
     assert 30.0 <= worlds.now < 30.0 + 1e-6  # a period of whole ticks is over with its last tick, not one later
 
 
+COURSE = (
+    "import numpy as np; from tests.clean_swarm_env.courses import CROWD, course, mission, worlds_at_start;"
+    "steps = course(worlds_at_start({config}, [5], 0), 0, 40);"
+    "print(*np.ravel([step['positions'] for step in steps]).tolist())"
+)
+
+
+def _switched(switch: str, config: str) -> list[float]:
+    """Return the course of a mission, number by number, in a process with a switch set."""
+    done = subprocess.run(
+        [sys.executable, "-c", COURSE.format(config=config)], cwd=ROOT, env={**os.environ, switch: "1"},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return [float(number) for number in done.stdout.split()]
+
+
 def test_compiled_and_plain_python_take_the_same_course():
     """The kernels are plain functions: what the compiler makes of them must not differ from what they say."""
-    code = (
-        "import numpy as np; from tests.clean_swarm_env.courses import course, mission, worlds_at_start;"
-        "steps = course(worlds_at_start(mission(), [5], 0), 0, 40);"
-        "print(*np.ravel([step['positions'] for step in steps]).tolist())"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True,
-        text=True, check=True,
-    )  # fmt: skip
     compiled = np.ravel([step["positions"] for step in course(worlds_at_start(mission(), [5], 0), 0, 40)])
-    np.testing.assert_allclose([float(number) for number in done.stdout.split()], compiled, atol=1e-9)
+    np.testing.assert_allclose(_switched("NUMBA_DISABLE_JIT", "mission()"), compiled, atol=1e-9)
+
+
+def test_without_records_by_address_robots_that_touch_take_the_same_course():
+    """Records are named tuples then, references are counted, and Chipmunk is called from Python."""
+    steps = course(worlds_at_start(CROWD, [5], 0), 0, 40)
+    assert steps[-1]["events"][0] > 0  # they do touch
+    assert _switched("CLEAN_SWARM_PLAIN_NUMBA", "CROWD") == np.ravel([step["positions"] for step in steps]).tolist()

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import yaml
 
-from selector.configurations.host import Host, host_knowledge
+from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import knowledge_from, load_knowledge
-from selforg.components import Knowledge
+from selforg.components import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
@@ -78,18 +78,18 @@ def host_of(model, rung=None):
     poses = OwnPoses(Euclidean(2), 3, goal_radius=0.25)
     buffers = {name: SoBuffer(BufferSettings(), poses.space, poses) for name in ("gradients", "trails")}
     buffers["gradients"].store_static(0, "goal", np.array([[4.0, 0.0]]), 0.0, diffusion=2.0, goal_radius=0.5)
-    knowledge = host_knowledge(model.configurations, 3)
-    knowledge.write("measured", [0, 1, 2], [3.0, 7.0, 5.0])
+    memory = host_memory(model.configurations, 3)
+    memory["measured"].write([0, 1, 2], [3.0, 7.0, 5.0])
     calls = {"ring": lambda now, rows: None if rung is None else rung.append(rows.tolist())}
     poses.update(np.array([[0.0, 0.0], [1.0, 0.0], [30.0, 0.0]]), np.zeros(3), 0.1)
-    return Host(poses, buffers, None, [np.random.default_rng(0)] * 3, knowledge, calls)
+    return Host(poses, buffers, None, [np.random.default_rng(0)] * 3, memory, calls)
 
 
 def test_every_sensor_and_action_is_what_it_says(model):
     rung = []
     host = host_of(model, rung)
     robots = CoordinatedRobots(model, host)
-    host.knowledge.write("ready", [0], True)
+    host.memory["ready"].write([0], True)
     commands = robots.tick(0.2)
     inner = robots.coordinators[0].contents[0]
     read = dict(zip(inner.network.model.sensor_index, inner.network.readings.T.tolist(), strict=True))
@@ -121,21 +121,21 @@ def test_an_option_taken_up_begins_anew_and_others_go_on(model):
     inner = coordinator.contents[0]
     told = inner.network.model.sensor_index["told"]
     kept = inner.network.state.value_table[0].copy()
-    host.knowledge.write("measured", [1], 1.0)
-    host.knowledge.write("ready", [1], True)
+    host.memory["measured"].write([1], 1.0)
+    host.memory["ready"].write([1], True)
     robots.hold(np.array([1]), np.array([1]))
     assert np.array_equal(inner.network.state.value_table[0], kept)
     robots.hold(np.array([0]), np.array([1]))
     assert inner.mechanisms["gossip"].values.tolist() == [3.0, 1.0, 5.0]  # begun with what is measured now
     robots.tick(1.2)
     assert inner.network.readings[:, told].tolist() == [1, 0, 1]
-    assert host.knowledge.values("ready").tolist() == [0, 1, 0]
+    assert host.memory["ready"].values.tolist() == [0, 1, 0]
 
 
 def test_a_movement_is_held_as_long_as_it_says(model):
     host = host_of(model)
     robots = CoordinatedRobots(model, host)
-    host.knowledge.write("ready", [0, 1, 2], True)
+    host.memory["ready"].write([0, 1, 2], True)
     asked = []
     mechanism = robots.coordinators[0].contents[0].mechanisms["go"]
     move_into = mechanism.move_into
@@ -223,9 +223,9 @@ def test_a_host_that_lacks_something_is_told_what(model):
     for changes, message in (
         ({"buffers": {"gradients": whole.buffers["gradients"]}}, r"unknown buffer 'trails' \(known: gradients\)"),
         ({"calls": {}}, r"unknown call 'ring' \(known: none\)"),
-        ({"knowledge": None}, r"expects: unknown knowledge 'measured' \(known: none\)"),
+        ({"memory": RobotMemory(3, {})}, r"expects: unknown knowledge 'measured' \(known: none\)"),
         (
-            {"knowledge": Knowledge(3, {"measured": 1.0, "ready": 0.0})},
+            {"memory": RobotMemory(3, {"measured": 1.0, "ready": 0.0})},
             "expects.ready: expected a fact, but the host kn",
         ),
     ):
@@ -271,9 +271,9 @@ def commands_of(model, places, teams, options, steps=40):
             buffers["gradients"].store_static(
                 team, channel, np.array([[x, 1.0]]), 0.0, diffusion=3.0, goal_radius=0.3, attraction=sign
             )
-    knowledge = host_knowledge(model.configurations, rows)
+    memory = host_memory(model.configurations, rows)
     generators = [np.random.default_rng([5, k % 3]) for k in range(rows)]
-    host = Host(poses, buffers, None, generators, knowledge)
+    host = Host(poses, buffers, None, generators, memory)
     robots, told = CoordinatedRobots(model, host), []
     robots.hold(options)
     positions = places.copy()

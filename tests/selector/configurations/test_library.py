@@ -5,7 +5,7 @@ import yaml
 
 import configs
 from selector.configurations.library import Library
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config.files import laid_over, load_mission
+from clean_swarm_env.config.files import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.robot import coordinators_of
@@ -30,7 +30,7 @@ PARTS = ("positions", "headings")
 def mission_of() -> MissionConfig:
     """Return the mission with two coordinators, without garbage: it has no end."""
     return MissionConfig.model_validate(
-        laid_over(load_mission("cleaning-patrol").model_dump(), {"garbage": {"count": 0}})
+        with_changes(load_mission("cleaning-patrol").model_dump(), {"garbage": {"count": 0}})
     )
 
 
@@ -78,7 +78,7 @@ def soak(seconds: float) -> list[str]:
             if one.fingerprint() != other.fingerprint():
                 return [f"fingerprints of equal seeds differ after {period * mission.decision_period:g} s"]
     third, last = (float(np.mean(part)) for part in np.array_split(memory, 4)[2:])
-    stored = one.worlds.pheromones.count(0, "pheromone")
+    stored = one.worlds.minds.pheromones.count(0, "pheromone")
     print(f"{periods} decision periods of 2 x {one.worlds.rows} robots, fingerprint {one.fingerprint()[:12]}")
     print(f"memory: third quarter {third / 1024:.0f} KiB, last {last / 1024:.0f} KiB; {stored} pheromones in a world")
     if last - third > GROWTH:

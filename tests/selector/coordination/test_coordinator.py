@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.world.robot import robot_model
+from clean_swarm_env.world.robot import robot_network
 from selector.configurations.host import Host
 from selector.configurations.library import Library
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
@@ -59,7 +59,7 @@ def _flat(nested: NetworkModel, avoidance: CoordinatorModel, option: int) -> Net
 @pytest.mark.parametrize("planner", [False, True])
 @pytest.mark.parametrize("option", [0, 2])
 def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, option, planner):
-    model = robot_model(NetworkConfig(), [avoidance])
+    model = robot_network(NetworkConfig(), [avoidance]).model
     flat_model = _flat(model, avoidance, option)
     nested = BehaviourNetwork(model, ROWS, BuiltInPlanner(model) if planner else None)
     flat = BehaviourNetwork(flat_model, ROWS, BuiltInPlanner(flat_model) if planner else None)
@@ -80,7 +80,7 @@ def test_the_network_above_does_what_it_would_do_without_the_nesting(avoidance, 
 
 
 def _coordinator(avoidance, vectors):
-    model = robot_model(NetworkConfig(), [avoidance])
+    model = robot_network(NetworkConfig(), [avoidance]).model
     network, poses = BehaviourNetwork(model, ROWS), OwnPoses(Euclidean(2), ROWS)
     host = Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)})
     coordinator = Coordinator(avoidance, network, host)

@@ -7,9 +7,9 @@ import pytest
 
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
-from selector.vocabulary import components as words
+from selforg.components import ACTIONS, SENSORS
 from tests.paths import ROOT
 
 PAGE = (ROOT / "docs" / "selector.md").read_text(encoding="utf-8")
@@ -61,7 +61,6 @@ def test_every_goal_and_option_of_the_library_stands_in_the_table():
 
 
 def test_all_words_are_explained():
-    specs = [name.removesuffix("Spec") for name in vars(words) if name.endswith("Spec") and name != "TargetSpec"]
-    types = [name for name in specs if name not in ("Sensor", "Action", "Mechanism")]
+    types = [cls.__name__ for cls in (*SENSORS, *ACTIONS) if cls.__module__.startswith("selforg.")]
     assert len(types) == 17
     assert [name for name in types if f"`{name}`" not in PAGE] == []

@@ -9,7 +9,7 @@ import configs
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import load_network, network_from
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.network.model.activators import Linear
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings
@@ -116,7 +116,7 @@ def test_a_mistake_is_one_line_that_says_where(document, message, coordinators):
 
 def test_an_unknown_activator_lists_the_known():
     rest = behaviour("Rest", preconditions=[{"sensor": "at_dump", "activator": {"type": "Bolean"}}])
-    with pytest.raises(DocumentError, match=r"'Bolean'.*'Boolean', 'Threshold', 'Linear', 'Greedy', 'Equal'"):
+    with pytest.raises(DocumentError, match=r"activator 'Bolean' \(known: Boolean, Equal, Greedy, Linear, .*Threshold"):
         network_from(rest)
 
 

@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from selector.coordination.robot_document import load_network, network_from
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import NetworkSettings, Weights
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional

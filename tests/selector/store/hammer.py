@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from selector.store import Batch, KnowledgeStore
+from selector.store import KnowledgeStore, RewardSums
 from selector.store.exact_sums import Moments, on_grid, sums_by_cell
 
 GOAL, OPTIONS = "Avoid", ("near", "far")
@@ -26,7 +26,7 @@ def rewards(process: int, updates: int) -> np.ndarray:
 def update(url: str, process: int, updates: int) -> None:
     store = KnowledgeStore(url)  # the first process to come makes it
     for number, reward in enumerate(rewards(process, updates)):
-        batch = Batch(GOAL, OPTIONS)
+        batch = RewardSums(GOAL, OPTIONS)
         batch.record(np.array([number % 2]), np.array([reward]))
         store.add(batch, source=f"run-{process % SOURCES}")
     store.close()

@@ -14,7 +14,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from selector.store import Batch, KnowledgeStore, Moments
+from selector.store import KnowledgeStore, Moments, RewardSums
 
 GOAL, OPTIONS = "Avoid", ("near", "far")
 SAME_STORE = 10
@@ -27,7 +27,7 @@ def update_until_killed(url: str, source: str, said: int) -> None:
     store = KnowledgeStore(url)
     number = 0
     while True:
-        batch = Batch(GOAL, OPTIONS)
+        batch = RewardSums(GOAL, OPTIONS)
         batch.record(np.array([0, 1]), np.array([number, number], dtype=float))
         store.add(batch, source=source)
         os.write(said, b".")

@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import strategies as st
 
 from selector.knowledge import Option
-from selector.store.batch import Batch
 from selector.store.exact_sums import NOTHING, REWARD_LIMIT, on_grid, sums_by_cell
-from selector.store.records import Contents, Entry, Key, Rated
+from selector.store.reward_sums import RewardSums
+from selector.store.stored_knowledge import Entry, Key, Rated, StoredKnowledge
 
 rewards = st.floats(-REWARD_LIMIT, REWARD_LIMIT)
 short = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), min_size=1, max_size=8)
@@ -54,9 +54,9 @@ def rated_table(draw, of=names):
 
 
 def contents(of=None):
-    """Contents of a store; with a strategy of few names, two of them have much in common."""
+    """StoredKnowledge of a store; with a strategy of few names, two of them have much in common."""
     entries = st.dictionaries(keys if of is None else few_keys, st.builds(Entry, moments, times), max_size=5)
-    return st.builds(Contents, rated_table(names if of is None else of), entries)
+    return st.builds(StoredKnowledge, rated_table(names if of is None else of), entries)
 
 
 overlapping = contents(st.sampled_from("ab"))
@@ -70,7 +70,7 @@ def updates(draw, most=12):
 
 
 def batch_of(some):
-    batch = Batch("Avoid", ["near", "far"])
+    batch = RewardSums("Avoid", ["near", "far"])
     for option, context, reward in some:
         batch.record(np.array([option]), np.array([reward]), context)
     return batch

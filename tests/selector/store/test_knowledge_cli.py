@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from selector.store import Batch, Contents, KnowledgeStore
+from selector.store import KnowledgeStore, RewardSums, StoredKnowledge
 from train import knowledge_store as stores
 from train.cli import app as cli
 
@@ -31,14 +31,14 @@ def run(monkeypatch, capsys, tmp_path):
 
 
 def learn(path: str, rewards, source="run-1", option="RepulsionGradient", context=""):
-    batch = Batch("AvoidCollision", [option])
+    batch = RewardSums("AvoidCollision", [option])
     batch.record(np.zeros(len(rewards), dtype=int), np.array(rewards), context)
     store = KnowledgeStore(path)
     store.add(batch, source=source, updated=1_795_257_649_499_841)
     store.close()
 
 
-def held(path) -> Contents:
+def held(path) -> StoredKnowledge:
     store = KnowledgeStore(str(path), create=False)
     contents = store.contents()
     store.close()

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from selector.knowledge import knowledge_from, load_knowledge
-from selector.store import Batch, KnowledgeStore, StoreError
+from selector.store import KnowledgeStore, RewardSums, StoreError
 
 
 def learned_from(store, reward):
     """Let a store learn one reward of option `a`."""
-    made = Batch("G", ["a"])
+    made = RewardSums("G", ["a"])
     made.record(np.zeros(1, dtype=np.int64), np.array([reward]))
     store.add(made, source="run", updated=1)
 

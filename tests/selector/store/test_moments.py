@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from selector.store.batch import Batch
 from selector.store.exact_sums import CHUNK, COUNT_LIMIT, GRID_BITS, Moments, on_grid, sums_by_cell
+from selector.store.reward_sums import RewardSums
 from tests.selector.store import strategies as some
 
 
@@ -55,7 +55,7 @@ def test_sums_of_more_rows_than_fit_into_64_bits_at_once():
 
 @pytest.mark.parametrize("reward", [math.nan, math.inf, -math.inf, 2.0**20 + 1, -1e300])
 def test_rewards_that_fit_nowhere_are_refused_and_nothing_is_recorded(reward):
-    batch = Batch("G", ["a"])
+    batch = RewardSums("G", ["a"])
     with pytest.raises(ValueError, match=r"reward of row 1: expected a number from -1048576 to 1048576, got "):
         batch.record(np.array([0, 0]), np.array([1.0, reward]))
     assert batch.moments == {}
@@ -79,7 +79,7 @@ def test_moments_of_no_rewards_are_recognised(moments, message):
 @settings(max_examples=30)
 @given(some.updates(40))
 def test_a_batch_sums_rows_by_option_and_context(updates):
-    batch = Batch("Avoid", ["near", "far"])
+    batch = RewardSums("Avoid", ["near", "far"])
     if updates:
         option, contexts, reward = zip(*updates, strict=True)
         batch.record(np.array(option), np.array(reward), contexts)
@@ -103,4 +103,4 @@ def test_a_batch_sums_rows_by_option_and_context(updates):
 )
 def test_updates_that_do_not_fit_are_refused(option, reward, contexts, message):
     with pytest.raises(ValueError, match=message):
-        Batch("G", ["a", "b"]).record(np.array(option), np.array(reward), contexts)
+        RewardSums("G", ["a", "b"]).record(np.array(option), np.array(reward), contexts)

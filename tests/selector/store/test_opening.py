@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from selector.store import Batch, Contents, KnowledgeStore, StoreError
+from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError
 
-BATCH = Batch("G", ["a"])
+BATCH = RewardSums("G", ["a"])
 BATCH.record(np.array([0]), np.array([1.0]))
 NOBODY = 65534
 
@@ -66,12 +66,12 @@ def test_what_does_not_exist_is_made_only_on_demand(tmp_path):
     (tmp_path / "empty").touch()
     refused(tmp_path / "empty", "empty: holds no knowledge store", create=False)
     assert [(p.name, p.stat().st_size) for p in tmp_path.iterdir()] == [("empty", 0)]
-    assert KnowledgeStore(str(tmp_path / "empty")).contents() == Contents()
+    assert KnowledgeStore(str(tmp_path / "empty")).contents() == StoredKnowledge()
 
 
 def test_a_path_and_its_url_name_the_same_store(path):
     found = [KnowledgeStore(url, create=False).contents() for url in (str(path), f"sqlite:///{path}")]
-    assert found[0] == found[1] != Contents()
+    assert found[0] == found[1] != StoredKnowledge()
 
 
 def test_a_store_from_a_newer_version_is_left_alone(path):
@@ -199,7 +199,7 @@ def test_a_postgres_store_from_a_newer_version_is_left_alone(postgres):
         with engine.begin() as connection:
             connection.execute(text("UPDATE clean_swarm_meta SET value = '9' WHERE key = 'schema'"))
         refused(postgres, r"comes from a newer version \(schema 9, known up to 1\); update")
-        assert store.contents() != Contents()
+        assert store.contents() != StoredKnowledge()
     finally:
         with engine.begin() as connection:
             connection.execute(text("DROP TABLE clean_swarm_meta, clean_swarm_learned, clean_swarm_expert"))

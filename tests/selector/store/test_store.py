@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from selector.knowledge import knowledge_from, load_knowledge
-from selector.store import Batch, Contents, Key, KnowledgeStore, Moments, StoreError
+from selector.store import Key, KnowledgeStore, Moments, RewardSums, StoredKnowledge, StoreError
 from selector.store.exact_sums import COUNT_LIMIT
-from selector.store.records import Entry, contents_of
+from selector.store.stored_knowledge import Entry, stored
 from tests.selector.store import strategies as some
 
 few = settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -35,7 +35,7 @@ def lent(new_store):
 
 
 def batch(goal, rewards, options=("a", "b"), context=""):
-    made = Batch(goal, options)
+    made = RewardSums(goal, options)
     made.record(np.array([options.index(name) for name, _ in rewards]), np.array([r for _, r in rewards]), context)
     return made
 
@@ -129,7 +129,7 @@ def test_merged_stores_equal_one_store_of_all_updates(lent, first, second, third
 def test_merging_contents_commutes_and_associates(a, b, c):
     assert a.merged(b) == b.merged(a)
     assert a.merged(b).merged(c) == a.merged(b.merged(c))
-    assert a.merged(Contents()) == a
+    assert a.merged(StoredKnowledge()) == a
 
 
 def test_large_sums_are_exact_to_the_last_bit(new_store):
@@ -137,18 +137,18 @@ def test_large_sums_are_exact_to_the_last_bit(new_store):
     key = Key("G", "a", "", "run")
     store = new_store()
     for _ in range(2):
-        store.absorb(Contents(learned={key: Entry(largest, 1)}))
+        store.absorb(StoredKnowledge(learned={key: Entry(largest, 1)}))
     assert store.contents().learned == {key: Entry(largest + largest, 1)}
     with pytest.raises(StoreError, match=r"an entry would hold more than 68719476736 updates; nothing was added"):
-        store.absorb(Contents(learned={key: one, Key("G", "b", "", "run"): one}))
+        store.absorb(StoredKnowledge(learned={key: one, Key("G", "b", "", "run"): one}))
     assert store.contents().learned == {key: Entry(largest + largest, 1)}
 
 
 def test_reset_forgets_what_is_chosen(new_store):
     store = new_store()
     learned = {Key(g, o, c, s): one for g in "GH" for o in "ab" for c in ("", "far") for s in "xy"}
-    expert = contents_of(knowledge_from({"goals": {g: [{"configuration": o, "score": 1} for o in "ab"] for g in "GH"}}))
-    store.absorb(Contents(expert.expert, learned))
+    expert = stored(knowledge_from({"goals": {g: [{"configuration": o, "score": 1} for o in "ab"] for g in "GH"}}))
+    store.absorb(StoredKnowledge(expert.expert, learned))
     assert store.reset(goal="G", option="a", context="", source="x") == (1, 0)
     assert set(store.contents().learned) == set(learned) - {Key("G", "a", "", "x")}
     assert store.reset(goal="H", option="b", expert=True) == (4, 1)
@@ -156,7 +156,7 @@ def test_reset_forgets_what_is_chosen(new_store):
     assert store.reset(goal="nowhere") == (0, 0)
     assert store.reset() == (11, 0)
     assert store.reset(expert=True) == (0, 3)
-    assert store.contents() == Contents()
+    assert store.contents() == StoredKnowledge()
     with pytest.raises(TypeError, match="unknown selection: gaol"):
         store.reset(gaol="G")
 
@@ -176,7 +176,7 @@ def test_names_that_no_store_takes_are_refused_and_nothing_changes(new_store, na
                 call()
             where.append(what)
     assert len(where) >= 3
-    assert store.contents() == Contents()
+    assert store.contents() == StoredKnowledge()
 
 
 def test_the_longest_names_fit(new_store):
@@ -208,7 +208,7 @@ def test_a_forked_process_goes_on_with_a_connection_of_its_own(new_store):
 
 def test_more_contexts_than_a_query_can_name(new_store):
     store, contexts = new_store(), [f"cell {k}" for k in range(40_000)]
-    made = Batch("G", ["a"])
+    made = RewardSums("G", ["a"])
     made.record(np.zeros(3, dtype=int), np.array([1.0, 2.0, 4.0]), [contexts[k] for k in (0, 39_999, 39_999)])
     store.add(made, source="run")
     found = store.estimates("G", ["a"], contexts)
@@ -221,4 +221,4 @@ def test_times_that_no_date_has_are_refused(new_store, updated):
     store = new_store()
     with pytest.raises(StoreError, match=r"updated: expected a time from 1970 to 9999 \[us\], got"):
         store.add(batch("G", [("a", 1.0)]), source="run", updated=updated)
-    assert store.contents() == Contents()
+    assert store.contents() == StoredKnowledge()

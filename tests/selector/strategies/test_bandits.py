@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
 from selector.strategies.streams import row_keys, uniforms

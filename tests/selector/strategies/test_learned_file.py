@@ -10,15 +10,15 @@ import pytest
 import safetensors.numpy
 
 from selector.documents.arrays import load_arrays, save_arrays
-from selector.documents.yaml import DocumentError
-from selector.store import Batch, KnowledgeStore
+from selector.documents.errors import DocumentError
+from selector.store import KnowledgeStore, RewardSums
 from selector.strategies.learned_file import load_strategy, save_strategy, spec_of
 from selector.strategies.problem import Problem
-from selector.strategies.registry import create, registered
+from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.array([1.0, 2.0, 3.0]), ("x", "y"))
-LEARNING = sorted(set(registered()) - {"Fixed", "Policy", "MaxScore", "Random"})
+LEARNING = sorted(set(STRATEGIES.names()) - {"Fixed", "Policy", "MaxScore", "Random"})
 
 
 def made(name, parameters=None, *, problem=PROBLEM, rows=6, groups=None, seed=1):
@@ -164,7 +164,7 @@ def test_the_description_is_plain_json(tmp_path):
 
 
 def test_what_was_learned_goes_through_a_store_of_knowledge(tmp_path):
-    strategy, batch = made("GaussianThompson"), Batch("Goal", PROBLEM.options)
+    strategy, batch = made("GaussianThompson"), RewardSums("Goal", PROBLEM.options)
     generator = np.random.default_rng(0)
     for _ in range(30):
         context = generator.normal(size=(6, 2))

@@ -4,10 +4,10 @@ import shutil
 import numpy as np
 import pytest
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, load_policy, save_policy
 from selector.strategies.problem import Problem
-from selector.strategies.registry import create
+from selector.strategies.registry import StrategySpec, create
 from selector.strategies.streams import row_keys
 from tests.selector.strategies.policies import exported, untrained
 
@@ -156,6 +156,13 @@ def test_files_that_do_not_fit_are_one_line(tmp_path, change, message):
 def test_a_policy_that_does_not_exist_is_one_line(tmp_path):
     with pytest.raises(DocumentError, match=r"unknown policy 'luck' .*no directory with a policy\.json"):
         create("Policy", PROBLEM, np.zeros(1, np.uint64), {"policy": "luck"})
+
+
+def test_a_policy_is_found_by_name_in_the_users_directories(tmp_path):
+    exported(tmp_path / "policies" / "mine", "Goal", OPTIONS, OBSERVATIONS)
+    spec = StrategySpec(name="Policy", parameters={"policy": "mine"})
+    strategy = spec.build(PROBLEM, np.zeros(1, np.uint64), np.zeros(1, int), (tmp_path,))
+    assert strategy.select(np.zeros((1, 7))).shape == (1,)
 
 
 def test_weights_that_are_not_numbers_are_not_written(tmp_path):

@@ -5,12 +5,13 @@ import pytest
 
 import selector.strategies.registry
 import selector.strategies.strategy
-from selector.documents.yaml import Closed, DocumentError, validated
+from selector.documents.errors import DocumentError, validated
+from selector.documents.fields import Closed
 from selector.strategies.fixed import Fixed
 from selector.strategies.max_score import MaxScore
 from selector.strategies.problem import Problem
 from selector.strategies.random_choice import Random
-from selector.strategies.registry import StrategySpec, create, register, registered, spec_from_text
+from selector.strategies.registry import STRATEGIES, StrategySpec, create, spec_from_text
 from selector.strategies.strategy import DecisionStrategy
 
 NO_CONTEXT = np.zeros((3, 0))
@@ -62,13 +63,13 @@ def test_random_options_are_equally_frequent_among_those_that_can_serve():
 def test_unknown_and_double_names_are_refused():
     with pytest.raises(DocumentError, match=r"unknown strategy 'UCB' \(known: .*MaxScore.*did you mean 'UCB1'"):
         create("UCB", problem([1.0]), KEYS)
-    with pytest.raises(ValueError, match="'MaxScore' is registered twice"):
-        register(MaxScore)
+    with pytest.raises(ValueError, match="'MaxScore' is registered already"):
+        STRATEGIES.register(MaxScore)
 
 
-@pytest.mark.parametrize("name", list(registered()))
+@pytest.mark.parametrize("name", STRATEGIES.names())
 def test_every_parameter_is_explained_and_none_is_unknown(name):
-    parameters = registered()[name].Parameters
+    parameters = STRATEGIES.find(name).Parameters
     for field in parameters.model_fields.values():
         assert field.description
         assert field.description.endswith(".")
@@ -158,7 +159,7 @@ def test_an_option_that_does_not_exist_or_cannot_serve_is_the_strategys_error():
 
 @pytest.mark.parametrize("module", [selector.strategies.strategy, selector.strategies.registry])
 def test_the_examples_in_the_texts_work(module, monkeypatch):
-    monkeypatch.setattr(selector.strategies.registry, "_registered", dict(registered()))
+    monkeypatch.setattr(STRATEGIES, "_classes", {cls.__name__: cls for cls in STRATEGIES})
     failed, attempted = doctest.testmod(module)
     assert attempted > 0
     assert failed == 0
@@ -168,8 +169,14 @@ def test_the_examples_in_the_texts_work(module, monkeypatch):
     ("strategy", "message"),
     [
         ({"name": "Luck"}, r"^file: strategy: unknown strategy 'Luck' \(known: DiscountedUCB"),
-        ({"name": "UCB1", "parameters": {"luck": 7}}, "^file: strategy: UCB1: luck: unknown key$"),
-        ({"name": "UCB1", "share": "all"}, r"^file: strategy\.share: unknown key$"),
+        (
+            {"name": "UCB1", "parameters": {"luck": 7}},
+            r"^file: strategy: UCB1: luck: unknown key 'luck' \(known: .*\)$",
+        ),
+        (
+            {"name": "UCB1", "share": "all"},
+            r"^file: strategy\.share: unknown key 'share' \(known: .*did you mean 'sharing'\?\)$",
+        ),
     ],
 )
 def test_a_strategy_in_a_file_is_checked_as_it_is_read(strategy, message):

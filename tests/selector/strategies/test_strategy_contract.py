@@ -5,7 +5,7 @@ import pytest
 
 from selector.strategies.bandits.value_table import ValueTable
 from selector.strategies.problem import Problem
-from selector.strategies.registry import create, registered
+from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
 from tests.selector.strategies.policies import exported
 
@@ -20,7 +20,7 @@ GROUPS = {
 }
 
 pytestmark = [
-    pytest.mark.parametrize("name", list(registered())),
+    pytest.mark.parametrize("name", STRATEGIES.names()),
     pytest.mark.parametrize("sharing", list(GROUPS)),
 ]
 
@@ -36,13 +36,11 @@ def policies(tmp_path_factory):
 @pytest.fixture
 def fresh(name, sharing, policies):
     def make(problem=PROBLEM, keys=KEYS[:ROWS], groups=None):
-        needed = {
-            "Fixed": {"option": "c" if len(problem.options) > 1 else "a"},
-            "Policy": {"policy": str(policies / str(len(problem.options))), "sampled": True},
-            "EXP3": {"lowest": -1.0, "highest": 2.0},
-        }
+        parameters = STRATEGIES.find(name).example(problem)
+        if name == "Policy":  # its file has to be written first
+            parameters = {"policy": str(policies / str(len(problem.options))), "sampled": True}
         groups = GROUPS[sharing](len(keys)) if groups is None else groups
-        return create(name, problem, keys, needed.get(name), groups=groups)
+        return create(name, problem, keys, parameters, groups=groups)
 
     return make
 

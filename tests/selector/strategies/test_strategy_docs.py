@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import selector.strategies.registry
-from selector.strategies.registry import registered
+from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from tests.paths import ROOT
 
@@ -15,7 +15,7 @@ EXAMPLES = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
 
 
 def shipped():
-    return {name: cls for name, cls in registered().items() if cls.__module__.startswith("selector.strategies.")}
+    return {cls.__name__: cls for cls in STRATEGIES if cls.__module__.startswith("selector.strategies.")}
 
 
 @pytest.mark.parametrize("name", list(shipped()))
@@ -36,7 +36,7 @@ def test_the_table_names_nothing_else():
 
 @pytest.mark.parametrize("example", range(len(EXAMPLES)))
 def test_the_examples_run(example, monkeypatch, capsys):
-    monkeypatch.setattr(selector.strategies.registry, "_registered", dict(registered()))
+    monkeypatch.setattr(STRATEGIES, "_classes", {cls.__name__: cls for cls in STRATEGIES})
     names = {"__name__": "guide"}
     exec(compile(EXAMPLES[example], "strategies.md", "exec"), names)  # the guide's own text
     assert isinstance(names["strategy"], DecisionStrategy)

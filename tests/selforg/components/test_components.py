@@ -14,10 +14,10 @@ from selforg.components import (
     GoalPresent,
     GoalReached,
     GoalSource,
-    Knowledge,
     Known,
     Move,
     MovementSource,
+    RobotMemory,
     SetState,
     StateIs,
     Turn,
@@ -113,36 +113,36 @@ def test_deciding_spreads_to_the_others(buffer):
 
 
 def test_a_decided_state_becomes_knowledge(buffer):
-    knowledge = Knowledge(3, {"crowded": False, "role": 0.0})
-    crowded = DecideState(Quorum(buffer, threshold=1.0), knowledge, "crowded")
+    memory = RobotMemory(3, {"crowded": False, "role": 0.0})
+    crowded = DecideState(Quorum(buffer, threshold=1.0), memory["crowded"])
     crowded.leave(1.0, np.array([1, 2]))
-    assert Known(knowledge, "crowded").kind == "fact"
-    assert Known(knowledge, "crowded").read(ALL).tolist() == [0.0, 1.0, 0.0]
+    assert Known(memory["crowded"]).kind == "fact"
+    assert Known(memory["crowded"]).read(ALL).tolist() == [0.0, 1.0, 0.0]
     with pytest.raises(ValueError, match="knowledge: unknown name 'crowd'"):
-        DecideState(Quorum(buffer, threshold=1.0), knowledge, "crowd")
+        DecideState(Quorum(buffer, threshold=1.0), memory["crowd"])
 
 
 def test_a_set_state_is_known_from_the_start_of_its_behaviour_on():
-    knowledge = Knowledge(3, {"role": 0.0, "home": True})
-    leave_home = SetState(knowledge, "home", False)
+    memory = RobotMemory(3, {"role": 0.0, "home": True})
+    leave_home = SetState(memory["home"], False)
     leave_home.act(1.0, ALL, np.array([1]), Commands.none(3, 2))
-    SetState(knowledge, "role", 4.0).act(1.0, ALL, np.array([0, 2]), Commands.none(3, 2))
-    assert Known(knowledge, "home").read(ALL).tolist() == [1.0, 0.0, 1.0]
-    assert Known(knowledge, "role").read(SOME).tolist() == [4.0, 4.0]
-    knowledge.reset([0, 1])
-    assert (knowledge.values("role").tolist(), knowledge.values("home").tolist()) == ([0.0, 0.0, 4.0], [1.0, 1.0, 1.0])
+    SetState(memory["role"], 4.0).act(1.0, ALL, np.array([0, 2]), Commands.none(3, 2))
+    assert Known(memory["home"]).read(ALL).tolist() == [1.0, 0.0, 1.0]
+    assert Known(memory["role"]).read(SOME).tolist() == [4.0, 4.0]
+    memory.reset([0, 1])
+    assert (memory["role"].values.tolist(), memory["home"].values.tolist()) == ([0.0, 0.0, 4.0], [1.0, 1.0, 1.0])
 
 
 def test_what_cannot_be_known_is_refused():
-    knowledge = Knowledge(2, {"home": True, "charge": 1.0})
+    memory = RobotMemory(2, {"home": True, "charge": 1.0})
     with pytest.raises(ValueError, match=r"knowledge 'home' is a fact: expected True or False, got 0\.5"):
-        SetState(knowledge, "home", 0.5)
+        SetState(memory["home"], 0.5)
     with pytest.raises(ValueError, match="knowledge 'charge': expected numbers, got nan"):
-        knowledge.write("charge", [0], np.nan)
+        memory["charge"].write([0], np.nan)
     with pytest.raises(ValueError, match=r"unknown name 'charg' \(known: home, charge\)"):
-        Known(knowledge, "charg")
+        Known(memory["charg"])
     with pytest.raises(ReadingError, match="sensor 'charge': expected a number, got 'full'"):
-        Knowledge(1, {"charge": "full"})
+        RobotMemory(1, {"charge": "full"})
 
 
 def test_move_and_turn_command_what_their_source_says(buffer):
@@ -151,7 +151,7 @@ def test_move_and_turn_command_what_their_source_says(buffer):
     Move(source).act(1.0, np.array([0, 2]), np.array([0]), commands)
     np.testing.assert_array_equal(commands.vectors[[0, 1]], [source.vectors[0], [0.0, 0.0]])
     assert commands.commanded.tolist() == [True, False, False]
-    Turn(asked(GoalSource(buffer))).act(1.0, np.array([1, 2]), ALL, commands)
+    Turn(target=asked(GoalSource(buffer))).act(1.0, np.array([1, 2]), ALL, commands)
     np.testing.assert_allclose(commands.vectors[2], [1.0, 0.0])
     assert commands.commanded.tolist() == [True, False, True]
     assert commands.in_place.tolist() == [False, True, True]

@@ -8,20 +8,18 @@ from selforg.components import (
     Changed,
     Decide,
     DecisionSource,
-    DriveLimits,
     GoalDistance,
     GoalPresent,
     GoalReached,
     GoalSource,
-    Knowledge,
     Known,
     Move,
     MovementSource,
     OrganisedRobots,
+    RobotMemory,
     SetState,
     VectorLength,
     VectorPresent,
-    holonomic,
 )
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
@@ -31,6 +29,7 @@ from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition
 from selforg.network.model.model import NetworkModel
+from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
 from selforg.space import Euclidean
 
@@ -71,44 +70,41 @@ def travellers(starts):
     buffer.store_static(0, "goal", np.array([[8.0, 2.0]]), 0.0, diffusion=20.0, goal_radius=1.5)
     push = MovementSource(RepulsionGradient(poses))
     goal = GoalSource(buffer)
-    knowledge = Knowledge(rows, {"told": False})
+    memory = RobotMemory(rows, {"told": False})
     model = traveller_model()
     robots = OrganisedRobots(
-        model,
-        rows,
+        BehaviourNetwork(model, rows, BuiltInPlanner(model)),
         {
             "near": VectorPresent(push, longer_than=0.05),
             "pushed": VectorLength(push),
             "goal": GoalPresent(goal),
             "there": GoalReached(goal),
             "far": GoalDistance(goal, unseen=20.0),
-            "told": Known(knowledge, "told"),
+            "told": Known(memory["told"]),
         },
         {
             "Go": Move(MovementSource(ChemotaxisBalch(buffer, channels=("goal",), min_speed=0.5))),
             "Avoid": Move(push),
-            "Tell": SetState(knowledge, "told", True),
+            "Tell": SetState(memory["told"], True),
         },
-        BuiltInPlanner(model),
     )
-    return poses, robots, knowledge
+    return poses, robots, memory
 
 
 def travel(starts, ticks=300):
-    poses, robots, knowledge = travellers(starts)
+    poses, robots, memory = travellers(starts)
     positions, course = starts.copy(), []
     for tick in range(1, ticks + 1):
         now = tick * PERIOD
         poses.update(positions, np.zeros(len(starts)), now)
-        velocity, _ = holonomic(robots.tick(now), np.zeros(len(starts)), DriveLimits())
-        positions = positions + velocity * PERIOD
+        positions = positions + robots.tick(now).vectors * PERIOD
         course.append(positions)
-    return np.array(course), knowledge
+    return np.array(course), memory
 
 
 def test_travellers_arrive_and_say_so():
-    course, knowledge = travel(STARTS)
-    assert knowledge.values("told").tolist() == [1.0] * 4
+    course, memory = travel(STARTS)
+    assert memory["told"].values.tolist() == [1.0] * 4
     assert (np.linalg.norm(course[-1] - [8.0, 2.0], axis=1) < 2.5).all()
 
 
@@ -139,7 +135,7 @@ def test_news_spread_until_nobody_would_decide_otherwise():
     poses.update(places, np.zeros(6), 0.5)
     buffer = SoBuffer(BufferSettings(view_distance=1.0), poses.space, poses)
     gossip = GossipMax(buffer, channel="news", value=[1.0, 2.0, 9.0, 3.0, 4.0, 5.0], carried=None, view_distance=1.5)
-    first = Knowledge(6, {"spoken": False})
+    first = RobotMemory(6, {"spoken": False})
     model = NetworkModel(
         facts("news", "spoken"),
         [
@@ -151,7 +147,7 @@ def test_news_spread_until_nobody_would_decide_otherwise():
     )
     greeted = []
     robots = OrganisedRobots(
-        model, 6, {"news": Changed(DecisionSource(gossip)), "spoken": Known(first, "spoken")},
+        BehaviourNetwork(model, 6), {"news": Changed(DecisionSource(gossip)), "spoken": Known(first["spoken"])},
         {"Tell": Decide(gossip), "Greet": Greeting(gossip, first, greeted)},
     )  # fmt: skip
     for tick in range(1, 40):
@@ -163,13 +159,13 @@ def test_news_spread_until_nobody_would_decide_otherwise():
 class Greeting(Decide):
     """Spread once, so that the neighbours have something to hear."""
 
-    def __init__(self, mechanism, knowledge, greeted):
+    def __init__(self, mechanism, memory, greeted):
         super().__init__(mechanism)
-        self.knowledge, self.greeted = knowledge, greeted
+        self.memory, self.greeted = memory, greeted
 
     def _act(self, now, rows, started, commands):
         self.greeted += started.tolist()
-        self.knowledge.write("spoken", started, True)
+        self.memory["spoken"].write(started, True)
 
 
 def test_a_host_function_is_called_when_its_behaviour_starts():
@@ -177,7 +173,9 @@ def test_a_host_function_is_called_when_its_behaviour_starts():
     model = NetworkModel(
         facts("wanted"), [Behaviour("Do", (yes("wanted"),))], [], NetworkSettings(activation_threshold=0.5)
     )
-    robots = OrganisedRobots(model, 3, {}, {"Do": Act(lambda now, rows: called.append((now, rows.tolist())))})
+    robots = OrganisedRobots(
+        BehaviourNetwork(model, 3), {}, {"Do": Act(lambda now, rows: called.append((now, rows.tolist())))}
+    )
     robots.network.readings[1, 0] = 1.0
     robots.tick(0.2)
     robots.tick(0.4)
@@ -193,6 +191,6 @@ def test_a_host_function_is_called_when_its_behaviour_starts():
     ],
 )
 def test_components_that_do_not_fit_are_refused(sensors, actions, message):
-    known = Known(Knowledge(1, {"told": False}), "told")
+    known = Known(RobotMemory(1, {"told": False})["told"])
     with pytest.raises(ValueError, match=message):
-        OrganisedRobots(traveller_model(), 1, dict.fromkeys(sensors, known), actions)
+        OrganisedRobots(BehaviourNetwork(traveller_model(), 1), dict.fromkeys(sensors, known), actions)

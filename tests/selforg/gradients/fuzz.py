@@ -10,20 +10,19 @@ import time
 
 import numpy as np
 
-from selforg import mechanisms
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import MovementMechanism
+from selforg.mechanisms import MECHANISMS, MovementMechanism
 from selforg.space import Euclidean, Torus
 
 FIELDS = (
     "position", "heading", "attraction", "diffusion", "goal_radius", "evaporation_factor", "evaporation_period",
     "stamp", "clock", "source", "payload", "channel",
 )  # fmt: skip
-MOVEMENTS = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), MovementMechanism)]
+MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]
 RULES = ("max", "min", "average", "new", "newparent", "newframe")
 
 
@@ -33,7 +32,7 @@ def play(rule, torus, whole_seconds, sequence, movements=MOVEMENTS):
     poses = OwnPoses(space, 1)
     settings = BufferSettings(aggregation={"DEFAULT": rule}, whole_seconds=whole_seconds)
     buffer = SoBuffer(settings, space, poses)
-    looking = [mechanisms.create(name, buffer) for name in movements]
+    looking = [MECHANISMS.create(name, buffer) for name in movements]
     queries, now, refused, vectors = Queries(buffer), 0.0, [], [np.zeros(2)]
     for message, pause, pose in sequence:
         now += pause  # negative too: clocks do run backwards

@@ -5,7 +5,7 @@ import pytest
 
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.columns import DISTANCE, DX, SLOT
+from selforg.gradients.store.columns import PAIR_DISTANCE, PAIR_DX, PAIR_SLOT
 from selforg.gradients.store.gathering import IN_CACHE
 from selforg.space import Torus
 from tests.selforg.worlds import make_world, scatter
@@ -28,8 +28,8 @@ def test_a_row_sees_exactly_what_is_within_reach_plus_view(space, view):
     for row in range(4):
         mine = seen.pairs[seen.start[row] : seen.start[row + 1]]
         expected = distances(world, world.poses.positions[row], positions)
-        np.testing.assert_allclose(np.sort(mine[:, DISTANCE]), np.sort(expected[expected <= reach + view]))
-        assert len(set(mine[:, SLOT])) == len(mine)
+        np.testing.assert_allclose(np.sort(mine[:, PAIR_DISTANCE]), np.sort(expected[expected <= reach + view]))
+        assert len(set(mine[:, PAIR_SLOT])) == len(mine)
 
 
 @pytest.mark.parametrize("view", [0.7, np.inf])
@@ -40,7 +40,7 @@ def test_many_gradients_are_looked_at_in_portions_and_asked_for_ahead(view):
     for row in range(3):
         mine = seen.pairs[seen.start[row] : seen.start[row + 1]]
         expected = distances(world, world.poses.positions[row], positions)
-        np.testing.assert_allclose(np.sort(mine[:, DISTANCE]), np.sort(expected[expected <= 0.4 + view]))
+        np.testing.assert_allclose(np.sort(mine[:, PAIR_DISTANCE]), np.sort(expected[expected <= 0.4 + view]))
 
 
 def test_offsets_point_to_the_gradient_the_short_way():
@@ -48,7 +48,7 @@ def test_offsets_point_to_the_gradient_the_short_way():
     world.poses.update(np.array([[9.5, 0.5]]), None, 1.0)
     world.buffer.store_static(0, "f", [[0.5, 9.5]], 1.0)
     pair = Queries(world.buffer).see(1.0).pairs[0]
-    np.testing.assert_allclose(pair[DX : DX + 3], [1.0, -1.0, 0.0])
+    np.testing.assert_allclose(pair[PAIR_DX : PAIR_DX + 3], [1.0, -1.0, 0.0])
 
 
 @pytest.mark.parametrize("rows", [5, 33, 200])
@@ -58,7 +58,7 @@ def test_crowds_in_cells_see_the_same_as_small_teams(rows):
     for row in range(rows):
         expected = distances(world, world.poses.positions[row], world.poses.positions)
         expected = np.delete(expected, row)
-        mine = seen.pairs[seen.start[row] : seen.start[row + 1], DISTANCE]
+        mine = seen.pairs[seen.start[row] : seen.start[row + 1], PAIR_DISTANCE]
         np.testing.assert_allclose(np.sort(mine), np.sort(expected[expected <= 2.5]))
 
 

@@ -6,8 +6,7 @@ import pytest
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.columns import FACTOR, FAR, PERIOD
-from selforg.mechanisms import ChemotaxisBalch, Patrol, RepulsionFernandez, RepulsionGradient
+from selforg.mechanisms import ChemotaxisBalch, Patrol, Pheromone, RepulsionFernandez, RepulsionGradient
 from selforg.randomness import DirectionStream
 from selforg.space import Torus
 
@@ -24,8 +23,9 @@ def run(worlds, capacity=64, late=()):
     trail = SoBuffer(BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3), space, poses)
     trail.table.reserve(capacity)
     streams = [np.random.default_rng((seed, row)) for seed in worlds for row in range(ROBOTS)]
-    patrol = Patrol(trail, directions=DirectionStream(streams, block=16), channels=["Pheromone"])
-    patrol._message[[FAR + FACTOR, FAR + PERIOD]] = 0.9, 1.0  # evaporates fast: much comes and goes
+    pheromone = Pheromone(attraction=-1, evaporation_period=1.0)  # evaporates fast: much comes and goes
+    stream = DirectionStream(streams, block=16)
+    patrol = Patrol(trail, directions=stream, channels=["Pheromone"], pheromone=pheromone)
     mechanisms = [
         RepulsionFernandez(poses, view_distance=2.0),
         RepulsionGradient(poses),

@@ -7,7 +7,7 @@ from selforg import mechanisms
 from selforg.compiler.decorators import kernel
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import Carried, DecisionMechanism, FormulaMechanism, MovementMechanism, register
+from selforg.mechanisms import MECHANISMS, Carried, DecisionMechanism, FormulaMechanism, MovementMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from tests.selforg.worlds import directions, make_world, scatter
 
@@ -17,20 +17,15 @@ def spring(distance, own_goal, own_reach, diffusion, goal, attraction):
     return distance - own_reach
 
 
-@register
+@MECHANISMS.register
 class Spring(FormulaMechanism):
     """Keeps neighbours at the own reach: the worked example of the documentation."""
 
     formula = spring
 
 
-MOVEMENTS = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), MovementMechanism)]
-DECISIONS = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), DecisionMechanism)]
-REQUIRED = {
-    "Quorum": {"threshold": 2},
-    "ForagingDecision": {"probability": 1.0},
-    "SpreadGradient": {"carried": Carried("beacon")},
-}
+MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]
+DECISIONS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), DecisionMechanism)]
 FIXED_ROWS = ("Exploration", "DepositPheromonesRandom")  # their answer is the luck of the row, not its place
 
 
@@ -51,10 +46,10 @@ def crowded(space="torus", rows=6, order=None, seed=1):
 
 
 def build(name, world, seed=3):
-    parameters = dict(REQUIRED.get(name, {}))
+    parameters = MECHANISMS.find(name).example()
     if name in MOVEMENTS:
         parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
-    return mechanisms.create(name, world.buffer, **parameters)
+    return MECHANISMS.create(name, world.buffer, **parameters)
 
 
 @pytest.mark.parametrize("space", ["torus", "plane", "volume"])
@@ -99,10 +94,10 @@ def test_permuted_rows_give_permuted_movements(name):
 def test_the_same_seed_moves_the_same_and_moving_changes_nothing(name):
     first, second = crowded(), crowded()
     one, other = build(name, first), build(name, second)
-    before = first.buffer.table.near[: len(first.buffer)].copy()
+    before = first.buffer.table.record.near[: len(first.buffer)].copy()
     np.testing.assert_array_equal(one.move(1.0)[0], other.move(1.0)[0])
     np.testing.assert_array_equal(one.move(1.2)[0], other.move(1.2)[0])
-    np.testing.assert_array_equal(first.buffer.table.near[: len(first.buffer)], before)
+    np.testing.assert_array_equal(first.buffer.table.record.near[: len(first.buffer)], before)
 
 
 @pytest.mark.parametrize("name", MOVEMENTS)
@@ -128,7 +123,7 @@ def test_coincident_centres_and_infinite_radii_move_finitely(name, space):
     assert np.isfinite(vectors).all()
 
 
-@pytest.mark.parametrize("name", [n for n in MOVEMENTS if issubclass(mechanisms.find(n), DepositingMechanism)])
+@pytest.mark.parametrize("name", [n for n in MOVEMENTS if issubclass(MECHANISMS.find(n), DepositingMechanism)])
 def test_depositing_leaves_one_pheromone_per_row_with_a_pose(name):
     world = make_world(rows=4, settings=BufferSettings(aggregation_distance=0.0))
     world.poses.forget([1])
@@ -148,7 +143,7 @@ def test_depositing_leaves_one_pheromone_per_row_with_a_pose(name):
 def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
     world = crowded()
     world.poses.forget([2])
-    mechanism = mechanisms.create(name, world.buffer, **REQUIRED.get(name, {}))
+    mechanism = MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example())
     before = mechanism.values.copy(), mechanism.state_codes.copy()
     decision = mechanism.decide(1.0)
     np.testing.assert_array_equal(mechanism.values, before[0])
@@ -163,21 +158,21 @@ def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
     np.testing.assert_array_equal(mechanism.state_codes, before[1])
 
 
-@pytest.mark.parametrize("name", mechanisms.names())
+@pytest.mark.parametrize("name", MECHANISMS.names())
 def test_wrong_parameters_are_named(name):
     world = make_world()
     with pytest.raises(TypeError, match="maximal_speed"):
-        mechanisms.create(name, world.buffer, **REQUIRED.get(name, {}), maximal_speed=1.0)
+        MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example(), maximal_speed=1.0)
     if name != "SpreadGradient":
         with pytest.raises(ValueError, match="view_distance must be at least 0"):
-            mechanisms.create(name, world.buffer, **REQUIRED.get(name, {}), view_distance=float("nan"))
+            MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example(), view_distance=float("nan"))
 
 
 def test_unknown_names_list_the_known_ones_and_no_name_is_taken_twice():
-    with pytest.raises(KeyError, match=r"unknown mechanism 'Repulsion'; known: AvoidAll, .*Spring"):
-        mechanisms.create("Repulsion")
+    with pytest.raises(KeyError, match=r"unknown mechanism 'Repulsion' \(known: AvoidAll, .*Spring"):
+        MECHANISMS.create("Repulsion")
     with pytest.raises(ValueError, match="'Spring' is registered already"):
-        register(Spring)
+        MECHANISMS.register(Spring)
 
 
 def test_a_formula_of_ones_own_sums_what_a_loop_sums():

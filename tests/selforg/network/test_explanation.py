@@ -54,9 +54,8 @@ def test_the_threshold_as_a_reason():
     high = NetworkSettings(activation_threshold=5.0, threshold_decay=0.9)
     network = explained(Behaviour("go"), settings=high)
     assert told(network) == {"go": "does not start: activation below the threshold"}
-    network = explained(Behaviour("go", timeout=None), Behaviour("other", (IS,)), settings=NetworkSettings(
-        activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1,
-    ))  # fmt: skip
+    settings = NetworkSettings(activation_threshold=0.9, threshold_decay=0.4, activation_decay=0.1)
+    network = explained(Behaviour("go", timeout=None), Behaviour("other", (IS,)), settings=settings)
     told(network)
     assert told(network)["go"] == "stopped: activation fell below the threshold"  # starting has raised the threshold
 

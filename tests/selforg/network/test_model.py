@@ -53,7 +53,7 @@ def test_a_wrong_model_says_where(parts, message):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Linear(2.0, 2.0), "Linear: zero and full must differ, got 2.0"),
+        (lambda: Linear(2.0, 2.0), "Linear: expected different readings zero and full, got 2.0"),
         (lambda: Boolean(low=0.6, high=0.5), "Boolean: expected 0 <= low <= high <= 1, got 0.6 and 0.5"),
         (lambda: Threshold(1.0, high=1.5), "Threshold: expected 0 <= low <= high <= 1"),
         (Conjunction, "Conjunction: expected at least one condition"),

@@ -142,9 +142,10 @@ def test_a_behaviour_that_ends_itself_loses_its_activation_and_one_that_is_stopp
 
 def test_a_timeout_stops_what_is_interruptable():
     network = network_of(
-        Behaviour("short", timeout=2), Behaviour("stubborn", timeout=2, interruptable=False),
+        Behaviour("short", timeout=2),
+        Behaviour("stubborn", timeout=2, interruptable=False),
         settings=NetworkSettings(activation_threshold=0.5, threshold_decay=1.0),
-    )  # fmt: skip
+    )
     history = []
     for _ in range(4):
         stepped(network)

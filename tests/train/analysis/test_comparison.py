@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from selector.documents.yaml import DocumentError
-from train.analysis.strategy_comparison import compare
+from selector.documents.errors import DocumentError
+from train.analysis.strategy_comparison import compare_strategies
 from train.evaluation.entrants import Entrant, entrants_of
 
 OPTIONS = ("a", "b")
@@ -15,7 +15,7 @@ def costs(**rows):
 
 
 def test_the_share_of_the_gap_is_0_for_the_best_fixed_option_and_1_for_the_oracle():
-    found = compare(costs(one=[1, 4, 1, 4], two=[3, 2, 3, 2.4], learned=[1, 3, 2, 3]), ("one", "two"))
+    found = compare_strategies(costs(one=[1, 4, 1, 4], two=[3, 2, 3, 2.4], learned=[1, 3, 2, 3]), ("one", "two"))
     assert found.best_fixed == "one"
     by_label = {standing.label: standing for standing in found.standings}
     assert [by_label[name].share.value for name in ("one", "oracle")] == [0.0, 1.0]
@@ -25,7 +25,7 @@ def test_the_share_of_the_gap_is_0_for_the_best_fixed_option_and_1_for_the_oracl
 
 
 def test_without_a_gap_there_is_no_share():
-    found = compare(costs(one=[1, 2, 3], learned=[1, 1, 1]), ("one",))
+    found = compare_strategies(costs(one=[1, 2, 3], learned=[1, 1, 1]), ("one",))
     assert all(standing.share is None for standing in found.standings)
     assert found.standings[1].ratio.value == 0.5
 
@@ -35,7 +35,7 @@ def test_ratios_are_paired_and_several_training_seeds_widen_the_interval():
     fixed = rng.uniform(10.0, 1000.0, 40)
     same = np.tile(0.8 * fixed, (3, 1))
     spread = 0.8 * fixed * np.array([[0.8], [1.0], [1.2]])
-    found = compare({"fixed": fixed[None], "same": same, "spread": spread}, ("fixed",))
+    found = compare_strategies({"fixed": fixed[None], "same": same, "spread": spread}, ("fixed",))
     _, even, uneven, _ = (standing.ratio for standing in found.standings)
     assert even.ci95 == pytest.approx((0.8, 0.8))  # whatever the scenario, it is 0.8
     assert uneven.value == pytest.approx(0.8)

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from clean_swarm_env.config.files import names
+from selector.documents.files import files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
 from train.cli import app as cli
+from train.running import runs
 
 FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
 
@@ -23,7 +24,7 @@ FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", 
 def run(monkeypatch, capsys, tmp_path):
     """Run the command line in this process, on the fake mission, in an empty directory: code, output, errors."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cli, "mission_runner", lambda: fake_mission.run_mission)
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
 
     def call(*words: object) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
@@ -207,12 +208,12 @@ def test_resuming_something_else_is_refused(run, tmp_path, change):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(run, tmp_path, monkeypatch, workers):
-    monkeypatch.setattr(cli, "mission_runner", lambda: fake_mission.run_mission_but_not_2)
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission_but_not_2)
     words = ("evaluate", "--scenarios", 3, "--workers", workers, "--output", tmp_path / "r")
     with pytest.raises(ZeroDivisionError, match="scenario 2"):
         run(*words)
     assert {r["scenario"] for r in _rows(tmp_path / "r")} >= ({"1"} if workers == 1 else set())
-    monkeypatch.setattr(cli, "mission_runner", lambda: fake_mission.run_mission)
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
     assert run(*words, "--resume")[0] == 0
     assert len(_rows(tmp_path / "r")) == 6
 
@@ -220,7 +221,7 @@ def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(run, tmp_pa
 def test_listing_names_every_experiment_and_condition(run):
     code, out, _ = run("list")
     assert code == 0
-    for name in (*names("experiments"), "RepulsionFernandez-view1.5"):
+    for name in (*files_of("experiments"), "RepulsionFernandez-view1.5"):
         assert name in out
     code, out, _ = run("--version")
     assert (code, out.split()[0]) == (0, "clean-swarm")

@@ -4,16 +4,16 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from tests.train.records import experiment
-from train.evaluation.plan import check_planner
+from train.evaluation.experiment import check_mission
 
 
 def test_a_planner_that_there_is_not_is_one_line_with_its_key():
     planned = experiment(mission={"network": {"planner": "ares"}})
     with pytest.raises(ConfigurationError, match=r"^my\.yaml: mission\.network\.planner: .*'ares'") as caught:
-        check_planner(planned, "my.yaml")
+        check_mission(planned, (), "my.yaml")
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["built-in", "off", True, False])
 def test_the_planners_of_the_project_are_always_there(name):
-    check_planner(experiment(mission={"network": {"planner": name}}), "my.yaml")
+    check_mission(experiment(mission={"network": {"planner": name}}), (), "my.yaml")

@@ -8,7 +8,7 @@ import pytest
 from benchmarks import ablation
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.mission import Course
+from clean_swarm_env.world.mission import Course, MissionRun
 from selforg.network.state import state as st
 from tests.clean_swarm_env.courses import mission, snapshot
 
@@ -40,7 +40,7 @@ TERMS = {
 @pytest.mark.parametrize("term", ablation.TERMS)
 def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
     config = mission(network={"weights": {term: 0.0}})
-    worlds = Course(config, random_start(config, 2, 0), 2, {}).worlds
+    worlds = Course(MissionRun(config, random_start(config, 2, 0), 2, {})).worlds
     added = dict.fromkeys(set.union(*TERMS.values()), 0.0)
     for _ in range(100):
         worlds.tick()
@@ -52,7 +52,9 @@ def test_a_weight_of_0_takes_a_term_away_and_no_other(term):
 def test_a_planner_without_weight_is_no_planner():
     without = [mission(network=network) for network in ({"weights": {"plan": 0.0}}, {"planner": "off"})]
     start = random_start(without[0], 3, 0)
-    one, other = (Course(config, start, 3, {"AvoidCollision": {"RepulsionGradient": 2.0}}) for config in without)
+    one, other = (
+        Course(MissionRun(config, start, 3, {"AvoidCollision": {"RepulsionGradient": 2.0}})) for config in without
+    )
     for _ in range(500):
         assert one.in_progress
         assert other.in_progress

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import run_seed
-from clean_swarm_env.world.mission import Course, MissionResult, result_of, run_mission
+from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of, run_mission
+from clean_swarm_env.world.robot import GOAL
 from selforg.network.explain.explanation import explain
 from selforg.network.explain.recording import record_at
 from tests.clean_swarm_env.courses import difference, snapshot
@@ -56,7 +57,7 @@ def told(capsys, monkeypatch):
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez", "RepulsionGradient"):
         task = task_of(evaluated, "2", condition)
-        plain = Course(task.mission, task.start, run_seed(5, "2"), task.scores)
+        plain = Course(MissionRun(task.mission, task.start, run_seed(5, "2"), task.scores))
         for explained in steps_of(task):
             assert plain.in_progress
             plain.tick()
@@ -237,7 +238,7 @@ def test_a_recording_holds_every_step_and_explains_it(evaluated, tmp_path, told)
         assert not held.any()  # the first option, all the time
         assert arrays["coordinator_names"].tolist() == ["AvoidCollision"]
         assert arrays["AvoidCollision/option_names"][0] == "RepulsionFernandez"
-        content = worlds.coordinator.contents[0].network
+        content = worlds.minds.coordinator_of(GOAL).contents[0].network
         assert explain(content.model, inner, 2).behaviours[0].name == "Avoid"
         assert not any(name.startswith("AvoidCollision/RepulsionGradient/") for name in arrays)
     assert steps == result_of(worlds, 0).ticks
@@ -250,7 +251,7 @@ def inner_arrays(arrays, prefix):
 
 def test_a_running_coordinator_is_explained_from_inside(evaluated, told):
     for worlds in steps_of(task_of(evaluated)):
-        running = np.flatnonzero(worlds.network.executing[:, worlds.coordinator.index])
+        running = np.flatnonzero(worlds.network.executing[:, worlds.minds.coordinator_of(GOAL).index])
         if len(running):
             break
     robot, time = running[0], (worlds.ticks[0] - 1) * 0.2

@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.frames import grouped
 from selector.knowledge import load_knowledge
 from selector.strategies.learned_file import find_strategy, save_strategy, spec_of
 from selector.strategies.policy_file import find_policy, load_policy, save_policy
@@ -19,8 +20,7 @@ from selector.strategies.registry import create
 from selector.strategies.streams import row_keys
 from train.cli import app as cli
 from train.evaluation.entrants import member_pilot
-from train.running import trials
-from train.running.trials import run_trials
+from train.running.trials import TrialSettings, run_trials
 
 FAMILY = {
     "name": "small",
@@ -114,11 +114,13 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
     scenarios = [load_family(str(family)).scenario(4, k, "test") for k in range(4)]
 
     def results(worlds, some):
-        return run_trials(some, lambda problem, teams: member_pilot("Random", problem, teams), worlds=worlds)
+        return run_trials(
+            some, lambda problem, teams: member_pilot("Random", problem, teams), TrialSettings(worlds=worlds)
+        )
 
     together = results(3, scenarios)
     assert together == [results(1, [scenario])[0] for scenario in scenarios]
-    assert len(trials.by_frame(scenarios)) == 1
+    assert len(grouped([scenario.mission for scenario in scenarios])) == 1
 
 
 @pytest.mark.parametrize(

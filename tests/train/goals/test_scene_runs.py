@@ -12,7 +12,7 @@ from tests.paths import ROOT
 from train.analysis.statistics import summarise
 from train.cli import run as goal_cli
 from train.cli.app import app
-from train.goals.scene_runs import Comparison, GoalOutcome, GoalRequest, as_mapping, run_goal
+from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, as_mapping, run_goal
 from train.goals.tables import as_markdown, as_page
 
 runner = CliRunner()
@@ -106,7 +106,7 @@ def test_all_goals_go_into_one_page(tmp_path, monkeypatch):
 
 def compared(measure, mechanism, baseline):
     mechanism, baseline = np.array(mechanism), np.array(baseline)
-    return Comparison(measure, summarise(mechanism), summarise(baseline), summarise(mechanism - baseline))
+    return MeasureComparison(measure, summarise(mechanism), summarise(baseline), summarise(mechanism - baseline))
 
 
 def test_a_baseline_is_beaten_by_an_interval_only():

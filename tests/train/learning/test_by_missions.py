@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.strategies.learned_file import features_of, load_strategy, spec_of
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
-from tests.train.learning.trainings import written
+from tests.train.learning.trainings import job, written
 from train.learning import by_missions as mission_learning
-from train.learning.bandit import CHECKPOINT, BanditTraining
+from train.learning.bandit import BanditTraining
 from train.learning.by_missions import MissionLearning, TeamsPilot, relative
-from train.learning.checkpoints import TrainingDirectory
 from train.learning.config import load_training
 
 SITUATIONS = ("free_far", "carrying_far")
@@ -48,9 +47,8 @@ def test_the_best_option_of_each_situation_is_found_and_exported(tmp_path, monke
         return hardness * np.exp(0.2 * (rules != best).sum(axis=1) + noise.normal(scale=0.1, size=len(rules)))
 
     monkeypatch.setattr(MissionLearning, "_costs", costs)
-    monkeypatch.setattr("train.learning.bandit.measured", lambda *_: {"random/cost_s": 1.0})
-    directory = TrainingDirectory(tmp_path / "run", {}, CHECKPOINT, resume=False)
-    training = BanditTraining(config, 1, directory, lambda _: None)
+    monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/cost_s": 1.0})
+    training = BanditTraining(job(config, tmp_path / "run"))
     training.advance()
     assert training.decisions == 1600
     path = training.export("command")
@@ -65,19 +63,18 @@ def test_every_team_of_a_group_does_the_same_scenario(tmp_path, monkeypatch):
     config = load_training(str(written(tmp_path, "missions", checkpoints=1)), "bandit")
     did = []
 
-    def trials(scenarios, maker, **settings):
+    def trials(scenarios, maker, settings):
         did.append([scenario.seed for scenario in scenarios])
-        return original(scenarios, maker, **settings)
+        return original(scenarios, maker, settings)
 
     original = mission_learning.run_trials
     monkeypatch.setattr(mission_learning, "run_trials", trials)
-    directory = TrainingDirectory(tmp_path / "run", {}, CHECKPOINT, resume=False)
-    training = BanditTraining(config, 1, directory, lambda _: None)
+    training = BanditTraining(job(config, tmp_path / "run"))
     training.advance()
     (seeds,) = did
     assert seeds[0] == seeds[1] != seeds[2] == seeds[3]
     assert all(seed % 2 == 0 for seed in seeds)
-    assert training.progress.history[0]["missions"] == 4
+    assert training.history.entries[0]["missions"] == 4
 
 
 @pytest.mark.parametrize(

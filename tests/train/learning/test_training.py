@@ -10,13 +10,12 @@ import pytest
 from rich.console import Console
 
 from clean_swarm_env.config.files import load_family
-from selector.documents.yaml import DocumentError
+from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore
 from selector.strategies.policy import Network
 from selector.strategies.problem import Problem
-from tests.train.learning.trainings import written
-from train.learning import training
-from train.learning.checkpoints import TrainingDirectory
+from tests.train.learning.trainings import job, written
+from train.learning import session
 from train.learning.config import load_training
 from train.learning.credit import Credit
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
@@ -58,19 +57,11 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
-def test_a_directory_of_another_training_is_refused(tmp_path):
-    TrainingDirectory(tmp_path, {"seed": 1}, "checkpoint", resume=False)
-    with pytest.raises(DocumentError, match="there is a training already"):
-        TrainingDirectory(tmp_path, {"seed": 1}, "checkpoint", resume=False)
-    with pytest.raises(DocumentError, match="seed: expected that of the training there"):
-        TrainingDirectory(tmp_path, {"seed": 2}, "checkpoint", resume=True)
-
-
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(training.PACKAGES, "ppo", ("torch", "no-such-package"))
-    request = training.TrainingRequest("ppo", "general", 1, tmp_path / "t", resume=False)
+    monkeypatch.setitem(session.LEARNER_PACKAGES, "ppo", ("torch", "no-such-package"))
+    request = session.TrainingRequest("ppo", "general", 1, tmp_path / "t", resume=False)
     with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
-        training.train(request, Console())
+        session.run_training(request, pytest.fail, Console())
     assert not (tmp_path / "t").exists()
 
 
@@ -122,10 +113,10 @@ def test_rewards_are_credited_up_to_the_horizon_and_not_beyond_the_mission():
 def test_the_exported_policy_decides_as_the_trained_one(tmp_path):
     import torch
 
-    from train.learning.ppo import CHECKPOINT, PpoTraining
+    from train.learning.ppo import PpoTraining
 
     config = load_training(str(written(tmp_path, "ppo")), "ppo")
-    training = PpoTraining(config, 1, TrainingDirectory(tmp_path / "run", {}, CHECKPOINT, resume=False), lambda _: None)
+    training = PpoTraining(job(config, tmp_path / "run"))
     training.advance()
     policy = training.policy()
     seen = np.random.default_rng(0).uniform(-1.0, 1.0, (50, len(policy.spec.observations))).astype(np.float32)

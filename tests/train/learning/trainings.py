@@ -2,6 +2,9 @@
 
 import yaml
 
+from train.learning.checkpoints import TrainingFolder
+from train.learning.training import TrainingJob
+
 COMMON = {
     "name": "tiny",
     "tasks": [{"family": "random", "worlds": 2}],
@@ -36,3 +39,8 @@ def written(directory, kind, **changes):
     path = directory / f"{kind}.yaml"
     path.write_text(yaml.safe_dump(COMMON | KINDS[kind] | changes))
     return path
+
+
+def job(config, directory):
+    """A training of seed 1 in a new directory."""
+    return TrainingJob(config, 1, TrainingFolder(directory, {}, resume=False), lambda _: None)

@@ -1,52 +1,91 @@
 """Compiling before the runs: once, said on the standard error, and not again."""
 
+from dataclasses import replace
+
 import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from train.running import warm_up as preparing
+from clean_swarm_env.world.mission import run_mission
+from selector.coordination.selection import BY_SCORE
+from tests.train import fake_mission
+from train.evaluation import pipeline
+from train.reports.text_table import flat
+from train.running import warm_up
 from train.running.runs import RunTask
+
+LINE = "compiling for this machine, once: about a minute\n"
 
 
 @pytest.fixture
-def task():
-    mission = MissionConfig()
-    return RunTask("table1", "1", 0, "RepulsionGradient", mission, random_start(mission, 0, 0), {})
+def limits():
+    """Time limits of the missions run, in their order."""
+    return []
 
 
-def _runner(limits):
-    from tests.train import fake_mission
-
+@pytest.fixture
+def task(limits):
     def run(mission, *given):
         limits.append(mission.time_limit)
         return fake_mission.run_mission(mission, *given)
 
-    return run
+    mission = MissionConfig()
+    start = random_start(mission, 0, 0)
+    return RunTask("table1", "1", 0, "RepulsionGradient", mission, start, {}, BY_SCORE, (), run)
 
 
-def test_the_first_run_of_all_compiles_and_says_so(task, monkeypatch, capsys):
-    limits: list[float] = []
-    monkeypatch.setattr(preparing, "compiled_before", lambda: False)
-    preparing.compile_first(task, _runner(limits))
+def test_the_first_second_of_a_run_compiles_and_says_so(task, limits, capsys):
+    warm_up.compile_first(task)
     assert limits == [1.0]
-    assert capsys.readouterr().err == "compiling for this machine, once: about a minute\n"
+    assert capsys.readouterr().err == LINE
     assert task.mission.time_limit == 3000.0
 
 
-def test_what_is_compiled_is_not_run_for_nothing(task, monkeypatch, capsys):
-    limits: list[float] = []
-    monkeypatch.setattr(preparing, "compiled_before", lambda: True)
-    preparing.compile_first(task, _runner(limits))
+class OneRun(pipeline.Evaluation):
+    """One run."""
+
+    stem, manifest, words, total = "one", {"identity": {"one": 1}}, ["clean-swarm", "evaluate"], 1
+
+    def __init__(self, task):
+        self.task = task
+
+    def tasks(self, done):
+        return [] if done else [self.task]
+
+    def publication(self, records):
+        return pipeline.Publication("", [flat("", "", (), [])], "{}")
+
+
+@pytest.mark.parametrize(("compiled", "expected"), [(False, [1.0, 3000.0]), (True, [3000.0])])
+def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
+    task, limits, compiled, expected, monkeypatch, tmp_path, capsys
+):
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
+    execution = pipeline.Execution(1, tmp_path / "r", False, pipeline.Console())
+    assert pipeline.evaluate(OneRun(task), execution) == pipeline.FINISHED
+    assert limits == expected
+    assert (LINE in capsys.readouterr().err) is not compiled
+
+
+def test_nothing_is_compiled_for_an_evaluation_that_is_done(task, limits, monkeypatch, tmp_path):
+    execution = pipeline.Execution(1, tmp_path / "r", True, pipeline.Console())
+    pipeline.evaluate(OneRun(task), execution)
+    limits.clear()
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: False)
+    pipeline.evaluate(OneRun(task), execution)
     assert limits == []
-    assert capsys.readouterr().err == ""
 
 
-def test_compiled_code_is_looked_for_beside_the_package(monkeypatch, tmp_path):
-    package = tmp_path / "selforg"
-    (package / "__pycache__").mkdir(parents=True)
-    (package / "__init__.py").touch()
-    spec = type("Spec", (), {"submodule_search_locations": [str(package)]})
-    monkeypatch.setattr(preparing, "find_spec", lambda name: spec)
-    assert not preparing.compiled_before()
-    (package / "__pycache__" / "kernel.py311.nbi").touch()
-    assert preparing.compiled_before()
+def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch, tmp_path):
+    monkeypatch.setattr(warm_up, "folder_for", lambda file: tmp_path)
+    assert not warm_up.compiled_before()
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / "kernel.py311.nbi").touch()
+    assert warm_up.compiled_before()
+    monkeypatch.setattr(warm_up, "folder_for", lambda file: None)
+    assert warm_up.compiled_before()  # nothing can be kept: each process compiles for itself
+
+
+def test_what_a_mission_compiled_is_found(task):
+    replace(task, run_mission=run_mission).beginning().run()
+    assert warm_up.compiled_before()

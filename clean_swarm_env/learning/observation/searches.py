@@ -1,0 +1,107 @@
+"""Searches that fill in fields of `Around` which several observation terms read; letters of shapes as there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clean_swarm_env.learning.observation.around import Around, open_around, write_way
+from clean_swarm_env.learning.phases import APPROACH, PATROL, TO_DUMP, TO_RECYCLING
+from clean_swarm_env.physics.cells import NOBODY, cell_at, cells_along, fill_cells, nearest_point
+from clean_swarm_env.world.garbage import LYING, NOTHING
+from selforg.arrays import Ints
+from selforg.compiler.decorators import kernel, lean_kernel
+from selforg.compiler.records import Words
+from selforg.space import nearest_image
+
+MARGIN = 1.0 + 1e-9
+"""Factor by which cells are wider than the range of a search, for rounding."""
+
+
+@lean_kernel
+def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
+    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), and count the teams; return their number."""
+    a = open_around(around)
+    robots, count = a.present.shape[0] // a.team.shape[0], 0
+    for world in chosen:
+        before = count
+        for row in range(world * robots, (world + 1) * robots):
+            a.phases[row] = PATROL
+            if a.present[row]:
+                rows[count] = row
+                count += 1
+        a.team[world] = count - before
+    return count
+
+
+@kernel
+def find_items(around: Words[Around], rows: Ints) -> None:
+    """Find the nearest item in sight of each of `rows` (P,), and the phase."""
+    a = open_around(around)
+    robots, items = a.present.shape[0] // a.team.shape[0], a.items.shape[1]
+    cells = np.empty(cells_along(items, a.sight * MARGIN, a.extent), np.int64)
+    links, lying, filled = np.empty(items, np.int64), np.empty(items, np.bool_), -1
+    for row in rows:
+        world = row // robots
+        if world != filled:
+            for item in range(items):
+                lying[item] = a.stage[world, item] == LYING
+            fill_cells(a.items[world], 0, lying, a.extent, cells, links)
+            filled = world
+        x, y, item = a.positions[row, 0], a.positions[row, 1], NOBODY
+        if items > 0:
+            item, _ = nearest_point(x, y, a.sight, a.items[world], lying, a.extent, cells, links)
+        a.item[row] = item
+        if a.cargo[row] != NOTHING:
+            a.phases[row] = TO_DUMP if a.recycled[row] == 1 else TO_RECYCLING
+        elif item != NOBODY:
+            a.phases[row] = APPROACH
+
+
+@lean_kernel
+def find_stations(around: Words[Around], rows: Ints) -> None:
+    """Find the distances and the ways of `rows` (P,) to both stations."""
+    a = open_around(around)
+    robots = a.present.shape[0] // a.team.shape[0]
+    for row in rows:
+        for station in range(2):
+            place = a.stations[row // robots, station]
+            a.station_distances[station, row] = write_way(a, row, place, a.longest, a.station_ways[station])
+
+
+@kernel
+def find_neighbours(around: Words[Around], rows: Ints) -> None:
+    """Find the nearest other robot in range of each of `rows` (P,), and count those within each range."""
+    a = open_around(around)
+    robots, squares = a.present.shape[0] // a.team.shape[0], a.ranges * a.ranges
+    farthest = squares[-1]
+    lines, columns = cells_along(robots, np.sqrt(farthest) * MARGIN, a.extent)
+    cells, links, filled = np.empty((lines, columns), np.int64), np.empty(robots, np.int64), -1
+    for row in rows:
+        first = row // robots * robots
+        if first != filled:
+            fill_cells(a.positions, first, a.present[first : first + robots], a.extent, cells, links)
+            filled = first
+        x, y = a.positions[row, 0], a.positions[row, 1]
+        best, shortest, carriers = -1, farthest, 0
+        a.within[:, row] = 0
+        line, column, walks = 0, 0, 1
+        if lines > 0:
+            line, column, walks = cell_at(y, lines, a.extent[1]), cell_at(x, columns, a.extent[0]), 9
+        for walk in range(walks):
+            point = cells[(line + walk // 3 - 1) % lines, (column + walk % 3 - 1) % columns] if lines > 0 else 0
+            while point != NOBODY:
+                other = first + point
+                point = links[point] if lines > 0 else (point + 1 if point + 1 < robots else NOBODY)
+                if other == row or not a.present[other]:
+                    continue
+                dx = nearest_image(a.positions[other, 0] - x, a.extent[0])
+                dy = nearest_image(a.positions[other, 1] - y, a.extent[1])
+                square = dx * dx + dy * dy
+                if square > farthest:
+                    continue
+                carriers += a.cargo[other] != NOTHING
+                for k in range(squares.shape[0]):
+                    a.within[k, row] += square <= squares[k]
+                if best < 0 or square < shortest or (square == shortest and other < best):
+                    best, shortest = other, square
+        a.neighbour[row], a.carriers[0, row] = best, carriers

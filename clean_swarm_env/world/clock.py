@@ -1,0 +1,48 @@
+"""Time: the ticks of W worlds since their resets, and the one clock of their buffers."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from selforg.arrays import Ints
+
+CLOCK_GRID: Final = 2.0**-30
+"""Times of the buffers are multiples of this [s]: exact up to 2^23 s, and too long by 5e-9 at most."""
+
+
+class Clock:
+    """Counts the control periods of a batch of worlds.
+
+    Attributes:
+        period: length of a control period [s].
+        tick: control periods of the batch; it goes on through resets.
+
+    """
+
+    def __init__(self, worlds: int, period: float) -> None:
+        self.period = period
+        self.tick = 0
+        # On a grid that floats hold exactly, times are sums without rounding: how long ago something was does not
+        # depend on when its world was reset. Rounded up, so that a period of whole ticks is over with the last one.
+        self._step = float(np.ceil(period / CLOCK_GRID) * CLOCK_GRID)
+        self._begun: Ints = np.zeros(worlds, dtype=np.int64)  # (W,) tick at which each world was reset
+
+    @property
+    def now(self) -> float:
+        """Time of the buffers [s]; it goes on through resets."""
+        return self.tick * self._step
+
+    @property
+    def ticks(self) -> Ints:
+        """Control periods (W,) since the reset of each world."""
+        return self.tick - self._begun
+
+    def begin(self, world: int) -> None:
+        """Count the ticks of a world from now on."""
+        self._begun[world] = self.tick
+
+    def advance(self) -> None:
+        """Go on to the next control period."""
+        self.tick += 1

@@ -1,0 +1,111 @@
+"""What lies and moves on the floor of W worlds of N robots: bodies, drives, items, stations, and collisions.
+
+Rows are robots, R = W * N. What goes on in the robots' heads is in `minds`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.cells import cells_along
+from clean_swarm_env.physics.collisions import CollisionCounter
+from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
+from clean_swarm_env.physics.physics import Physics
+from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.physics.uncopied import Uncopied
+from clean_swarm_env.world.garbage import NOTHING, Garbage
+from clean_swarm_env.world.records import FLOOR, FloorRecord
+from selforg.arrays import Floats, Ints
+from selforg.compiler.records import Packed
+
+
+class Floor(Uncopied):
+    """The owner of all arrays of bodies, items and stations.
+
+    Attributes:
+        worlds, robots: W and N.
+        extent: (2,) of each world's torus [m].
+        physics: the bodies.
+        drive: what the robots do with their orders.
+        collisions: counts of robots that are too close to each other.
+        garbage: the items, and who carries what.
+        stations: (W, 2, 2) places of recycling and dump [m].
+        packed: the record that compiled code takes.
+
+    """
+
+    def __init__(self, mission: MissionConfig, worlds: int) -> None:
+        world, robots, garbage = mission.world, mission.robots, mission.garbage
+        self.worlds, self.robots = worlds, mission.rows
+        self.extent: Floats = np.array([world.width, world.height])
+        self.physics = Physics(
+            PhysicsSettings(
+                worlds=worlds,
+                robots=mission.rows,
+                width=world.width,
+                height=world.height,
+                radius=robots.radius,
+                contacts=world.contacts,
+                timestep=1.0 / world.physics_rate,
+                mass=robots.mass,
+            )
+        )
+        self.drive = DifferentialDrive(
+            worlds * mission.rows,
+            DriveSettings(
+                max_speed=robots.max_speed,
+                max_turn_rate=robots.max_turn_rate,
+                turn_gain=robots.turn_gain,
+                turn_in_place_beyond=robots.turn_in_place_beyond,
+                command_timeout=robots.command_timeout,
+            ),
+        )
+        self.collisions = CollisionCounter(worlds, mission.rows, world.width, world.height, mission.collision_distances)
+        self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
+        self.stations: Floats = np.tile([mission.stations.recycling, mission.stations.dump], (worlds, 1, 1))
+        sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
+        cells = cells_along(mission.item_rows, max(sight, garbage.at_distance, garbage.pick_distance), self.extent)
+        self._substeps = mission.world.physics_steps_per_tick
+        self.packed: Packed[FloorRecord] = FLOOR.pack(
+            FloorRecord(
+                robots=self.physics.positions,
+                extent=self.extent,
+                stations=self.stations,
+                items=self.garbage.positions,
+                stage=self.garbage.stage,
+                leftover=self.garbage.leftover,
+                cargo=self.garbage.cargo,
+                recycled=self.garbage.recycled,
+                done=self.garbage.done,
+                nearest=np.full(worlds * mission.rows, NOTHING, dtype=np.int64),
+                picked=np.zeros((worlds * mission.rows, 2), dtype=np.int64),
+                lying=np.zeros(mission.item_rows, dtype=np.bool_),
+                cells=np.empty(cells, dtype=np.int64),
+                links=np.empty(mission.item_rows, dtype=np.int64),
+                sight=sight,
+                at_item=garbage.at_distance,
+                at_station=mission.stations.reach,
+                pick_distance=garbage.pick_distance,
+            )
+        )
+
+    def rows_of(self, world: int) -> Ints:
+        """Return the rows (N,) of the robots of a world."""
+        return np.arange(world * self.robots, (world + 1) * self.robots)
+
+    def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
+        """Lay out stations and items (M, 2) [m] of a world, and count its collisions anew."""
+        self.stations[world] = mission.stations.recycling, mission.stations.dump
+        self.garbage.place(world, items % self.extent)
+        self.collisions.reset(world)
+
+    def picked(self, count: int) -> tuple[Ints, Floats]:
+        """Return worlds (K,) and places (K, 2) [m] of the first `count` items picked in this tick."""
+        rows, items = self.packed.record.picked[:count].T
+        worlds = rows // self.robots
+        return worlds, self.garbage.positions[worlds, items]
+
+    def move(self, orders: Packed[Orders], now: float) -> None:
+        """Let the robots do what they are told for one control period, and count collisions meanwhile."""
+        self.physics.tick(now, self._substeps, orders, self.drive, self.collisions)

@@ -1,0 +1,250 @@
+"""What goes on in the heads of the robots of W worlds: poses, buffers, messages, networks, coordinators, knowledge.
+
+Rows are robots, R = W * N. What lies and moves around them is on the `floor`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, Protocol
+
+import numpy as np
+
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.drive import ORDERS, Orders
+from clean_swarm_env.physics.uncopied import Uncopied
+from clean_swarm_env.world.delivery import Reception, pose_history
+from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
+from clean_swarm_env.world.robot import robot_network
+from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors
+from selector.configurations.host import Host, host_memory
+from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import inner_networks
+from selector.coordination.model import CoordinatorModel
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.records import Packed
+from selforg.components import Commands
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
+from selforg.mechanisms.depositing import DepositingMechanism
+from selforg.network.network import BehaviourNetwork
+from selforg.network.planning.names import planner_named
+from selforg.randomness import DirectionStream
+from selforg.registry import unknown
+from selforg.space import Torus
+
+ITEMS: Final = "garbage"
+"""Channel of the items."""
+PHEROMONES: Final = "pheromone"
+"""Channel of what the robots of the patrol leave behind."""
+
+
+class Inner(Protocol):
+    """What works inside a behaviour of the robots' network: a coordinator, or a nested network."""
+
+    def sense(self, now: float) -> None:
+        """Write sensors into the readings of the robots' network."""
+
+    def act(self, now: float, commands: Commands) -> None:
+        """Decide and act where the robots' network runs this behaviour."""
+
+    def leave(self, now: float) -> None:
+        """Leave in the world what others shall find from the next tick on."""
+
+    def reset(self, rows: Ints) -> None:
+        """Begin anew in `rows` (K,)."""
+
+
+class Minds(Uncopied):
+    """The owner of all arrays of poses, buffers, networks and knowledge.
+
+    Attributes:
+        poses: the pose gradients of the robots.
+        reception: how well messages reach the others.
+        items, pheromones, gradients: the buffers: garbage, traces of the patrol, everything else.
+        directions: random directions, one stream a row.
+        network: the robots' behaviour networks.
+        coordinators: (C,) of the goals that the robot's document coordinates, in its order.
+        nested: the networks inside other behaviours of the robot's document.
+        to_garbage, patrol: the mechanisms that robots follow by themselves, unless a network inside the behaviour or
+            a coordinator moves them.
+        commands: what the robots are told in this tick; `orders` is the record of the same arrays.
+        packed: the record that compiled code takes.
+
+    """
+
+    def __init__(
+        self,
+        mission: MissionConfig,
+        models: Sequence[CoordinatorModel],
+        worlds: int,
+        directories: Sequence[Path] = (),
+        explained: bool = False,
+    ) -> None:
+        self.rows = worlds * mission.rows
+        self._garbage = mission.garbage
+        self._build_buffers(mission, worlds)
+        self._build_network(mission, models, directories, explained)
+        self.commands = Commands.none(self.rows, 2)
+        self.orders: Packed[Orders] = ORDERS.pack(
+            Orders(self.commands.vectors, self.commands.commanded, self.commands.in_place)
+        )
+        index = self.network.model.behaviour_index
+        self.packed: Packed[MindsRecord] = MINDS.pack(
+            MindsRecord(
+                readings=self.network.readings,
+                marks=self.network.state.mark_table,
+                handling=np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")], dtype=np.int64),
+                transport=np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")], dtype=np.int64),
+                movers=np.array([index[name] for name in self._movers], dtype=np.int64),
+                starting=np.zeros((self.rows, 3), dtype=np.bool_),
+                vectors=self.commands.vectors,
+                commanded=self.commands.commanded,
+                in_place=self.commands.in_place,
+                running=np.zeros((len(self._movers), self.rows), dtype=np.int64),
+                counts=np.zeros(len(self._movers), dtype=np.int64),
+            )
+        )
+        self._moved: list[tuple[MovementMechanism, Ints]] = []  # mechanisms of this tick, and the rows that they moved
+
+    def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
+        space = Torus(mission.world.width, mission.world.height)
+        self.reception = Reception(mission, worlds, self.rows)
+        self.poses = OwnPoses(
+            space,
+            self.rows,
+            np.repeat(np.arange(worlds), mission.rows),
+            diffusion=mission.robots.pose_diffusion,
+            goal_radius=mission.robots.pose_goal_radius,
+            history=pose_history(mission),
+            hearing=mission.own_contents,
+        )
+        self.reception.hear(self.poses)
+        self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
+        patrol, seen = mission.patrol, mission.garbage.view_distance
+        newest = BufferSettings(seen, {"DEFAULT": "new"}, aggregation_distance=0.0)
+        strongest = BufferSettings(
+            patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
+        )
+        self.items = SoBuffer(newest, space, self.poses)
+        self.pheromones = SoBuffer(strongest, space, self.poses, self.reception.delivery())
+        self.gradients = SoBuffer(BufferSettings(), space, self.poses)
+        self._buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
+        self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
+        self.patrol = Patrol(
+            self.pheromones,
+            pheromone=Pheromone(PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period),
+            min_speed=patrol.min_speed,
+            max_speed=patrol.max_speed,
+            channels=(PHEROMONES,),
+            directions=self.directions,
+        )
+
+    def _build_network(
+        self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path], explained: bool
+    ) -> None:
+        robot = robot_network(mission.network, models, directories)
+        planner = planner_named(robot.model, mission.network.planner)
+        self.network = BehaviourNetwork(robot.model, self.rows, planner, explained)
+        configurations = [configuration for model in models for configuration in model.configurations]
+        self._chances = [np.random.default_rng(0)] * self.rows
+        self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
+        host = Host(self.poses, self._buffers, self.directions, self._chances, self._memory)
+        self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
+        self.nested = inner_networks(robot, self.network, host, explained=explained)
+        self._movers = {
+            name: mechanism
+            for name, mechanism in (("MoveToGarbage", self.to_garbage), ("Patrol", self.patrol))
+            if name in robot.model.behaviour_index and name not in robot.inner
+        }
+        self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
+
+    def coordinator_of(self, goal: str) -> Coordinator:
+        """Return the coordinator of a goal; KeyError if the robot's document does not coordinate it."""
+        by_goal = {coordinator.model.goal: coordinator for coordinator in self.coordinators}
+        if goal not in by_goal:
+            raise KeyError(unknown("coordinated goal", goal, list(by_goal)))
+        return by_goal[goal]
+
+    def reset(self, world: int, mission: MissionConfig, rows: Ints, seed: np.random.SeedSequence) -> None:
+        """Clear the buffers of a world whose robots are `rows` (N,), and set its chance by the seed."""
+        for buffer in self._buffers.values():
+            buffer.clear(world)
+        streams = [np.random.default_rng(stream) for stream in seed.spawn(2 * len(rows))]
+        self.directions.reset(rows, streams[: len(rows)])
+        self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
+        self.reception.begin(world, mission, seed)
+
+    def begin(self, rows: Ints) -> None:
+        """Clear the networks and the knowledge of `rows` (K,)."""
+        self.network.reset(rows)
+        self._memory.reset(rows)
+        for inner in self._inner:
+            inner.reset(rows)
+
+    def show_items(self, world: int, positions: Floats, now: float) -> None:
+        """Store the gradients of items that lie at `positions` (M, 2) [m] of a world from now on."""
+        garbage = self._garbage
+        self.items.store_static(
+            np.full(len(positions), world),
+            ITEMS,
+            positions,
+            now,
+            diffusion=garbage.diffusion,
+            goal_radius=garbage.goal_radius,
+        )
+
+    def hide_items(self, worlds: Ints, positions: Floats, now: float) -> None:
+        """Delete the gradients of items that lay at `positions` (M, 2) [m] of `worlds` (M,)."""
+        self.items.extinguish(worlds, ITEMS, positions, now)
+
+    def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
+        """Let every robot spread its pose: positions (R, 2) [m], headings (R,) [rad]."""
+        self.poses.update(positions, headings, now)
+
+    def receive_poses(self) -> None:
+        """Let robots receive the poses that have just been spread, as the delivery of their mission has it."""
+        self.reception.listen()
+
+    def sense(self, floor: Packed[FloorRecord], now: float) -> None:
+        """Write all sensors into the readings: those of what works inside behaviours, and the robots' own."""
+        for inner in self._inner:
+            inner.sense(now)
+        self.sense_floor(floor)
+
+    def sense_floor(self, floor: Packed[FloorRecord]) -> None:
+        """Write the robots' own sensors into the readings."""
+        read_sensors(floor.words, self.packed.words)
+
+    def decide(self, rows: Ints | None) -> None:
+        """Let the networks of `rows` (K,) or all decide which behaviours run."""
+        self.network.step(rows)
+
+    def act(self, floor: Packed[FloorRecord], now: float) -> None:
+        """Give every robot in which a behaviour runs that moves a vector."""
+        begin_orders(floor.words, self.packed.words)
+        commands, record = self.commands, self.packed.record
+        self._moved.clear()
+        for mechanism, rows, count in zip(self._movers.values(), record.running, record.counts.tolist(), strict=True):
+            if count:
+                mechanism.move_into(now, rows[:count], commands.vectors, commands.commanded)
+                self._moved.append((mechanism, rows[:count]))
+        for inner in self._inner:
+            inner.act(now, commands)
+
+    def leave(self, now: float) -> None:
+        """Leave in the world what others shall find from the next tick on: traces of the patrol, and what is spread."""
+        for mechanism, rows in self._moved:
+            if isinstance(mechanism, DepositingMechanism):
+                mechanism.deposit(now, rows)
+        for inner in self._inner:
+            inner.leave(now)
+
+    def follow(self, vectors: Floats, rows: Flags) -> None:
+        """Order the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of what they decide."""
+        np.copyto(self.commands.vectors, vectors)
+        np.copyto(self.commands.commanded, rows)
+        self.commands.in_place[:] = False

@@ -1,0 +1,53 @@
+"""The two records of a tick: what lies and moves on the floor, and what goes on in the robots' heads.
+
+Shapes: W worlds, N robots a world, R = W * N rows, M items a world, S sensors, B behaviours of the robots' network.
+"""
+
+from typing import Annotated, NamedTuple
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.records import Recording
+
+
+class FloorRecord(NamedTuple):
+    """What lies on the floor and where robots are; owned by `Floor`."""
+
+    robots: Annotated[Floats, "R 2"]  # positions [m]
+    extent: Annotated[Floats, "2"]  # of the torus [m]
+    stations: Annotated[Floats, "W 2 2"]  # recycling and dump [m]
+    items: Annotated[Floats, "W M 2"]  # where each item lies or was picked [m]
+    stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
+    leftover: Annotated[Ints, "W M"]  # 1 where what lies has been recycled already
+    cargo: Annotated[Ints, "R"]  # the item that a robot carries, or NOTHING
+    recycled: Annotated[Ints, "R"]  # 1 once the cargo has been recycled
+    done: Annotated[Ints, "W"]  # items dumped
+    nearest: Annotated[Ints, "R"]  # the item that a robot would take, as it last sensed; NOTHING where none is near
+    picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones
+    lying: Annotated[Flags, "M"]  # scratch: items of one world that lie
+    cells: Annotated[Ints, "lines columns"]  # scratch: see `physics.cells`
+    links: Annotated[Ints, "M"]  # scratch: see `physics.cells`
+    sight: float  # distance up to which an item is seen [m]
+    at_item: float  # distance up to which a robot is at an item [m]
+    at_station: float  # distance up to which a robot is at a station [m]
+    pick_distance: float  # distance up to which an item is picked [m]
+
+
+class MindsRecord(NamedTuple):
+    """What robots read and decide, and what follows from it without a mechanism; owned by `Minds`."""
+
+    readings: Annotated[Floats, "R S"]  # of the network
+    marks: Annotated[Ints, "R LAYERS B"]  # of the network
+    handling: Annotated[Ints, "3"]  # behaviours that pick, recycle and dump
+    transport: Annotated[Ints, "2"]  # behaviours that go to the stations
+    movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism by themselves
+    starting: Annotated[Flags, "R 3"]  # robots that pick, recycle and dump in this tick
+    vectors: Annotated[Floats, "R 2"]  # orders of the tick, see `Commands`
+    commanded: Annotated[Flags, "R"]
+    in_place: Annotated[Flags, "R"]
+    running: Annotated[Ints, "L R"]  # rows in which each mover runs, the first `counts` of them
+    counts: Annotated[Ints, "L"]
+
+
+FLOOR = Recording(FloorRecord)
+MINDS = Recording(MindsRecord)
+open_floor, open_minds = FLOOR.open, MINDS.open

@@ -1,0 +1,137 @@
+"""A network that senses and acts through components, as documents declare it: what references in it have to mean."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar
+
+from pydantic import Field, model_validator
+
+from selector.documents.fields import Closed, Flag, Name, Number
+from selector.vocabulary.components import ActionSpecs, ComponentSpec, MechanismSpec, SensorSpec, TargetSpec
+from selector.vocabulary.conditions import BehaviourSpec, GoalSpec
+from selector.vocabulary.settings import SettingsSpec
+from selforg.mechanisms import MECHANISMS
+from selforg.network.model.behaviours import Behaviour, Goal, Sensor, SensorKind
+from selforg.network.model.model import NetworkModel
+from selforg.registry import unknown
+
+
+class ActingBehaviourSpec(BehaviourSpec):
+    """A behaviour with what it does."""
+
+    action: ActionSpecs
+    """What the behaviour does while it runs: one action, or several that happen together."""
+
+
+AnySensor = TypeVar("AnySensor")
+AnyBehaviour = TypeVar("AnyBehaviour", bound=ActingBehaviourSpec)
+AnyGoal = TypeVar("AnyGoal", bound=GoalSpec)
+
+
+class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
+    """A network with the components by which it senses and acts; every name that a component holds exists."""
+
+    description: str = ""
+    """What it does and where it comes from."""
+    mechanisms: dict[Name, MechanismSpec] = Field(default_factory=dict)
+    """Mechanisms by name."""
+    targets: dict[Name, TargetSpec] = Field(default_factory=dict)
+    """Gradients that queries choose, by name."""
+    knowledge: dict[Name, Flag | Number] = Field(default_factory=dict)
+    """What the robot remembers because of this network, with the first value: a fact or a number."""
+    expects: dict[Name, Literal["fact", "number"]] = Field(default_factory=dict)
+    """What the robot must know whatever it holds: names in the host's memory."""
+    sensors: dict[Name, AnySensor] = Field(default_factory=dict)
+    """Sensors by name."""
+    behaviours: Annotated[dict[Name, AnyBehaviour], Field(min_length=1)]
+    """Behaviours by name, in order of registration."""
+    goals: dict[Name, AnyGoal] = Field(default_factory=dict)
+    """Goals inside the network by name."""
+    settings: SettingsSpec = SettingsSpec()
+    """How it decides."""
+
+    @model_validator(mode="after")
+    def _names_exist(self) -> Self:
+        for name in self.knowledge.keys() & self.expects.keys():
+            raise ValueError(f"expects.{name}: stands under knowledge too; expected one of them")
+        for name, mechanism in self.mechanisms.items():
+            if mechanism.type not in MECHANISMS:
+                raise ValueError(f"mechanisms.{name}.type: {unknown('mechanism', mechanism.type, MECHANISMS.names())}")
+        for where, spec in self._components():
+            self._check_component(spec, where)
+        return self
+
+    @property
+    def own_sensors(self) -> dict[str, SensorSpec]:
+        """The sensors that are components."""
+        return {name: spec for name, spec in self.sensors.items() if isinstance(spec, SensorSpec)}
+
+    @property
+    def calls(self) -> tuple[str, ...]:
+        """Names of the host's functions that the behaviours call."""
+        references = (reference for _, spec in self._components() for reference in spec.references())
+        return tuple(name for _, reference, name in references if reference.what == "call")
+
+    @property
+    def buffers(self) -> tuple[str, ...]:
+        """Names of the host's buffers that it looks into or spreads to, sorted."""
+        users: tuple[MechanismSpec | TargetSpec, ...] = (*self.mechanisms.values(), *self.targets.values())
+        return tuple(sorted({spec.buffer for spec in users}))
+
+    def kind_of(self, sensor: SensorSpec) -> SensorKind:
+        """Return what a sensor reads."""
+        cls = sensor.component
+        if cls.kind_of is None:
+            return cls.kind
+        name = sensor.given[cls.kind_of]
+        if name in self.expects:
+            return self.expects[name]
+        return "fact" if isinstance(self.knowledge[name], bool) else "number"
+
+    def network_sensors(self) -> tuple[Sensor, ...]:
+        """Return the sensors as the behaviour network declares them."""
+        return tuple(Sensor(name, self.kind_of(spec)) for name, spec in self.own_sensors.items())
+
+    def network_behaviours(self) -> tuple[Behaviour, ...]:
+        """Return the behaviours as the behaviour network declares them."""
+        return tuple(spec.build(name) for name, spec in self.behaviours.items())
+
+    def network_goals(self) -> tuple[Goal, ...]:
+        """Return the goals as the behaviour network declares them."""
+        return tuple(spec.build(name) for name, spec in self.goals.items())
+
+    def network_model(self) -> NetworkModel:
+        """Return the behaviour network; ValueError says what does not fit together."""
+        return NetworkModel(
+            self.network_sensors(), self.network_behaviours(), self.network_goals(), self.settings.build()
+        )
+
+    def _components(self) -> Iterator[tuple[str, ComponentSpec[Any]]]:
+        """Yield the key and the specification of every sensor and action."""
+        for name, sensor in self.own_sensors.items():
+            yield f"sensors.{name}", sensor
+        for name, behaviour in self.behaviours.items():
+            for index, action in enumerate(behaviour.action):
+                yield f"behaviours.{name}.action{f'.{index}' if index else ''}", action
+
+    def _check_component(self, spec: ComponentSpec[Any], where: str) -> None:
+        """Raise ValueError for a name that the component refers to and that there is not, or not of its kind."""
+        declared: dict[str, Mapping[str, object]] = {
+            "mechanism": self.mechanisms,
+            "target": self.targets,
+            "knowledge": {**self.knowledge, **self.expects},
+        }
+        for parameter, reference, name in spec.references():
+            if reference.what not in declared:
+                continue  # a call: the host is asked for it
+            must_know(reference.what, name, declared[reference.what], f"{where}.{parameter}")
+            if reference.what == "mechanism":
+                given = self.mechanisms[name].type
+                if not issubclass(MECHANISMS.find(given), reference.mechanism):
+                    expected = f"expected {reference.expected}, got {name!r}, which is a {given}"
+                    raise ValueError(f"{where}.{parameter}: {expected}")
+
+
+def must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:
+    """Raise ValueError for a name that is not among the `known`."""
+    if name not in known:
+        raise ValueError(f"{where}: {unknown(what, name, sorted(known))}")

@@ -1,0 +1,104 @@
+"""The network inside a behaviour of a robot: it decides and acts while the behaviour runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from selector.configurations.host import Host
+from selector.configurations.running import RunningConfiguration
+from selector.coordination.robot_network import RobotNetwork
+from selforg.arrays import Ints
+from selforg.components import Commands
+from selforg.network.nesting import rows_inside, shared_columns
+from selforg.network.network import BehaviourNetwork
+
+
+class InnerNetwork:
+    """R rows of a network inside the behaviour `holder` of the network `parent`.
+
+    To whoever runs the robots it is like a coordinator: in every control period `sense`, the step of the parent, `act`,
+    and `leave` once all movements are known. It decides in every step in which its holder runs, with a decision
+    guaranteed; when the holder stops, all that runs inside stops too, and activations stay as they are.
+
+    Args:
+        held: what the network is made of.
+        holder: name of the behaviour.
+        parent: runs the network around.
+        host: what mechanisms and actions find.
+        path: names of the behaviours around, from the outside in.
+
+    Attributes:
+        name: its holder behind the behaviours around it, as in `Tidy/Approach`.
+        configuration: the network at work with its components.
+        inner: the networks inside its own behaviours.
+
+    """
+
+    def __init__(
+        self,
+        held: RobotNetwork,
+        holder: str,
+        parent: BehaviourNetwork,
+        host: Host,
+        path: tuple[str, ...] = (),
+        *,
+        explained: bool = False,
+    ) -> None:
+        self.name = "/".join((*path, holder))
+        self.parent = parent
+        self.index = parent.model.behaviour_index[holder]
+        assert held.spec is not None  # only the root has none
+        self.configuration = RunningConfiguration(held.spec, host, f"network in {self.name}", explained=explained)
+        self._outside, self._inside = shared_columns(parent.model, held)
+        self._all: Ints = np.arange(parent.rows)
+        self.inner = inner_networks(held, self.network, host, (*path, holder), explained=explained)
+
+    @property
+    def network(self) -> BehaviourNetwork:
+        """The network that decides."""
+        return self.configuration.network
+
+    def reset(self, rows: Ints) -> None:
+        """Begin anew in `rows` (K,), inside too."""
+        self.network.reset(rows)
+        self.configuration.forget(rows)
+        for inner in self.inner:
+            inner.reset(rows)
+
+    def sense(self, now: float) -> None:
+        """Do nothing: which rows have to be sensed is known when the parent has decided."""
+
+    def act(self, now: float, commands: Commands) -> None:
+        """Sense, decide and act at `now` [s] where the parent runs the holder; movements go into `commands`."""
+        rows = rows_inside(self.parent, self.index, self._all, self.network.halt)
+        if len(rows):
+            self.network.readings[np.ix_(rows, self._inside)] = self.parent.readings[np.ix_(rows, self._outside)]
+            self.configuration.robots.sense(now, rows)
+            self.network.step(rows, guarantee=True)
+            self.configuration.robots.act(now, rows, commands)
+        for inner in self.inner:
+            inner.act(now, commands)
+
+    def leave(self, now: float) -> None:
+        """Leave in the world, at `now` [s], what others shall find from the next control period on."""
+        self.configuration.robots.leave(now)
+        for inner in self.inner:
+            inner.leave(now)
+
+
+def inner_networks(
+    robot: RobotNetwork, parent: BehaviourNetwork, host: Host, path: tuple[str, ...] = (), *, explained: bool = False
+) -> tuple[InnerNetwork, ...]:
+    """Return the networks inside the behaviours of a robot, in the order of its document; `parent` runs the root."""
+    return tuple(
+        InnerNetwork(held, holder, parent, host, path, explained=explained) for holder, held in robot.inner.items()
+    )
+
+
+def at_any_depth(networks: Iterable[InnerNetwork]) -> Iterator[InnerNetwork]:
+    """Yield networks with all that lie in them, from the outside in."""
+    for network in networks:
+        yield network
+        yield from at_any_depth(network.inner)

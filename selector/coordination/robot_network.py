@@ -1,0 +1,30 @@
+"""The network of a robot as its document declares it: the root, and the networks inside behaviours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from selector.coordination.robot_vocabulary import InnerNetworkSpec
+from selforg.network.nesting import NestedModel
+
+
+@dataclass(frozen=True)
+class RobotNetwork(NestedModel):
+    """A network whose inner networks sense and act through components.
+
+    Attributes:
+        inner: by behaviour, the network inside.
+        spec: of a network inside, its components; None for the root, whose behaviours whoever runs the robot lets act.
+
+    """
+
+    inner: Mapping[str, RobotNetwork] = field(default_factory=dict)
+    spec: InnerNetworkSpec | None = None
+
+    def all_specs(self) -> Iterator[InnerNetworkSpec]:
+        """Yield the components of all networks inside, at any depth."""
+        for held in self.inner.values():
+            if held.spec is not None:
+                yield held.spec
+            yield from held.all_specs()

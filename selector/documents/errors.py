@@ -1,0 +1,125 @@
+"""One line for whatever is wrong with a document: file, key, what was expected and what was given."""
+
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from selforg.registry import unknown
+
+M = TypeVar("M", bound=BaseModel)
+IMPOSSIBLE = "impossible"
+MAX_SHOWN = 60
+"""Characters of a given value that an error shows."""
+
+
+class DocumentError(ValueError):
+    """A file, a key or a name that cannot be used; its message is one line for the user."""
+
+
+def validated(model: type[M], content: object, where: str) -> M:
+    """Return `content` as a model; the first mistake becomes one line `where: key: what is wrong`.
+
+    Raises:
+        DocumentError: content that the model refuses.
+
+    """
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        raise DocumentError(one_line(error, where, model)) from error
+
+
+def validated_json(model: type[M], text: str, where: str) -> M:
+    """Return a JSON text as a model, as `validated` does with content."""
+    try:
+        return model.model_validate_json(text)
+    except ValidationError as error:
+        raise DocumentError(one_line(error, where, model)) from error
+
+
+def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
+    """Return the error for a value that only its context makes impossible, at the dotted `key` below the model."""
+    message = "expected {expected}, got {given}"
+    return PydanticCustomError(IMPOSSIBLE, message, {"key": key, "expected": expected, "given": str(given)})
+
+
+def of_part(part: str, error: ValidationError, model: type[BaseModel]) -> PydanticCustomError:
+    """Return the error of a part as one that the validator of the whole can raise; its key begins with `part`."""
+    key, what = _first_mistake(error, model)
+    return PydanticCustomError(IMPOSSIBLE, "{what}", {"key": f"{part}.{key}", "what": what})
+
+
+def one_line(error: ValidationError, where: str, model: type[BaseModel]) -> str:
+    """Return `where: key: what is wrong` for the first mistake of `error`, raised when validating `model`."""
+    key, what = _first_mistake(error, model)
+    return f"{where}: {f'{key}: ' if key else ''}{what}"
+
+
+def shown(path: Path) -> str:
+    """Return `path` as a user in the working directory would write it."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
+
+
+def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
+    """Return the dotted key of the first mistake, and what is wrong."""
+    details = error.errors(include_url=False)
+    # An unknown key often makes another one missing: the unknown one is named.
+    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+    return ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)]), _what(first, model)
+
+
+def _key_of_context(details: ErrorDetails) -> list[str]:
+    return [str(details["ctx"]["key"])] if details["type"] == IMPOSSIBLE else []
+
+
+def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
+    kind, given = details["type"], repr(details["input"])
+    if kind == "extra_forbidden":
+        known = _known_keys(model, details["loc"][:-1])
+        return unknown("key", str(details["loc"][-1]), known) if known else "unknown key"
+    if kind == "missing":
+        return "missing key" if isinstance(details["loc"][-1], str) else "missing value"
+    if kind == "json_invalid":
+        return f"expected JSON: {details['ctx']['error']}"
+    if kind == "value_error":  # raised by a model that knows best what is wrong
+        return str(details["ctx"]["error"])
+    message = re.sub(r"^(Input should be|\w+ should have)", "expected", details["msg"]).removesuffix(
+        " after validation, not 0"
+    )
+    if kind == IMPOSSIBLE:
+        return message
+    return f"{message}, got {given if len(given) <= MAX_SHOWN else given[:MAX_SHOWN] + '...'}"
+
+
+def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
+    """Return the keys of the model that lies at `location` below `model`; empty if the types do not tell."""
+    here: object = model
+    for part in location:
+        here = _below(here, part)
+    found = _model_in(here)
+    return sorted(found.model_fields) if found is not None else []
+
+
+def _below(annotation: object, part: int | str) -> object:
+    """Return the type of what lies at one key or index of a value; None if its type does not tell."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation.model_fields[part].annotation if part in annotation.model_fields else None
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is dict:
+        return arguments[1]
+    if origin is tuple and isinstance(part, int):
+        return arguments[0 if Ellipsis in arguments else part]
+    return next((found for one in arguments if (found := _below(one, part)) is not None), None)
+
+
+def _model_in(annotation: object) -> type[BaseModel] | None:
+    """Return the model that an annotation is, or that its tuple or union holds; None without any."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for part in get_args(annotation) if (found := _model_in(part)) is not None), None)

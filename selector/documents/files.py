@@ -1,0 +1,110 @@
+"""Find files of every kind, by name or by path, in the user's directories and in the shipped one.
+
+A directory of configurations holds one folder for each kind of file, `KINDS`. The given directories are searched in
+order, the shipped one last: a file in an earlier directory hides one of the same name in a later one.
+"""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import configs
+from selector.documents.errors import DocumentError, M, shown, validated
+from selector.documents.reading import read_mapping
+from selforg.registry import unknown
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    Attributes:
+        called: what errors call one of them.
+        ending: follows the name of each file.
+
+    """
+
+    called: str
+    ending: str = ".yaml"
+
+
+KINDS = {
+    "experiments": Kind("experiment"),
+    "families": Kind("family"),
+    "knowledge": Kind("expert knowledge"),
+    "mechanisms": Kind("configuration"),
+    "missions": Kind("mission"),
+    "policies": Kind("policy", "/policy.json"),
+    "robots": Kind("robot"),
+    "starts": Kind("set of start configurations"),
+    "strategies": Kind("learned strategy", ".safetensors"),
+    "training": Kind("training"),
+}
+"""Folder of a directory of configurations -> the kind of file that it holds."""
+
+
+def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str = "") -> Path:
+    """Return the file of a kind by its name, or by its path.
+
+    Args:
+        kind: one of `KINDS`.
+        name: name of the file in its folder, without ending; or a path, which has a separator or the ending. A policy's
+            path is that of its directory.
+        directories: searched before the shipped directory.
+        where: starts the line of an error.
+
+    Raises:
+        DocumentError: no such file or directory.
+
+    """
+    given = _path(kind, name)
+    if given is not None:
+        if not given.is_file():
+            raise DocumentError(f"{where}{name}: no such file")
+        return given
+    found = files_of(kind, directories)
+    if name not in found:
+        ending = KINDS[kind].ending
+        besides = f", and no directory with a {ending[1:]}" if ending.startswith("/") else ""
+        raise DocumentError(where + unknown(KINDS[kind].called, name, tuple(found)) + besides)
+    return found[name]
+
+
+def files_of(kind: str, directories: Sequence[Path] = ()) -> dict[str, Path]:
+    """Return name -> file for all files of a kind, in the order of their names."""
+    found: dict[str, Path] = {}
+    for root in roots(directories):
+        folder = root / kind
+        for path in folder.glob(f"*{KINDS[kind].ending}"):
+            found.setdefault(path.relative_to(folder).as_posix().removesuffix(KINDS[kind].ending), path)
+    return dict(sorted(found.items()))
+
+
+def load_file(kind: str, name: str, model: type[M], directories: Sequence[Path] = (), where: str = "") -> M:
+    """Return what a YAML file holds, as a model; the arguments are those of `find_file`.
+
+    Raises:
+        DocumentError: no such file, or a mistake in it.
+
+    """
+    path = find_file(kind, name, directories, where)
+    return validated(model, read_mapping(path), shown(path))
+
+
+def roots(directories: Sequence[Path] = ()) -> list[Path]:
+    """Return the directories in the order in which they are searched, the shipped one last."""
+    for directory in directories:
+        if not directory.is_dir():
+            raise DocumentError(f"{directory}: no such directory")
+    return [*directories, configs.directory()]
+
+
+def _path(kind: str, name: str) -> Path | None:
+    """Return the path that `name` stands for, None if it is the name of a file in a folder of its kind."""
+    ending = KINDS[kind].ending
+    if ending.startswith("/"):
+        path = Path(name + ending)
+        return path if os.sep in name or path.is_file() else None
+    endings = (".yaml", ".yml") if ending == ".yaml" else (ending,)
+    return Path(name) if os.sep in name or name.endswith(endings) else None

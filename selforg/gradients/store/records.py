@@ -1,0 +1,88 @@
+"""The records of gradients and poses that compiled code takes; columns of tables are in `columns`.
+
+Letters of shapes: N rows, K poses of a row, T teams, S information spaces, C channels, M gradients that fit in, B
+buckets (a power of two), P pairs, L levels.
+"""
+
+from typing import Annotated, NamedTuple
+
+from selforg.arrays import Floats, Ints, Links
+from selforg.compiler.records import Recording
+
+MOST_CANDIDATES = 512  # gradients that are looked at together
+
+Margins = tuple[float, float, float]
+"""How far beyond its reach a gradient is seen [m], for attraction -1, 0, +1; negative infinity: not looked at."""
+
+
+class Poses(NamedTuple):
+    """The poses that rows share, and cells by which those of large teams are found."""
+
+    own: Annotated[Floats, "N K POSE"]  # poses of each row, the newest first; columns POSE_
+    rows: Annotated[Ints, "N ROW"]  # columns ROW_
+    first: Annotated[Ints, "T+1"]  # where each team begins in `members`
+    members: Annotated[Ints, "N"]  # rows, team by team
+    reach: Annotated[Floats, "T"]  # largest reach of a pose in each team [m]
+    extent: Annotated[Floats, "3"]  # of the space [m], 0 for an open axis
+    cells: Annotated[Floats, "1 CELL"]  # one grid for all teams; columns of `selforg.grid`
+    buckets: Annotated[Links, "B"]  # first row in each bucket, -1 for none
+    links: Annotated[Links, "N 2"]  # next row in the bucket, -1 for none; cell of the row
+    diffusion: float  # of the poses that `update_poses` spreads [m]
+    goal_radius: float  # likewise [m]
+    attraction: float  # likewise, -1, 0 or +1
+    history: int  # poses remembered of each row
+
+
+class Store(NamedTuple):
+    """The gradients of a buffer, and room for what walks over them note."""
+
+    near: Annotated[Floats, "M NEAR"]  # columns X .. GOAL_RADIUS and NEAR_
+    links: Annotated[Links, "M LINK"]  # columns LINK_
+    far: Annotated[Floats, "M FAR"]  # columns FAR_
+    marks: Annotated[Links, "M MARK"]  # columns MARK_
+    layers: Annotated[Links, "C*S*L LAYER"]  # columns LAYER_
+    buckets: Annotated[Links, "B"]  # first slot in each bucket of cells, -1 for none
+    rules: Annotated[Ints, "C"]  # aggregation rule of each channel, AGGREGATE_
+    bounds: Annotated[Floats, "L"]  # largest reach in each level [m]
+    cells: Annotated[Floats, "L CELL"]  # grid of each level; columns of `selforg.grid`
+    counters: Annotated[Ints, "COUNTERS"]  # entries COUNTER_
+    extent: Annotated[Floats, "3"]  # of the space [m], 0 for an open axis
+    window: Annotated[Ints, "MOST_CELLS"]  # room for the cells around a place
+    candidates: Annotated[Ints, "MOST_CANDIDATES"]  # room for the slots that lie there
+    chosen: Annotated[Ints, "MOST_CANDIDATES"]  # room for the indices of some candidates
+    offsets_x: Annotated[Floats, "MOST_CANDIDATES"]  # room for the offset to each candidate [m]
+    offsets_y: Annotated[Floats, "MOST_CANDIDATES"]
+    offsets_z: Annotated[Floats, "MOST_CANDIDATES"]
+    reaches: Annotated[Floats, "MOST_CANDIDATES"]  # room for how far each candidate is seen [m]
+    distances: Annotated[Floats, "MOST_CANDIDATES"]  # room for the distance of each candidate [m]
+    spaces: int  # S: information spaces, of a team or of a row each
+    per_row: int  # 1 if every row has a space of its own
+    aggregation_distance: float  # static gradients closer than this aggregate [m]
+    min_diffusion: float  # a gradient without goal area and with less diffusion than this is deleted [m]
+    whole_seconds: int  # 1: evaporation counts whole seconds, as the original does (Q3)
+    history: int  # moving gradients kept per channel and source
+
+
+class Sight(NamedTuple):
+    """The channels at which rows look, and room for what they see there."""
+
+    channels: Annotated[Ints, "C+1"]  # first 1 if the shared poses are looked at, then codes of channels
+    pairs: Annotated[Floats, "P PAIR"]  # columns PAIR_
+
+
+class Look(NamedTuple):
+    """What one row looks at once; made and passed on in compiled code only."""
+
+    row: int
+    begin: int  # pair from which on what the row sees is written
+    limit: int  # number of pairs at which looking ends; one more than there is room for: all are counted
+    now: float  # [s]
+    see: int  # SEE_ bits
+    margins: Margins
+    x: float  # where the row is [m]
+    y: float
+    z: float
+
+
+POSES, STORE, SIGHT = Recording(Poses), Recording(Store), Recording(Sight)
+open_poses, open_store, open_sight = POSES.open, STORE.open, SIGHT.open

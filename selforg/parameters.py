@@ -1,0 +1,36 @@
+"""Parameters of classes: what a constructor takes, as documents and contract tests read it from the class itself."""
+
+import inspect
+from functools import cache
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_type_hints
+
+Finite: TypeAlias = Annotated[float, "finite"]
+NonNegative: TypeAlias = Annotated[float, "finite", "at least 0"]
+Share: TypeAlias = Annotated[float, "from 0 to 1"]
+
+REQUIRED = inspect.Parameter.empty
+"""Default of a parameter that has none."""
+
+
+class Parameter(NamedTuple):
+    """One parameter of a constructor."""
+
+    annotation: Any
+    """Its type, as declared."""
+    default: Any
+    """Its default, or REQUIRED."""
+
+
+@cache
+def parameters_of(cls: type) -> dict[str, Parameter]:
+    """Return the parameters of a constructor by name, those of unpacked options (a TypedDict) too."""
+    found: dict[str, Parameter] = {}
+    for name, parameter in inspect.signature(cls.__init__, eval_str=True).parameters.items():  # type: ignore[misc]
+        if parameter.kind is inspect.Parameter.VAR_KEYWORD:
+            (options,) = get_args(parameter.annotation)
+            found |= {
+                option: Parameter(hint, None) for option, hint in get_type_hints(options).items() if option not in found
+            }
+        elif name != "self":
+            found[name] = Parameter(parameter.annotation, parameter.default)
+    return found

@@ -1,0 +1,67 @@
+"""What a period counts: avoiding is that of the coordinator of AvoidCollision, wherever it stands in the mission."""
+
+import numpy as np
+import pytest
+import yaml
+
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.progress import AVOIDINGS
+from clean_swarm_env.learning.reward import RewardConfig
+from clean_swarm_env.world.robot import GOAL
+from tests.clean_swarm_env.courses import mission
+from tests.paths import ROOT
+
+PERIODS = 30
+
+
+def counted(batch, monkeypatch):
+    """Return the ticks (P, R) of each period in which a robot's coordinator of avoidance ran, and those counted."""
+    network, tick = batch.worlds.network, batch.worlds.tick
+    ran = np.zeros(batch.rows, dtype=np.int64)
+
+    def counting():
+        entered = tick()
+        ran[:] += network.executing[:, network.model.behaviour_index[GOAL]]
+        return entered
+
+    monkeypatch.setattr(batch.worlds, "tick", counting)
+    batch.reset([1, 2])
+    expected, given, rewards = [], [], []
+    for _ in range(PERIODS):
+        ran[:] = 0
+        step = batch.step(np.tile(batch.choices.default, (batch.rows, 1)))
+        expected.append(ran.copy())
+        given.append(batch.progress.events[AVOIDINGS].copy())
+        rewards.append(step.rewards.copy())
+    return np.array(expected), np.array(given), np.array(rewards)
+
+
+@pytest.mark.parametrize("name", ["table1", "cleaning-patrol"])
+def test_avoiding_is_that_of_the_coordinator_of_avoidance(name, monkeypatch):
+    nothing = {"dumped": 0.0, "time": 0.0, "collision": 0.0}
+    batch = Batch(name, 2, reward=RewardConfig(**nothing, avoiding=-1.0))
+    expected, given, rewards = counted(batch, monkeypatch)
+    assert expected.any()
+    assert given.tolist() == expected.tolist()
+    np.testing.assert_allclose(rewards, -0.2 * expected)
+
+
+def test_without_a_coordinator_of_avoidance_nobody_avoids(tmp_path):
+    robot = yaml.safe_load((ROOT / "configs/robots/cleaning-patrol.yaml").read_text(encoding="utf-8"))
+    del robot["networks"]["robot"]["behaviours"][GOAL], robot["networks"]["robot"]["goals"][GOAL]
+    del robot["networks"]["robot"]["conditions"]["too near"]
+    for kind in ("robots", "knowledge"):
+        (tmp_path / kind).mkdir()
+    (tmp_path / "robots" / "careless.yaml").write_text(yaml.safe_dump(robot, sort_keys=False), encoding="utf-8")
+    known = {
+        "description": "Patrols only.",
+        "goals": {"ExplorationPatrol": [{"configuration": "Patrol", "score": 1.0}]},
+    }
+    (tmp_path / "knowledge" / "careless.yaml").write_text(yaml.safe_dump(known), encoding="utf-8")
+    config = mission("cleaning-patrol", network={"robot": "careless"}, knowledge="careless")
+    batch = Batch(config, 2, directories=(tmp_path,))
+    seen = batch.reset([1, 2])
+    for _ in range(PERIODS):
+        seen = batch.step(np.zeros(batch.rows, dtype=np.int64)).observations
+        assert not batch.progress.events[AVOIDINGS].any()
+        assert not seen[:, batch.observer.names.index("avoiding")].any()

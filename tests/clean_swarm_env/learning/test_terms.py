@@ -1,0 +1,116 @@
+"""Contract of every registered observation term; a user's own terms join by being registered."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.around import open_around
+from clean_swarm_env.learning.observation.term import TERMS, Term
+from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS, ObservationConfig
+from selforg.compiler.decorators import kernel
+from tests.clean_swarm_env.courses import mission, moved
+
+CROWD = mission(robots={"count": 12}, garbage={"count": 30})
+
+
+@TERMS.register
+class Eastness(Term):
+    """How far east on the torus the robot is, times `factor`."""
+
+    name = "eastness"
+    components = ("eastness",)
+
+    def __init__(self, observed, *, factor=1.0):
+        super().__init__(observed)
+        self.factor = factor
+
+    def write(self, rows, out):
+        around = self.observed.around.record
+        out[0] = self.factor * around.positions[:, 0] / around.extent[0]
+
+
+@TERMS.register
+class Alone(Term):
+    """Whether no other robot is nearer than half of the largest range, as a kernel of the user's own finds."""
+
+    name = "alone"
+    needs = ("neighbours",)
+    components = ("alone", "not_alone")
+
+    def write(self, rows, out):
+        write_alone(self.observed.around.words, rows, out)
+
+
+@kernel
+def write_alone(around, rows, out):
+    a = open_around(around)
+    for row in rows:
+        out[0 if a.neighbour[row] < 0 else 1, row] = 1.0
+
+
+def batch_of(*terms, worlds=2, config=CROWD):
+    return Batch(config, worlds, observation=ObservationConfig(terms=terms, full_crowd=2))
+
+
+def course(batch, periods=25):
+    """Yield what the robots see in each period."""
+    options = np.random.default_rng(3).integers(0, 3, (periods, batch.rows))
+    yield batch.reset(list(range(batch.worlds.worlds)))
+    for chosen in options:
+        yield batch.step(chosen).observations
+
+
+@pytest.mark.parametrize("name", TERMS.names())
+class TestEveryTerm:
+    def test_it_says_what_it_is(self, name):
+        batch = batch_of(name)
+        assert TERMS.find(name).meaning()
+        assert batch.observer.names
+        assert len(set(batch.observer.names)) == batch.width == len(batch.observer.bounds)
+
+    def test_components_lie_within_their_bounds_and_something_is_seen(self, name):
+        batch = batch_of({"name": name, "weight": -0.5})
+        most = np.zeros(batch.width)
+        for seen in course(batch):
+            assert seen.shape == (batch.rows, batch.width)
+            assert np.isfinite(seen).all()
+            most = np.maximum(most, np.abs(seen).max(axis=0))
+        assert (most <= 0.5).all()
+        assert most.any()
+
+    def test_it_sees_the_same_alone_and_among_others(self, name):
+        others = [other for other in TERMS.names() if other != name]
+        alone, whole = batch_of(name), batch_of(*others[:3], name, *others[3:])
+        columns = [whole.observer.names.index(component) for component in alone.observer.names]
+        for one, all_ in zip(course(alone), course(whole), strict=True):
+            assert_array_equal(one, all_[:, columns])
+
+    def test_rows_in_another_order_see_the_same_in_that_order(self, name):
+        start, order = random_start(CROWD, 5, 0), np.random.default_rng(1).permutation(12)
+        seen = batch_of(name, worlds=1).reset([5], [start]).copy()
+        assert_array_equal(batch_of(name, worlds=1).reset([5], [moved(start, order)]), seen[order])
+
+    def test_robots_that_are_not_there_see_nothing(self, name):
+        config = mission(robots={"count": 3, "capacity": 5})
+        for seen in course(batch_of(name, worlds=1, config=config), 5):
+            assert not seen[3:].any()
+
+
+def test_the_default_is_the_eighteen_terms_in_their_order():
+    assert len(set(DEFAULT_TERMS)) == len(DEFAULT_TERMS) == 18
+    assert set(DEFAULT_TERMS) <= set(TERMS.names())
+    assert tuple(term.name for term in ObservationConfig().terms) == DEFAULT_TERMS
+
+
+def test_a_term_of_the_users_own_takes_settings_of_its_own():
+    batch = Batch(observation=ObservationConfig(terms=["cargo", {"name": "eastness", "factor": 0.5, "weight": 2.0}]))
+    seen = batch.reset([1])
+    assert batch.observer.names == ("carrying", "recycled", "eastness")
+    np.testing.assert_allclose(seen[:, 2], batch.worlds.physics.positions[:, 0] / 11.0, rtol=1e-6)
+
+
+def test_a_name_is_taken_once():
+    with pytest.raises(ValueError, match="observation term 'cargo' is registered already"):
+        TERMS.register(TERMS.find("cargo"))

@@ -1,0 +1,36 @@
+"""Records of a tick made by hand, for tests of single stages."""
+
+import numpy as np
+
+from clean_swarm_env.world.records import FloorRecord, MindsRecord
+from clean_swarm_env.world.robot import SENSORS
+from selforg.network.state.state import MARK_LAYERS
+
+
+def floor_record(garbage, robots, extent, **fields):
+    """Return the record of a floor with items and robots at places (R, 2) [m]; what is not given is 0."""
+    worlds, items, rows = *garbage.stage.shape, len(robots)
+    blank = {
+        "stations": np.zeros((worlds, 2, 2)), "nearest": np.zeros(rows, np.int64),
+        "picked": np.zeros((rows, 2), np.int64), "sight": 0.0, "at_item": 0.0, "at_station": 0.0, "pick_distance": 0.0,
+        "lying": np.zeros(items, np.bool_), "cells": np.empty((0, 0), np.int64), "links": np.empty(items, np.int64),
+    }  # fmt: skip
+    lying = {name: getattr(garbage, name) for name in ("stage", "leftover", "cargo", "recycled", "done")}
+    return FloorRecord(robots=robots, extent=extent, items=garbage.positions, **lying, **blank | fields)
+
+
+def minds_record(rows, behaviours=1, handling=(0, 0, 0)):
+    """Return the record of robots that read 0 everywhere and do nothing; `handling` (3,) behaviours handle cargo."""
+    return MindsRecord(
+        readings=np.zeros((rows, len(SENSORS))),
+        marks=np.zeros((rows, MARK_LAYERS, behaviours), np.int64),
+        handling=np.array(handling, np.int64),
+        transport=np.zeros(2, np.int64),
+        movers=np.zeros(1, np.int64),
+        starting=np.zeros((rows, 3), np.bool_),
+        vectors=np.zeros((rows, 2)),
+        commanded=np.zeros(rows, np.bool_),
+        in_place=np.zeros(rows, np.bool_),
+        running=np.zeros((1, rows), np.int64),
+        counts=np.zeros(1, np.int64),
+    )

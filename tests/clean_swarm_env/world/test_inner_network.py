@@ -1,0 +1,111 @@
+"""A robot whose document lets a network inside a behaviour decide how to search, in a mission."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+
+import configs
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import Course, MissionRun, run_mission
+from selector.coordination.selection import BY_SCORE
+from tests.clean_swarm_env.courses import mission
+from train.evaluation.explain import as_json, explained
+from train.evaluation.record import record
+from train.running.runs import RunTask
+
+PATROL = {"channels": ["pheromone"], "pheromone": {"channel": "pheromone", "attraction": -1}, "min_speed": 0.5}
+NOTED = {"type": "SetState", "name": "roamed", "value": True}
+SEARCH = {
+    "mechanisms": {"go": {"type": "Patrol", "buffer": "pheromones", "parameters": PATROL}},
+    "knowledge": {"roamed": False},
+    "sensors": {"garbage_found": "fact", "roamed": {"type": "Known", "name": "roamed"}},
+    "conditions": {"roamed": {"sensor": "roamed", "activator": {"type": "Boolean"}}},
+    "behaviours": {
+        "Roam": {
+            "action": [{"type": "Move", "mechanism": "go"}, {"type": "SetState", "name": "roamed", "value": True}]
+        },
+        "Pause": {"preconditions": ["roamed"], "network": "pause"},
+    },
+}
+PAUSE = {"sensors": {"roamed": "fact"}, "behaviours": {"Rest": {"preconditions": ["roamed"]}}}
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """Write the shipped robot with a behaviour Search in place of Patrol, with or without a network inside."""
+
+    def write(nested):
+        document = yaml.safe_load((configs.directory() / "robots" / "cleaning.yaml").read_text())
+        behaviours = document["networks"]["robot"]["behaviours"]
+        document["networks"]["robot"]["behaviours"] = {"Search": behaviours.pop("Patrol"), **behaviours}
+        if nested:
+            behaviours = document["networks"]["robot"]["behaviours"]
+            behaviours["Search"]["network"] = "search"
+            document["networks"] |= {"search": SEARCH, "pause": PAUSE}
+        (tmp_path / "robots").mkdir(exist_ok=True)
+        (tmp_path / "robots" / "searching.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
+        return tmp_path
+
+    return write
+
+
+MISSION = mission(network={"robot": "searching"}, time_limit=20.0)
+
+
+def course_of(directory):
+    start = random_start(MISSION, 5, 0)
+    return Course(MissionRun(MISSION, start, 3, {}, directories=(directory,)))
+
+
+def ticked(course, ticks):
+    """Return whether each robot searched in each tick, and how far it went in these ticks."""
+    network, searched = course.worlds.network, []
+    column, way = network.model.behaviour_index["Search"], np.zeros(5)
+    for _ in range(ticks):
+        before = course.worlds.physics.positions.copy()
+        course.tick()
+        searched.append(network.executing[:, column] == 1)
+        way += np.hypot(*(course.worlds.physics.positions - before).T) * searched[-1]
+    return np.array(searched), way
+
+
+def test_what_lies_in_a_behaviour_moves_the_robots(robot):
+    searched, way = ticked(course_of(robot(nested=False)), 30)
+    only = searched.sum(axis=0) >= 29
+    assert only.any()
+    assert (way[only] == 0.0).all()
+    course = course_of(robot(nested=True))
+    searched, way = ticked(course, 30)
+    assert (way[searched.sum(axis=0) > 20] > 1.0).all()
+    assert (searched.sum(axis=0) > 20).any()
+    search, pause = course.worlds.minds.nested[0], course.worlds.minds.nested[0].inner[0]
+    roams = search.network.executing[:, 0] == 1
+    assert np.array_equal(roams, searched[-1])
+    assert np.array_equal(pause.network.executing[:, 0] == 1, search.network.executing[:, 1] == 1)
+    assert course.worlds.minds.pheromones.count(0, "pheromone") > 0
+
+
+def test_a_robot_that_begins_anew_begins_anew_inside(robot):
+    course = course_of(robot(nested=True))
+    ticked(course, 10)
+    course.worlds.minds.begin(np.array([1]))
+    for inner in (course.worlds.minds.nested[0], course.worlds.minds.nested[0].inner[0]):
+        assert not inner.network.executing[1].any()
+        assert not inner.network.readings[1].any()
+
+
+def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
+    start = random_start(MISSION, 5, 0)
+    task = RunTask("mine", start.id, 3, "c", MISSION, start, {}, BY_SCORE, (robot(nested=True),), run_mission)
+    situation, step, inside = explained(task, 0, 4.0)
+    shown = json.loads(as_json(situation, step, inside))
+    assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
+    (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
+    assert (shown["networks"][0]["inner"] is not None) == running["running"]
+    steps = record(task, tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as kept:
+        assert kept["network_names"].tolist() == ["Search", "Search/Pause"]
+        assert kept["Search/behaviour_names"].tolist() == ["Roam", "Pause"]
+        assert kept["Search/values"].shape[0] == steps

@@ -1,0 +1,193 @@
+"""Measures the structure of the code: `python -m tests.house [CHECKOUT] [-v]` prints the figures, -v what they count.
+
+Circles count every import, inside functions and under TYPE_CHECKING too. A name counts as defined twice if two packages
+define it at the top of a module; which of those mean the same is for the reader to say (`SAME_MEANING`).
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from tests.paths import ROOT
+
+PACKAGES = ("selforg", "selector", "clean_swarm_env", "train")
+COMPILED = {"kernel", "lean_kernel", "part", "inlined"}
+MOST_COMPILED, MOST_PLAIN, MOST_MODULES = 8, 6, 15
+RECORD_BASES = {"NamedTuple", "TypedDict", "Protocol", "Closed", "BaseModel"}
+SAME_MEANING = {"app"}
+"""Names that several packages may define: each file of commands has its `app`."""
+
+
+@cache
+def sources(root: Path = ROOT) -> dict[str, ast.Module]:
+    """Return the syntax trees of all modules by their dotted names."""
+    files = (path for package in PACKAGES for path in sorted((root / package).rglob("*.py")))
+    return {name_of(path, root): ast.parse(path.read_text(encoding="utf-8")) for path in files}
+
+
+def name_of(path: Path, root: Path) -> str:
+    """Return the dotted name of a module; a package has the name of its folder."""
+    parts = path.relative_to(root).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(root: Path = ROOT) -> dict[str, set[str]]:
+    """Return which of our modules each module imports, anywhere in it."""
+    modules = sources(root)
+    graph: dict[str, set[str]] = {name: set() for name in modules}
+    for name, tree in modules.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                graph[name] |= {alias.name for alias in node.names if alias.name in modules}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module in modules:
+                for alias in node.names:
+                    inner = f"{node.module}.{alias.name}"
+                    graph[name].add(inner if inner in modules else node.module)
+        graph[name].discard(name)
+    return graph
+
+
+def circles(root: Path = ROOT) -> list[list[str]]:
+    """Return the groups of modules that import each other, directly or not."""
+    graph, number, low = imports(root), {}, {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(name: str) -> None:
+        number[name] = low[name] = len(number)
+        stack.append(name)
+        for other in sorted(graph[name]):
+            if other not in number:
+                visit(other)
+                low[name] = min(low[name], low[other])
+            elif other in stack:
+                low[name] = min(low[name], number[other])
+        if low[name] == number[name]:
+            group = [stack.pop()]
+            while group[-1] != name:
+                group.append(stack.pop())
+            if len(group) > 1:
+                found.append(sorted(group))
+
+    sys.setrecursionlimit(10_000)
+    for name in sorted(graph):
+        if name not in number:
+            visit(name)
+    return found
+
+
+def modules_in_folders(root: Path = ROOT) -> Counter[str]:
+    """Return how many modules lie directly in each folder, `__init__` not counted."""
+    files = (path for package in PACKAGES for path in (root / package).rglob("*.py") if path.name != "__init__.py")
+    return Counter(path.parent.relative_to(root).as_posix() for path in files)
+
+
+def definitions(tree: ast.Module) -> Iterator[str]:
+    """Yield the names that a module defines at its top."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Assign):
+            yield from (leaf.id for target in node.targets for leaf in ast.walk(target) if isinstance(leaf, ast.Name))
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            yield node.target.id
+
+
+def names_defined_twice(root: Path = ROOT, *, across_packages: bool = False) -> dict[str, list[str]]:
+    """Return the public names that more than one module (or package) defines, with those modules."""
+    where: dict[str, set[str]] = defaultdict(set)
+    for module, tree in sources(root).items():
+        for name in definitions(tree):
+            if not name.startswith("_") and name not in SAME_MEANING:
+                where[name].add(module)
+    return {
+        name: sorted(modules)
+        for name, modules in sorted(where.items())
+        if len({m.partition(".")[0] if across_packages else m for m in modules}) > 1
+    }
+
+
+def long_signatures(root: Path = ROOT) -> list[tuple[str, int]]:
+    """Return the functions with more arguments than a reader keeps in mind, longest first.
+
+    The constructor of a class of records counts its fields, which are no arguments; others count as they are.
+    """
+    found = []
+    for module, tree in sources(root).items():
+        for function, owner in functions(tree):
+            arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
+            count = len(arguments) - (owner is not None and arguments[:1] != [] and arguments[0].arg in {"self", "cls"})
+            decorators = {
+                leaf.id for node in function.decorator_list for leaf in ast.walk(node) if isinstance(leaf, ast.Name)
+            }
+            if count > (MOST_COMPILED if decorators & COMPILED else MOST_PLAIN):
+                found.append((".".join(filter(None, (module, owner, function.name))), count))
+    return sorted(found, key=lambda pair: -pair[1])
+
+
+def functions(node: ast.AST, owner: str | None = None) -> Iterator[tuple[ast.FunctionDef, str | None]]:
+    """Yield all functions inside, with the name of the class around a method."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef):
+            yield child, owner
+        inside = (
+            child.name if isinstance(child, ast.ClassDef) else None if isinstance(child, ast.FunctionDef) else owner
+        )
+        yield from functions(child, inside)
+
+
+def lines(root: Path = ROOT) -> int:
+    """Return how many lines of code there are, neither blank nor comment nor docstring."""
+    total = 0
+    for package in PACKAGES:
+        for path in (root / package).rglob("*.py"):
+            text = path.read_text(encoding="utf-8")
+            prose = set()
+            for node in ast.walk(ast.parse(text)):
+                if (
+                    isinstance(node, ast.Expr)
+                    and isinstance(node.value, ast.Constant)
+                    and isinstance(node.value.value, str)
+                ):
+                    prose |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+            rows = enumerate(text.splitlines(), 1)
+            total += sum(
+                1 for number, row in rows if row.strip() and not row.strip().startswith("#") and number not in prose
+            )
+    return total
+
+
+def skips(root: Path = ROOT) -> int:
+    """Return how often the formatter is switched off."""
+    files = (path for package in PACKAGES for path in (root / package).rglob("*.py"))
+    return sum(path.read_text(encoding="utf-8").count("# fmt: skip") for path in files)
+
+
+def main() -> None:
+    """Print the figures of a checkout."""
+    given = [word for word in sys.argv[1:] if word != "-v"]
+    root = Path(given[0]).resolve() if given else ROOT
+    folders, signatures = modules_in_folders(root), long_signatures(root)
+    twice = names_defined_twice(root)
+    print(f"modules: {sum(folders.values())}; most in a folder: {folders.most_common(3)}")
+    print(f"circles: {len(circles(root))} of {sorted(map(len, circles(root)), reverse=True)} modules")
+    print(f"names defined in several modules: {len(twice)}, in several packages: "
+          f"{len(names_defined_twice(root, across_packages=True))}")  # fmt: skip
+    print(f"functions with too many arguments: {len(signatures)}; longest: {signatures[:3]}")
+    print(f"'fmt: skip': {skips(root)}; lines of code: {lines(root)}")
+    if "-v" in sys.argv:
+        for name, modules in twice.items():
+            print(f"  {name}: {', '.join(modules)}")
+        for group in circles(root):
+            print("  circle:", ", ".join(group))
+        for name, count in signatures:
+            print(f"  {name}: {count}")
+
+
+if __name__ == "__main__":
+    main()

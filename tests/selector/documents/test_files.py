@@ -1,0 +1,51 @@
+"""Files of every kind are found alike: by name in the user's directories and the shipped one, or by path."""
+
+import shutil
+
+import pytest
+
+import configs
+from selector.documents.errors import DocumentError
+from selector.documents.files import KINDS, files_of, find_file
+
+pytestmark = pytest.mark.parametrize("kind", list(KINDS))
+
+
+def written(directory, kind, name="mine"):
+    path = directory / kind / (name + KINDS[kind].ending)
+    path.parent.mkdir(parents=True)
+    path.write_text("a: 1")
+    return path
+
+
+def test_the_shipped_directory_holds_every_kind_and_no_other(kind):
+    assert {path.name for path in configs.directory().iterdir() if path.is_dir()} - {"__pycache__"} == set(KINDS)
+    assert files_of(kind)
+
+
+def test_a_name_is_looked_for_in_every_directory_in_order(tmp_path, kind):
+    first, second = tmp_path / "first", tmp_path / "second"
+    theirs, (shipped, *_) = written(second, kind), files_of(kind)
+    first.mkdir()
+    assert find_file(kind, "mine", (first, second)) == theirs
+    ours = written(first, kind)
+    assert find_file(kind, "mine", (first, second)) == ours
+    assert find_file(kind, shipped, (first, second)) == configs.directory() / kind / (shipped + KINDS[kind].ending)
+    assert set(files_of(kind, (first, second))) == {"mine", *files_of(kind)}
+
+
+def test_a_path_is_taken_as_it_is(tmp_path, kind):
+    path = written(tmp_path, kind)
+    name = str(path).removesuffix("/policy.json")
+    assert find_file(kind, name) == path
+    shutil.rmtree(tmp_path / kind)
+    with pytest.raises(DocumentError, match=rf"^file: mission: {name}: no such file$"):
+        find_file(kind, name, where="file: mission: ")
+
+
+def test_an_unknown_name_lists_what_all_directories_hold(tmp_path, kind):
+    written(tmp_path, kind)
+    with pytest.raises(DocumentError, match=rf"^here: unknown {KINDS[kind].called} 'mime' .*did you mean 'mine'"):
+        find_file(kind, "mime", (tmp_path,), "here: ")
+    with pytest.raises(DocumentError, match="nowhere: no such directory"):
+        find_file(kind, "mine", (tmp_path / "nowhere",))

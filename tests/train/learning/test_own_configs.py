@@ -1,0 +1,68 @@
+"""Trainings, families, policies and learned strategies of one's own are found by name in the directories given."""
+
+import shutil
+from dataclasses import replace
+
+import pytest
+import yaml
+from rich.console import Console
+
+from selector.documents.errors import DocumentError
+from selector.strategies.learned_file import find_strategy
+from selector.strategies.policy_file import find_policy
+from tests.train.learning.trainings import job, written
+from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.learning import session
+from train.learning.bandit import BanditTraining
+from train.learning.config import load_training
+
+FAMILY = {
+    "name": "small",
+    "description": "Two to four robots and three items.",
+    "mission": {"base": "tiny", "knowledge": "avoidance", "time_limit": 20.0},
+    "robots": [2, 4],
+    "items": [3, 3],
+}
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A directory with a mission, a family, a training on it, a policy and a learned strategy."""
+    directory = tmp_path / "own"
+    for kind in ("missions", "families", "training", "policies", "strategies"):
+        (directory / kind).mkdir(parents=True)
+    (directory / "missions" / "tiny.yaml").write_text("{garbage: {count: 3}}")
+    (directory / "families" / "small.yaml").write_text(yaml.safe_dump(FAMILY))
+    changes = {"tasks": [{"family": "small", "worlds": 2}], "checkpoints": 1, "decisions": 20}
+    written(directory / "training", "bandit", **changes).rename(directory / "training" / "mine.yaml")
+    shutil.copytree(find_policy("general"), directory / "policies" / "mine")
+    shutil.copy(find_strategy("rules"), directory / "strategies" / "mine.safetensors")
+    return directory
+
+
+def test_a_training_of_ones_own_is_done(own, tmp_path):
+    request = session.TrainingRequest("bandit", "mine", 1, tmp_path / "t", False, directories=(own,))
+    assert session.run_training(request, BanditTraining, Console(quiet=True)) == session.FINISHED
+    assert (tmp_path / "t" / "strategy.safetensors").is_file()
+    with pytest.raises(DocumentError, match="unknown training 'mine'"):
+        load_training("mine", "bandit")
+
+
+def test_policies_and_strategies_of_ones_own_take_part(own):
+    request = FamilyRequest("small", ("policy:mine", "learned:mine"), 0, 1, directories=(own,))
+    evaluation = FamilyEvaluation(request)
+    kept = evaluation.manifest["identity"]["strategies"]
+    assert [kept[name][0].split()[0] for name in kept] == ["policy:mine", "learned:mine"]
+    records = [record for task in evaluation.tasks(set()) for record in task.run()]
+    assert [record.condition for record in records] == ["policy:mine", "learned:mine"]
+    with pytest.raises(DocumentError, match="unknown family 'small'"):
+        FamilyEvaluation(FamilyRequest("small", ("policy:mine",), 0, 1))
+
+
+def test_a_strategy_in_a_training_finds_policies_of_ones_own(own, tmp_path):
+    names = {"strategy": {"name": "Policy", "parameters": {"policy": "mine"}}, "context": ["free_far"]}
+    written(own / "training", "bandit", bandit=names)
+    config = load_training("bandit", "bandit", (own,))
+    found = job(config, tmp_path / "t")
+    with pytest.raises(DocumentError, match="policies/mine: observations"):  # found: it does not fit this context
+        BanditTraining(replace(found, directories=(own,)))

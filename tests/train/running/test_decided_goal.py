@@ -1,0 +1,58 @@
+"""Learners and pilots choose for the goal that is named, wherever it stands in the robot's document."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.learning.batch import Batch
+from selector.documents.errors import DocumentError
+from train.evaluation.entrants import member_pilot
+from train.running.decided_goal import DecidedGoal, named_goal
+from train.running.trials import TrialSettings, run_trials
+
+BOTH = ("ExplorationPatrol", "AvoidCollision")
+
+
+@pytest.fixture(scope="module")
+def batch():
+    return Batch("cleaning-patrol", worlds=2)
+
+
+def test_a_mission_of_two_goals_is_decided_for_the_goal_that_is_named(batch):
+    assert [coordinator.model.goal for coordinator in batch.worlds.coordinators] == list(BOTH)
+    options = np.full(batch.rows, 2)
+    for name, column in ((None, 1), ("AvoidCollision", 1), ("ExplorationPatrol", 0)):
+        decided = DecidedGoal(batch, name)
+        assert decided.problem.goal == BOTH[column]
+        assert decided.problem.options == batch.options[BOTH[column]]
+        actions = decided.actions(options)
+        assert (actions[:, column] == 2).all()
+        assert (actions[:, 1 - column] == batch.choices.default[1 - column]).all()
+
+
+def test_avoidance_is_the_goal_unless_another_is_named():
+    assert named_goal(BOTH, None) == "AvoidCollision"
+    assert named_goal(BOTH, "ExplorationPatrol") == "ExplorationPatrol"
+    assert named_goal(("Foraging",), None) == "Foraging"
+    with pytest.raises(DocumentError, match="goal: unknown goal 'Avoid'"):
+        named_goal(BOTH, "Avoid")
+    with pytest.raises(DocumentError, match="goal: expected the name of one of Foraging, Patrol"):
+        named_goal(("Foraging", "Patrol"), None)
+
+
+def test_what_is_chosen_serves_the_named_goal_and_the_other_keeps_its_best_option(monkeypatch):
+    mission = load_mission("cleaning-patrol").model_copy(update={"time_limit": 2.0})
+    scenario = FamilyConfig(name="two", description="Two goals.", mission=mission).scenario(0, 0, "test")
+    held = []
+
+    def step(batch, actions):
+        done = original(batch, actions)
+        held.append([c.model.options[c.held[0]] for c in batch.worlds.coordinators])
+        return done
+
+    original = Batch.step
+    monkeypatch.setattr(Batch, "step", step)
+    settings = TrialSettings(goal="ExplorationPatrol")
+    run_trials([scenario], lambda problem, teams: member_pilot("fixed:RandomWalk", problem, teams), settings)
+    assert held[0] == ["RandomWalk", "RepulsionFernandez"]

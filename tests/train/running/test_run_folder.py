@@ -1,0 +1,100 @@
+"""The directory of an evaluation or a training: claimed, recognised, and nothing of others overwritten."""
+
+import json
+
+import pytest
+
+from clean_swarm_env.config.errors import ConfigurationError
+from train.learning.checkpoints import TrainingFolder
+from train.running.run_folder import RunFolder, default_directory
+
+MANIFEST = {"identity": {"experiment": "x", "seed": 3, "configuration": {"mission": {"name": "m"}, "starts": [1, 2]}}}
+
+
+def contents(directory):
+    return {path: path.read_bytes() for path in directory.iterdir()}
+
+
+@pytest.mark.parametrize("resume", [False, True])
+@pytest.mark.parametrize("name", ["notes.txt", "manifest.json", ".hidden"])
+def test_a_directory_with_other_files_is_refused(tmp_path, name, resume):
+    (tmp_path / name).write_text("{}")
+    with pytest.raises(ConfigurationError, match="holds other files; expected an empty or a new directory"):
+        RunFolder(tmp_path, MANIFEST, resume=resume)
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [(name, "{}")]
+
+
+def test_results_are_not_overwritten_without_resume(tmp_path):
+    RunFolder(tmp_path, MANIFEST, resume=False)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(ConfigurationError, match="holds these results already; give --resume"):
+        RunFolder(tmp_path, MANIFEST, resume=False)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"seed": 4}, "holds other results: seed: expected 4, got 3"),
+        (
+            {"configuration": {"mission": {"name": "n"}, "starts": [1, 2]}},
+            "configuration.mission.name: expected 'n', got 'm'",
+        ),
+        ({"configuration": {"mission": {"name": "m"}, "starts": [1, 3]}}, "configuration.starts differ"),
+    ],
+)
+@pytest.mark.parametrize("resume", [False, True])
+def test_results_of_something_else_are_named(tmp_path, change, expected, resume):
+    RunFolder(tmp_path, MANIFEST, resume=False)
+    with pytest.raises(ConfigurationError, match="holds other results") as caught:
+        RunFolder(tmp_path, {"identity": MANIFEST["identity"] | change}, resume=resume)
+    assert expected in str(caught.value)
+
+
+def test_a_file_in_place_of_the_directory_is_an_error(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigurationError, match="expected a directory for the results, got a file"):
+        RunFolder(tmp_path / "file", MANIFEST, resume=False)
+    with pytest.raises(ConfigurationError, match="cannot be written"):
+        RunFolder(tmp_path / "file" / "below", MANIFEST, resume=False)
+
+
+def test_entries_that_may_grow_are_all_kept(tmp_path):
+    for entries, resume in (({"a": [1]}, False), ({"b": [2]}, True)):
+        RunFolder(tmp_path, {"identity": {"seed": 1, "strategies": entries}}, resume=resume, growing="strategies")
+    held = json.loads((tmp_path / "manifest.json").read_text())
+    assert held["identity"]["strategies"] == {"a": [1], "b": [2]}
+    before = contents(tmp_path)
+    changed = {"identity": {"seed": 1, "strategies": {"a": [3]}}}
+    with pytest.raises(ConfigurationError, match=r"holds other results: strategies\.a differ"):
+        RunFolder(tmp_path, changed, resume=True, growing="strategies")
+    assert contents(tmp_path) == before
+
+
+def test_a_training_claims_its_directory_in_the_same_way(tmp_path):
+    TrainingFolder(tmp_path, {"seed": 1, "directories": ("a",)}, resume=False)
+    TrainingFolder(tmp_path, {"seed": 1, "directories": ("a",)}, resume=True)
+    with pytest.raises(ConfigurationError, match="holds these results already; give --resume"):
+        TrainingFolder(tmp_path, {"seed": 1, "directories": ("a",)}, resume=False)
+    with pytest.raises(ConfigurationError, match="holds other results: seed: expected 2, got 1"):
+        TrainingFolder(tmp_path, {"seed": 2, "directories": ("a",)}, resume=True)
+
+
+def test_default_directories_are_numbered_and_resumed_last(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    first, second = default_directory("t", resume=False), default_directory("t", resume=True)
+    assert first == second
+    first.mkdir(parents=True)
+    following = default_directory("t", resume=False)
+    assert following.name == "t-2"
+    assert default_directory("t", resume=True) == first
+    following.mkdir()
+    assert default_directory("t", resume=True) == following
+
+
+def test_writing_replaces_the_whole_file_and_leaves_no_parts(tmp_path):
+    folder = RunFolder(tmp_path, MANIFEST, resume=False)
+    folder.write("x", b"long content")
+    folder.write("x", "short")
+    assert {path.name for path in tmp_path.iterdir()} == {"manifest.json", "x"}
+    assert (tmp_path / "x").read_bytes() == b"short"

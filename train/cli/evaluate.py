@@ -1,0 +1,69 @@
+"""`clean-swarm evaluate`: an experiment under all its conditions, or strategies on a family of scenarios."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clean_swarm_env.config.errors import ConfigurationError
+from train.cli.options import Configs, check_least, wide_console
+
+
+def evaluate_command(
+    experiment: Annotated[str, typer.Argument(help="Name of an experiment, or path to its YAML file.")] = "table1",
+    scenarios: Annotated[
+        int | None, typer.Option(help="Run on this number of random start configurations drawn from the seed.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    workers: Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,
+    condition: Annotated[list[str] | None, typer.Option(help="Run this condition only; can be repeated.")] = None,
+    family: Annotated[
+        str | None, typer.Option(help="Compare strategies on scenarios of this family, by name or path.")
+    ] = None,
+    strategy: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="With --family: fixed (every option), rule, policy:NAME, learned:NAME, STRATEGY or "
+            "STRATEGY:parameter=value; + joins what several training seeds gave, LABEL=... names it; can be repeated.",
+        ),
+    ] = None,
+    knowledge: Annotated[
+        str | None, typer.Option(help="With --family: expert knowledge in place of the family's own.")
+    ] = None,
+    goal: Annotated[
+        str | None,
+        typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
+    ] = None,
+    configs: Configs = None,
+) -> None:
+    """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
+    check_least({"--scenarios": (scenarios, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
+    from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
+    from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
+    from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.running.runs import usable_cpus
+
+    directories = tuple(configs or ())
+    if family is None:
+        _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal})
+        conditions = tuple(condition or ())
+        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories)
+        evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
+    else:
+        _check_absent("without --family", {"--starts": starts, "--condition": condition})
+        strategies = tuple(strategy or ("fixed",))
+        evaluation = FamilyEvaluation(FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories))
+    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console())
+    raise typer.Exit(pipeline.evaluate(evaluation, execution))
+
+
+def _check_absent(where: str, given: Mapping[str, object]) -> None:
+    for name, value in given.items():
+        if value:
+            raise ConfigurationError(f"{name}: expected {where} only")

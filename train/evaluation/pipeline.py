@@ -1,0 +1,138 @@
+"""The pipeline of every evaluation, of an experiment or of a family: check, tasks, runs, report.
+
+`evaluate` is the whole pipeline. `ExperimentEvaluation` and `FamilyEvaluation` say what is run and what is reported.
+"""
+
+import shlex
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from train.reports.text_table import Grid, markdown, on_terminal
+from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
+from train.running.processes import each_done
+from train.running.results import Results
+from train.running.run_folder import RunFolder, default_directory
+from train.running.runs import RunKey, RunRecord, Task
+from train.running.warm_up import compile_first, compiled_before
+
+
+@dataclass(frozen=True)
+class Publication:
+    """What an evaluation writes and prints."""
+
+    heading: str
+    """First lines of `table.md`."""
+    grids: Sequence[Grid]
+    """The tables of `table.md` and of the terminal."""
+    summary: str
+    """Content of `summary.json`."""
+    figure: bytes | None = None
+    """Content of `figure.png`."""
+
+
+class Evaluation(ABC):
+    """An evaluation: which runs it consists of, and what it reports of them.
+
+    The constructor takes the user's request, and raises an error of one line for whatever does not exist or fit, before
+    anything is written.
+
+    Attributes:
+        stem: name of the default directory for the results.
+        manifest: content of `manifest.json`: by `identity` the runs are recognised, the rest is for the reader.
+        words: the command that does this evaluation, but for its directory.
+        total: number of runs.
+        growing: name of a mapping in the identity to which entries can be added later; empty without.
+
+    """
+
+    stem: str
+    manifest: dict[str, Any]
+    words: list[str]
+    total: int
+    growing = ""
+
+    @abstractmethod
+    def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
+        """Return the tasks for all runs but those that are `done`."""
+
+    @abstractmethod
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return what is reported of the finished runs; all of this evaluation are among them."""
+
+
+@dataclass(frozen=True)
+class Execution:
+    """How an evaluation is carried out. None of these settings changes a result."""
+
+    workers: int
+    """Number of processes."""
+    output: Path | None
+    """Directory for the results; a new one below results/ unless given."""
+    resume: bool
+    """Whether to do only the runs that the directory lacks."""
+    console: Console
+    """Shows the tables; the standard error shows the progress."""
+
+
+def evaluate(evaluation: Evaluation, execution: Execution) -> int:
+    """Do the runs that are missing, write the results and print the tables; return the exit code."""
+    directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
+    folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
+    results = Results(folder)
+    try:
+        _run_missing(evaluation, results, execution.workers)
+    except (KeyboardInterrupt, BrokenProcessPool) as end:
+        results.close()
+        broken = isinstance(end, BrokenProcessPool)
+        _say_how_to_resume(evaluation, results, "a worker process was killed" if broken else "interrupted")
+        return FAILED if broken else INTERRUPTED
+    results.close()
+    _publish(evaluation.publication(results.records), folder, execution.console)
+    return FINISHED
+
+
+def _run_missing(evaluation: Evaluation, results: Results, workers: int) -> None:
+    tasks = evaluation.tasks({record.key for record in results.records})
+    if tasks and not compiled_before():
+        compile_first(tasks[0])
+    done = evaluation.total - sum(task.runs for task in tasks)
+    with _progress(evaluation.total, done) as advance, closing(each_done(tasks, workers)) as each:
+        for records in each:
+            for record in records:
+                results.add(record)
+                advance()
+
+
+@contextmanager
+def _progress(total: int, done: int) -> Iterator[Callable[[], None]]:
+    """Show a bar with the time left on the standard error; each call of what it gives is one more run."""
+    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
+    with Progress(*columns, TimeRemainingColumn(elapsed_when_finished=False), console=Console(stderr=True)) as bar:
+        yield partial(bar.advance, bar.add_task("runs", total=total, completed=done))
+
+
+def _publish(publication: Publication, folder: RunFolder, console: Console) -> None:
+    """Write the files that are made of the finished runs, and print the tables."""
+    folder.write("summary.json", publication.summary)
+    folder.write("table.md", publication.heading + "\n".join(markdown(grid) for grid in publication.grids))
+    if publication.figure is not None:
+        folder.write("figure.png", publication.figure)
+    for grid in publication.grids:
+        console.print(on_terminal(grid), soft_wrap=True)
+        console.print()
+    console.print(f"results in {folder.path}", soft_wrap=True, highlight=False)
+
+
+def _say_how_to_resume(evaluation: Evaluation, results: Results, what: str) -> None:
+    command = shlex.join([*evaluation.words, "--output", str(results.folder.path), "--resume"])
+    kept = f"{len(results.records)} of {evaluation.total} runs are kept; to go on:\n  {command}"
+    Console(stderr=True, highlight=False, soft_wrap=True).print(f"{what}: {kept}", markup=False)

@@ -1,0 +1,117 @@
+"""Run a training from the user's request to the exported result, with its directory and the progress bar."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from selector.documents.errors import DocumentError
+from train.learning.checkpoints import TrainingFolder
+from train.learning.config import TrainingConfig, load_training
+from train.learning.training import Training, TrainingJob
+from train.running.exit_codes import FINISHED, INTERRUPTED
+from train.running.provenance import versions
+from train.running.warm_up import announce, compiled_before
+
+LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
+"""Packages that a learner needs besides those of all runs."""
+
+
+@dataclass(frozen=True)
+class TrainingRequest:
+    """What the user asked for."""
+
+    learner: str
+    """`ppo` or `bandit`."""
+    config: str
+    """Name of a training, or path to its YAML file."""
+    seed: int
+    output: Path | None
+    """Directory; one below results/ unless given."""
+    resume: bool
+    store: str | None = None
+    """URL of a knowledge store that learned scores go to; none unless given."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations, searched before the shipped one."""
+
+    @property
+    def directory(self) -> Path:
+        """Where the training keeps everything."""
+        return self.output or Path("results") / f"{Path(self.config).stem}-{self.learner}-seed{self.seed}"
+
+    def command(self, *, resume: bool) -> str:
+        """Return the command that does this training."""
+        words = ["clean-swarm", "train", self.learner, "--config", self.config, "--seed", str(self.seed)]
+        words += ["--output", str(self.output)] if self.output is not None else []
+        words += ["--store", self.store] if self.store is not None else []
+        words += [word for path in self.directories for word in ("--configs", str(path))]
+        return shlex.join([*words, "--resume"] if resume else words)
+
+
+def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Training], console: Console) -> int:
+    """Do a training, or go on with one; return the exit code.
+
+    Args:
+        request: what the user asked for.
+        made: makes the training of its job.
+        console: shows the figures of each checkpoint.
+
+    """
+    config = load_training(request.config, request.learner, request.directories)
+    identity = {
+        "learner": request.learner,
+        "seed": request.seed,
+        "configuration": config.model_dump(mode="json"),
+        "versions": check_installed(request.learner),
+        "directories": [str(path.resolve()) for path in request.directories],
+    }
+    folder = TrainingFolder(request.directory, identity, resume=request.resume)
+    if not compiled_before():
+        announce()
+    try:
+        with _progress(config) as on_progress:
+            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories))
+            on_progress(training.decisions)
+            while not training.finished:
+                training.advance()
+                _print(console, training.history.entries[-1])
+    except KeyboardInterrupt:
+        errors = Console(stderr=True, highlight=False, soft_wrap=True)
+        errors.print(f"interrupted; to go on:\n  {request.command(resume=True)}", markup=False)
+        return INTERRUPTED
+    exported = training.export(request.command(resume=False))
+    console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
+    return FINISHED
+
+
+def check_installed(learner: str) -> dict[str, str]:
+    """Return the versions of all packages that a learner needs; one that is missing raises DocumentError."""
+    try:
+        return versions(LEARNER_PACKAGES[learner])
+    except PackageNotFoundError as error:
+        install = "pip install -c constraints.txt '.[train]'"
+        raise DocumentError(f"training by {learner} needs {error.name}, which is not installed: {install}") from error
+
+
+@contextmanager
+def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
+    """Show a bar with the time left on the standard error; the function given takes the number of decisions made."""
+    columns = (TextColumn("decisions"), BarColumn(), TextColumn("{task.completed:,.0f}"), TimeElapsedColumn())
+    with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task("decisions", total=config.checkpoints * config.decisions)
+        yield lambda decisions: bar.update(task, completed=decisions)
+
+
+def _print(console: Console, entry: dict[str, Any]) -> None:
+    """Print the figures of a checkpoint."""
+    shown = {name: round(value, 3) if isinstance(value, float) else value for name, value in entry.items()}
+    console.print(json.dumps(shown), soft_wrap=True, highlight=False, markup=False)

@@ -1,0 +1,7 @@
+"""Exit codes of the command line."""
+
+FINISHED = 0
+FAILED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
+"""A program that Ctrl-C ended."""

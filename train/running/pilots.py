@@ -1,0 +1,103 @@
+"""Pilots: what chooses an option for each row of a batch, be it a strategy, a trained policy or a rule.
+
+Shapes: R rows, F components of an observation, K components that a strategy sees, S situations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.errors import DocumentError
+from selector.strategies.policy import Network
+from selector.strategies.policy_file import TrainedPolicy
+from selector.strategies.problem import Problem
+from selector.strategies.strategy import DecisionStrategy
+from selector.strategies.streams import row_keys
+from selforg.arrays import Ints
+from selforg.registry import unknown
+
+
+class Pilot(Protocol):
+    """What chooses an option for each row."""
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Prepare `rows` (N,) for a mission that begins, whose seed is `seed`."""
+
+    def choose(self, observations: Observations) -> Ints:
+        """Return the option (R,) that each row holds in the coming decision period, from its observations (R, F)."""
+
+
+PilotMaker = Callable[[Problem, Ints], Pilot]
+"""Makes a pilot for rows of teams (R,), for a problem whose features are all components of the observation."""
+
+
+class StrategyPilot:
+    """A strategy that decides in every decision period, and does not learn."""
+
+    def __init__(self, strategy: DecisionStrategy, columns: Ints) -> None:
+        """`columns` (K,) of an observation are the context of the strategy."""
+        self.strategy, self._columns = strategy, columns
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Give rows new sources of randomness."""
+        self.strategy.reseed(rows, row_keys(np.random.SeedSequence([seed, 1]), len(rows)))
+
+    def choose(self, observations: Observations) -> Ints:
+        """Return what the strategy selects."""
+        return self.strategy.select(observations[:, self._columns].astype(np.float64))
+
+
+class PolicyPilot:
+    """A trained network that always takes the likeliest option."""
+
+    def __init__(self, policy: TrainedPolicy, problem: Problem) -> None:
+        names = policy.spec.observations
+        known = Problem(problem.goal, problem.options, problem.scores, names)
+        self._columns = np.array([problem.features.index(name) for name in names])
+        self._network = Network(policy.ordered_for(known, "policy"))
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Do nothing: the decisions do not depend on the mission."""
+
+    def choose(self, observations: Observations) -> Ints:
+        """Return the likeliest option."""
+        outputs = self._network.outputs(observations[:, self._columns].astype(np.float64))
+        options: Ints = outputs.argmax(axis=1)
+        return options
+
+
+class RulePilot:
+    """Each row decides by a rule of its own: an option for each situation that a robot can be in.
+
+    Args:
+        problem: goal and options; its features are all components of the observation.
+        situations: components of it, the largest of which says in which situation a robot is; none: S is 1.
+        rules: (R, S) options.
+
+    """
+
+    def __init__(self, problem: Problem, situations: tuple[str, ...], rules: Ints) -> None:
+        self._columns = columns_of(problem, situations, "context")
+        self.rules = rules
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Do nothing: the decisions do not depend on the mission."""
+
+    def choose(self, observations: Observations) -> Ints:
+        """Return the option (R,) of the situation that each row is in."""
+        rows = np.arange(len(self.rules))
+        situations = observations[:, self._columns].argmax(axis=1) if len(self._columns) else np.zeros_like(rows)
+        chosen: Ints = self.rules[rows, situations]
+        return chosen
+
+
+def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
+    """Return the places of components of an observation; an unknown one is a DocumentError."""
+    for name in names:
+        if name not in problem.features:
+            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
+    return np.array([problem.features.index(name) for name in names], dtype=np.int64)

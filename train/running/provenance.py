@@ -1,0 +1,35 @@
+"""Where results come from: versions of the software, and fingerprints of the files that decide what a run is."""
+
+import hashlib
+import platform
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+import configs
+
+PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
+"""Packages that every result depends on."""
+FINGERPRINTED = ("knowledge", "mechanisms", "robots")
+"""Kinds of files that decide what a run is, beside its configuration."""
+
+
+def versions(more: Sequence[str] = ()) -> dict[str, str]:
+    """Return the versions of Python, of the packages that every result depends on, and of `more` packages.
+
+    Raises:
+        PackageNotFoundError: one of them is not installed.
+
+    """
+    return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
+
+
+def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
+    """Return file -> SHA-256 for the fingerprinted files: the shipped ones, and those of the user's directories."""
+    shipped = configs.directory()
+    found = {}
+    for root in (shipped, *directories):
+        for path in sorted(path for kind in FINGERPRINTED for path in (root / kind).glob("*.yaml")):
+            name = (path.relative_to(root) if root == shipped else path).as_posix()
+            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found

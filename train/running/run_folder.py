@@ -1,0 +1,118 @@
+"""Run folders: directories that evaluations and trainings claim, write to, and recognise when they go on.
+
+`manifest.json` states under `identity` what the directory is for. A directory is used again only for the same identity
+and only to resume. A directory that holds anything else is refused, and nothing in it is touched.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.arrays import write_whole
+
+MANIFEST = "manifest.json"
+
+Json = dict[str, Any]
+
+
+class RunFolder:
+    """A directory that belongs to one evaluation or one training.
+
+    Args:
+        path: the directory; it is made if there is none.
+        manifest: content of `manifest.json`; the mapping `identity` in it says what the directory is for.
+        resume: whether to go on with what the directory holds.
+        growing: name of a mapping in the identity whose entries may differ each time; the directory keeps them all.
+
+    Raises:
+        ConfigurationError: the directory holds something else, or the same and is not to be resumed.
+
+    """
+
+    def __init__(self, path: Path, manifest: Mapping[str, Any], *, resume: bool, growing: str = "") -> None:
+        self.path = path
+        content: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it will be read, lists for tuples
+        identity = content["identity"]
+        if path.exists() and not path.is_dir():
+            raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
+        if path.exists() and any(path.iterdir()):
+            held = self._claimed(identity, growing, resume=resume)
+            if not growing:
+                return
+            identity[growing] = {**held[growing], **identity[growing]}
+        self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
+
+    def write(self, name: str, content: str | bytes) -> None:
+        """Write a file of the directory whole, so that at any moment the old or the new content is there."""
+        write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())
+
+    def _claimed(self, identity: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
+        """Return the identity in the manifest; ConfigurationError unless it fits `identity` and may be resumed."""
+        held = _identity(self.path)
+        if held is None:
+            raise ConfigurationError(f"{self.path}: holds other files; expected an empty or a new directory")
+        wanted = dict(identity)
+        if growing and isinstance(kept := held.get(growing), dict):
+            wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
+        different = _difference(held, wanted)
+        if different:
+            raise ConfigurationError(f"{self.path}: holds other results: {different}")
+        if not resume:
+            raise ConfigurationError(f"{self.path}: holds these results already; give --resume or another --output")
+        return held
+
+
+def default_directory(stem: str, *, resume: bool) -> Path:
+    """Return results/<stem>, or the first free of <stem>-2, <stem>-3 and so on; to resume, the last taken one."""
+    root = Path("results")
+    taken, number = None, 1
+    while (candidate := root / (stem if number == 1 else f"{stem}-{number}")).exists():
+        taken, number = candidate, number + 1
+    return taken if resume and taken is not None else candidate
+
+
+def read_manifest(directory: Path) -> Json:
+    """Return what `manifest.json` of a directory says.
+
+    Raises:
+        ConfigurationError: no such directory, or no manifest in it.
+
+    """
+    if not directory.is_dir():
+        raise ConfigurationError(f"{directory}: no such directory")
+    path = directory / MANIFEST
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation") from error
+    except (OSError, ValueError) as error:
+        raise ConfigurationError(f"{path}: cannot be read ({error})") from error
+    if not (isinstance(content, dict) and isinstance(content.get("identity"), dict)):
+        raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
+    return content
+
+
+def _identity(directory: Path) -> Json | None:
+    """Return the identity in the manifest of a directory; None without a manifest."""
+    try:
+        identity: Json = read_manifest(directory)["identity"]
+    except ConfigurationError:
+        return None
+    return identity
+
+
+def _difference(held: object, wanted: object, key: str = "") -> str:
+    """Return the first difference as `key: expected wanted, got held`; empty without any."""
+    if isinstance(held, dict) and isinstance(wanted, dict):
+        for name in sorted(held.keys() | wanted.keys()):
+            found = _difference(held.get(name), wanted.get(name), f"{key}.{name}" if key else name)
+            if found:
+                return found
+        return ""
+    if held == wanted:
+        return ""
+    if isinstance(held, list) or isinstance(wanted, list):
+        return f"{key} differ"
+    return f"{key}: expected {wanted!r}, got {held!r}"
