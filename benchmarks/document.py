@@ -45,16 +45,26 @@ def sizes(results: Any) -> list[str]:
     return lines
 
 
+def ages(results: Any) -> list[str]:
+    """Return the table of patrols early and late in a mission."""
+    late = {size: figures for size, figures in results["late"].items() if " x " in size}
+    names = list(next(iter(late.values())))
+    lines = [f"| worlds x robots | {' | '.join(names)} |", "|---" * (len(names) + 1) + "|"]
+    for size, figures in late.items():
+        lines.append(f"| {size} | {' | '.join(f'{figures[name]:.4g}' for name in names)} |")
+    return lines
+
+
 def others(results: Any) -> list[str]:
-    """Return the tables of what is not a tick: ages, border, memory and start."""
+    """Return the table of border, memory and start, a line each."""
+    parts = {
+        "PettingZoo, 5 agents, a decision a tick": results["border"]["5 agents"],
+        "memory": results["costs"]["memory"],
+        "start": results["costs"]["start"],
+    }
     lines = ["| | |", "|---|---|"]
-    for size, figures in results["late"].items():
-        if size not in ("machine", "versions"):
-            lines += [f"| patrol alone, {size}: {name} | {figure:.4g} |" for name, figure in figures.items()]
-    for name, figure in results["border"]["5 agents"].items():
-        lines.append(f"| PettingZoo, 5 agents, a decision a tick: {name} | {figure:.4g} |")
-    for part in ("memory", "start"):
-        lines += [f"| {name} | {figure:.4g} |" for name, figure in results["costs"][part].items()]
+    for part, figures in parts.items():
+        lines.append(f"| {part} | {'; '.join(f'{name} {figure:.4g}' for name, figure in figures.items())} |")
     return lines
 
 
@@ -107,7 +117,8 @@ def main() -> None:
     lines = [f"{machine['cpu']}, {machine['cores']} cores, {machine['platform']}; {told}.", "", "## Required", ""]
     lines += [*required(results), "", "## The tick by size", "", *sizes(results), ""]
     lines += ["![tick and floor by robots](pictures/benchmark_growth.png)", ""]
-    lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", "", "## The rest", "", *others(results)]
+    lines += ["![parts of a tick by size](pictures/benchmark_parts.png)", ""]
+    lines += ["## Patrol alone", "", *ages(results), "", "## Border, memory, start", "", *others(results)]
     above = DOCUMENT.read_text(encoding="utf-8").partition(MARKER)[0]
     DOCUMENT.write_text(f"{above}{MARKER}\n" + "\n".join(lines) + "\n", encoding="utf-8")
 

@@ -5,8 +5,8 @@ from functools import cache
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
 Finite: TypeAlias = Annotated[float, "finite"]
-NonNegative: TypeAlias = Annotated[float, "finite", "at least 0"]
-Share: TypeAlias = Annotated[float, "from 0 to 1"]
+AtLeastZero: TypeAlias = Annotated[float, "finite", "at least 0"]
+UpToOne: TypeAlias = Annotated[float, "from 0 to 1"]
 
 REQUIRED = inspect.Parameter.empty
 """Default of a parameter that has none."""

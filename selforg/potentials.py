@@ -2,7 +2,7 @@
 
 `clearance` [m] is the distance of the centres minus both goal radii, `diffusion` [m] the radius over which a gradient
 weakens. Infinity from a repulsion means "full": the robot is inside the goal area; mechanisms turn it into a finite
-vector (docs/decisions.md, Q2).
+vector (docs/quirks.md, Q2).
 """
 
 import numpy as np

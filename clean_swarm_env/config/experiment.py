@@ -11,7 +11,7 @@ from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Number
 from selector.strategies.registry import StrategySpec
 
-Scores = dict[str, dict[str, Number]]
+ConditionScores = dict[str, dict[str, Number]]
 
 
 class ConditionConfig(Closed):
@@ -19,7 +19,7 @@ class ConditionConfig(Closed):
 
     name: str
     """Name of the condition in all results."""
-    scores: Scores = Field(default={})
+    scores: ConditionScores = Field(default={})
     """Goal -> option -> score, laid over the expert knowledge (this is how a mechanism is forced)."""
     strategy: StrategySpec = BY_SCORE
     """What decides in every decision period which options serve the goals."""

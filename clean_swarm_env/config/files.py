@@ -12,7 +12,7 @@ from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import shown, validated
-from selector.documents.files import files_of, find_file, load_file
+from selector.documents.files import find_file, load_file
 from selector.documents.reading import read_mapping
 
 
@@ -31,11 +31,6 @@ def load_family(name_or_path: str, directories: Sequence[Path] = ()) -> FamilyCo
 def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> MissionConfig:
     """Return the mission of a name or of a path to a YAML file; `where` starts the line of an unknown one."""
     return load_file("missions", name_or_path, MissionConfig, directories, where)
-
-
-def names(kind: str, directories: Sequence[Path] = ()) -> list[str]:
-    """Return the sorted names of all files of a kind: "experiments", "families", "missions" or "starts"."""
-    return list(files_of(kind, directories))
 
 
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats, Ints
 
-SIGHT, PITCH = 0.5, 0.25  # [m]
+ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]
 
 
 class ExploringScene(Scene):
@@ -27,7 +27,7 @@ class ExploringScene(Scene):
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         closed = self.chosen.ground == "torus"
         side = self.ground.side - self.ground.side % PITCH
-        self.coverage = Coverage(self._map_of_rows(), side, 0.0, SIGHT, PITCH, closed)
+        self.coverage = Coverage(self._map_of_rows(), side, 0.0, ROBOT_SIGHT, PITCH, closed)
 
     def _baseline(self) -> Controller:
         return Wander(self.arena)

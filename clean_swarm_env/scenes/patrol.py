@@ -3,7 +3,7 @@
 import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller, Wander
-from clean_swarm_env.scenes.exploration import PITCH, SIGHT
+from clean_swarm_env.scenes.exploration import PITCH, ROBOT_SIGHT
 from clean_swarm_env.scenes.measures.coverage import Coverage
 from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
@@ -39,7 +39,7 @@ class ExplorationPatrol(Scene):
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         closed = self.chosen.ground == "torus"
         arena = self.arena
-        self._coverage = Coverage(arena.world_of_row, self.side, self.ground.corner, SIGHT, PITCH, closed)
+        self._coverage = Coverage(arena.world_of_row, self.side, self.ground.corner, ROBOT_SIGHT, PITCH, closed)
         self._idle, self._looks = np.zeros(arena.worlds), 0
 
     def _baseline(self) -> Controller:

@@ -10,7 +10,7 @@ from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Sett
 from selforg.arrays import Floats
 
 OBSTACLES_BETWEEN = 8
-GOAL_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
+GOAL_AREA_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
 OFF_GOAL, OFF_START = 4.5, 2.2  # [m] from obstacles: they repel no robot at the goal or at its start
 FIELD = 20.0  # [m]
 
@@ -55,7 +55,7 @@ class ReachGoal(Scene):
     def _around(self) -> tuple[Gradients, ...]:
         goals = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))
         return (
-            Gradients("goal", goals, +1, diffusion=FIELD, goal_radius=GOAL_RADIUS),
+            Gradients("goal", goals, +1, diffusion=FIELD, goal_radius=GOAL_AREA_RADIUS),
             Gradients("obstacle", self._obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),
         )
 
@@ -67,7 +67,7 @@ class ReachGoal(Scene):
 
     def _result(self) -> dict[str, Floats]:
         away = self.ground.distances(self.positions, self.ground.centre)
-        clearance = np.maximum(away - self.body.pose_goal_radius - GOAL_RADIUS, 0.0)
+        clearance = np.maximum(away - self.body.pose_goal_radius - GOAL_AREA_RADIUS, 0.0)
         minutes = self.chosen.seconds / 60.0
         return {
             "distance to the goal area": clearance.mean(axis=1),

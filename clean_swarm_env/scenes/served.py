@@ -47,15 +47,16 @@ class Expertise:
         return self.model.options[self.option]
 
 
-def expertise(goal: str, option: str | None = None, directories: Sequence[Path] = ()) -> Expertise:
-    """Return what serves a goal, by the option of a name or that of the highest score.
+def expertise(
+    goal: str, option: str | None = None, directories: Sequence[Path] = (), knowledge: str = KNOWLEDGE
+) -> Expertise:
+    """Return what serves a goal by some expert knowledge, with the option of a name or that of the highest score.
 
     Raises:
         ConfigurationError: no such goal or option, or a mistake in a file.
 
     """
-    knowledge, library = load_knowledge(KNOWLEDGE, directories), Library(directories)
-    model = CoordinatorModel(goal, knowledge, library)
+    model = CoordinatorModel(goal, load_knowledge(knowledge, directories), Library(directories))
     if option is None:
         strategy = MaxScore(Problem(goal, model.options, model.scores), np.zeros(1, dtype=np.uint64))
         return Expertise(model, int(strategy.select(np.zeros((1, 0)))[0]))

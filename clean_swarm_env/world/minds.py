@@ -29,7 +29,6 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
-from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.names import planner_named
 from selforg.randomness import DirectionStream
@@ -108,6 +107,7 @@ class Minds(Uncopied):
                 counts=np.zeros(len(self._movers), dtype=np.int64),
             )
         )
+        self._running = tuple(zip(self._movers.values(), self.packed.record.running, strict=True))
         self._moved: list[tuple[MovementMechanism, Ints]] = []  # mechanisms of this tick, and the rows that they moved
 
     def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
@@ -226,20 +226,18 @@ class Minds(Uncopied):
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
         """Give every robot in which a behaviour runs that moves a vector."""
         begin_orders(floor.words, self.packed.words)
-        commands, record = self.commands, self.packed.record
-        self._moved.clear()
-        for mechanism, rows, count in zip(self._movers.values(), record.running, record.counts.tolist(), strict=True):
-            if count:
-                mechanism.move_into(now, rows[:count], commands.vectors, commands.commanded)
-                self._moved.append((mechanism, rows[:count]))
+        commands, counts = self.commands, self.packed.record.counts.tolist()
+        self._moved = [(mechanism, rows[:k]) for (mechanism, rows), k in zip(self._running, counts, strict=True) if k]
+        for mechanism, rows in self._moved:
+            mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
             inner.act(now, commands)
 
     def leave(self, now: float) -> None:
         """Leave in the world what others shall find from the next tick on: traces of the patrol, and what is spread."""
         for mechanism, rows in self._moved:
-            if isinstance(mechanism, DepositingMechanism):
-                mechanism.deposit(now, rows)
+            if mechanism is self.patrol:
+                self.patrol.deposit(now, rows)
         for inner in self._inner:
             inner.leave(now)
 

@@ -18,7 +18,7 @@ from selforg.network.model.behaviours import Sensor
 GOAL = "AvoidCollision"
 """The goal that every cleaning robot coordinates."""
 
-SENSORS = (
+OWN_SENSORS = (
     Sensor("garbage_seen", "fact"),
     Sensor("garbage_at", "fact"),
     Sensor("garbage_found", "fact"),
@@ -40,7 +40,7 @@ SENSORS = (
     AT_DUMP,
     DIST_RECYCLING,
     DIST_DUMP,
-) = range(9)  # columns of the readings, in the order of SENSORS; the coordinator's sensors come after them
+) = range(9)  # columns of the readings, in the order of OWN_SENSORS; the coordinator's sensors come after them
 
 
 BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
@@ -68,8 +68,8 @@ def robot_network(
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
     robot = load_network(path, by_goal, parameters, config.build())
     model = robot.model
-    if model.sensors[: len(SENSORS)] != SENSORS:
-        expected, given = (", ".join(s.name for s in sensors) for sensors in (SENSORS, model.sensors))
+    if model.sensors[: len(OWN_SENSORS)] != OWN_SENSORS:
+        expected, given = (", ".join(s.name for s in sensors) for sensors in (OWN_SENSORS, model.sensors))
         raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {given}")
     missing = [name for name in BEHAVIOURS if name not in model.behaviour_index]
     if missing:

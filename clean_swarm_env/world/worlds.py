@@ -125,7 +125,7 @@ class Worlds(Uncopied):
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        floor, minds, now = self.floor, self.minds, self.now
+        floor, minds, now = self.floor, self.minds, self._clock.now
         self._agendas.apply_due()
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive_poses()

@@ -11,15 +11,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
+from matplotlib.patches import Circle
 
-from selforg import mechanisms
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import MovementMechanism
+from selforg.mechanisms import MECHANISMS, MovementMechanism
 from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
 
@@ -55,14 +54,14 @@ def field(name: str, gradients: tuple[Gradient, ...]) -> tuple[np.ndarray, np.nd
                                 g.goal_radius, stamp=stamp, moving=moving)  # fmt: skip
                 buffer.store(copy, stamp, team=team)
     generators = [np.random.default_rng((7, row)) for row in range(rows)]
-    mechanism = mechanisms.create(name, buffer, directions=DirectionStream(generators))
+    mechanism = MECHANISMS.create(name, buffer, directions=DirectionStream(generators))
     vectors, active = mechanism.move(1.0)
     return places, vectors, active
 
 
 def draw_fields(scene: str) -> Figure:
     """Return one panel per movement mechanism."""
-    names = [n for n in mechanisms.names() if issubclass(mechanisms.find(n), MovementMechanism)]
+    names = [cls.__name__ for cls in MECHANISMS if issubclass(cls, MovementMechanism)]
     columns = 5
     lines = -(-len(names) // columns)
     figure, axes = plt.subplots(lines, columns, figsize=(2.9 * columns, 3.05 * lines), layout="constrained")
@@ -98,51 +97,6 @@ def draw_field(axis: Axes, name: str, gradients: tuple[Gradient, ...]) -> None:
     axis.set(xlim=(-SIZE - 0.2, SIZE + 0.2), ylim=(-SIZE - 0.2, SIZE + 0.2), aspect="equal", xticks=[], yticks=[])
     for spine in axis.spines.values():
         spine.set_color("#d9dee6")
-
-
-# name -> (column, line); arrows: pattern -> what it builds on. After the catalogue of Fernandez-Marquez et al. (2013),
-# doi:10.1007/s11047-012-9324-y, which Fig. 1 of Hrabia, Kaiser, Albayrak (2017) extends.
-BOXES = {
-    "Basic": {"Spreading": (0, 0), "Aggregation": (0, 1), "Evaporation": (0, 2), "Repulsion": (0, 3)},
-    "Composed": {"Gradients": (1, 0.5), "Digital pheromones": (1, 1.6), "Gossip": (1, 2.7)},
-    "Movement": {
-        "Chemotaxis": (2, 0), "Collision avoidance": (2, 0.8), "Flocking": (2, 1.6),
-        "Exploration, Exploitation": (2, 2.4), "Patrol": (2, 3.2),
-    },
-    "Decision": {"Morphogenesis": (3, 0.4), "Quorum sensing": (3, 1.4), "Foraging": (3, 2.4)},
-}  # fmt: skip
-BUILDS_ON = (
-    ("Gradients", "Spreading"), ("Gradients", "Aggregation"), ("Digital pheromones", "Aggregation"),
-    ("Digital pheromones", "Evaporation"), ("Gossip", "Spreading"), ("Gossip", "Aggregation"),
-    ("Chemotaxis", "Gradients"), ("Collision avoidance", "Gradients"), ("Flocking", "Gradients"),
-    ("Flocking", "Repulsion"), ("Exploration, Exploitation", "Digital pheromones"), ("Patrol", "Digital pheromones"),
-    ("Patrol", "Repulsion"), ("Morphogenesis", "Chemotaxis"), ("Foraging", "Exploration, Exploitation"),
-    ("Quorum sensing", "Gradients"),
-)  # fmt: skip
-TINTS = {"Basic": "#e8edf4", "Composed": "#d7e6f5", "Movement": "#d9f0e6", "Decision": "#fbe3d4"}
-
-
-def draw_catalogue() -> Figure:
-    """Return the catalogue of patterns and what builds on what."""
-    figure, axis = plt.subplots(figsize=(11, 5), layout="constrained")
-    places = {name: place for boxes in BOXES.values() for name, place in boxes.items()}
-    for upper, lower in BUILDS_ON:
-        (x1, y1), (x0, y0) = places[upper], places[lower]
-        style = {"arrowstyle": "-|>", "mutation_scale": 9, "connectionstyle": "arc3,rad=0.05"}
-        arrow = FancyArrowPatch((x1 - 0.39, -y1), (x0 + 0.39, -y0), color=PALE, lw=1.1, **style)
-        axis.add_patch(arrow)
-    for kind, boxes in BOXES.items():
-        column = next(iter(boxes.values()))[0]
-        axis.text(column, 0.62, kind, ha="center", fontsize=11, color=INK, weight="bold")
-        for name, (x, y) in boxes.items():
-            box = FancyBboxPatch((x - 0.38, -y - 0.2), 0.76, 0.4, boxstyle="round,pad=0.01,rounding_size=0.06",
-                                 fc=TINTS[kind], ec=INK, lw=0.8)  # fmt: skip
-            axis.add_patch(box)
-            axis.text(x, -y, name.replace(", ", ",\n"), ha="center", va="center", fontsize=8.5, color=INK)
-    axis.set(xlim=(-0.5, 3.5), ylim=(-3.6, 0.85))
-    axis.axis("off")
-    axis.set_title("Patterns of self-organisation; an arrow leads to what a pattern builds on", fontsize=11, color=INK)
-    return figure
 
 
 def draw_evaporation_and_aggregation() -> Figure:
@@ -199,7 +153,6 @@ def main(directory: Path) -> None:
     figures = {
         "fields_one": draw_fields("one"),
         "fields_two": draw_fields("two"),
-        "catalogue": draw_catalogue(),
         "evaporation_aggregation": draw_evaporation_and_aggregation(),
     }
     for name, figure in figures.items():

@@ -51,16 +51,18 @@ def of_many(summary: dict[str, Any]) -> str:
 
 
 def of_reference(summary: dict[str, Any]) -> str:
-    """Return ours beside measured as Markdown, for the figures in FIGURES."""
-    lines = ["| | figure | ours | measured | ours / measured |", "|---|---|---|---|---|"]
+    """Return ours / measured as Markdown, for the figures in FIGURES: conditions first, then ratios to Gradient."""
+    lines = [f"| ours / measured | {' | '.join(FIGURES.values())} |", "|---" * (len(FIGURES) + 1) + "|"]
+    rows: dict[str, dict[str, str]] = {row["condition"]: {} for row in summary["reference"]}
     for row in summary["reference"]:
-        if row["metric"] in FIGURES:
-            ours, measured = (f"{row[name]:.3g}" for name in ("ours", "measured"))
-            lines.append(f"| {row['condition']} | {FIGURES[row['metric']]} | {ours} | {measured} | {interval(row)} |")
+        compared = f"{row['ours']:.3g} / {row['measured']:.3g} = {interval(row)}"
+        rows[row["condition"]][row["metric"]] = compared
     for row in summary["reference_ratios"]:
-        if row["metric"] in FIGURES and row["b"] == "RepulsionGradient":
-            ours, measured = interval(row["ours"]), interval(row["measured"])
-            lines.append(f"| {row['a']} / Gradient | {FIGURES[row['metric']]} | {ours} | {measured} | |")
+        if row["b"] == "RepulsionGradient":
+            ratios = rows.setdefault(f"{row['a'].removeprefix('Repulsion')} / Gradient", {})
+            ratios[row["metric"]] = f"{interval(row['ours'])} / {interval(row['measured'])}"
+    for name, cells in rows.items():
+        lines.append(f"| {name} | {' | '.join(cells[metric] for metric in FIGURES)} |")
     return "\n".join(lines)
 
 

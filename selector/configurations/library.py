@@ -1,4 +1,4 @@
-"""The configuration library: key -> the components that realise it, one YAML file each."""
+"""The configuration library: all mechanism configurations by key, read from one YAML file each."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache

@@ -34,7 +34,7 @@ class RunningConfiguration:
     Attributes:
         mechanisms: by name.
         robots: its own network with sensors and actions.
-        remembers: whether anything but its network is to begin anew when a row takes it up.
+        remembers: whether memory, decisions or kept movements have to be reset when a row takes it up.
 
     Raises:
         DocumentError: something that cannot be built; names the key.

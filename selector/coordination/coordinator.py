@@ -1,8 +1,8 @@
-"""The coordinator: a sub-network for one goal, whose content is the configuration of the option that serves it now.
+"""The coordinator: a network inside a behaviour that runs, for one goal, the configuration of the option held now.
 
-To the network that holds it a coordinator shows the preconditions and effects of the configuration held now, so that
-arbitration sees what it would see without the nesting. Different robots may hold different options at the same time;
-the work grows with the number of options in use, not with robots.
+A coordinator shows the preconditions and effects of that configuration to the network around it. Arbitration there
+decides as it would without the nesting. Different robots may hold different options at the same time. The work grows
+with the number of options in use, not with the number of robots.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from selforg.network.state import state as st
 
 
 class Coordinator:
-    """R rows that each hold one option of a `CoordinatorModel`, inside the network `parent`.
+    """A coordinator in R rows of the network `parent`; each row holds one option of its `CoordinatorModel`.
 
-    In every control period: `sense`, the step of the parent, `act`, and `leave` once all movements are known.
+    Call in every control period: `sense`, the step of the parent, `act`, and `leave` once all movements are known.
 
     Attributes:
         held: (R,) the option that each row holds; change it by `hold`.
-        contents: (O,) the options at work.
+        contents: (O,) the configurations of the options.
 
     """
 
@@ -60,7 +60,7 @@ class Coordinator:
         self.reset(np.arange(parent.rows))
 
     def reset(self, rows: Ints) -> None:
-        """Begin anew in `rows` (K,), holding the options they hold."""
+        """Clear the networks and memory inside `rows` (K,); each row keeps the option that it holds."""
         for content in self.contents:
             content.network.reset(rows)
             content.forget(rows)
@@ -70,10 +70,10 @@ class Coordinator:
         self._list_in_use()
 
     def hold(self, rows: Ints, options: Ints) -> None:
-        """Let `rows` (K,) hold `options` (K,); the rest of each robot goes on undisturbed.
+        """Give `options` (K,) to `rows` (K,); nothing else of these robots changes.
 
-        An option that is taken up begins anew: nothing runs, nothing is known, decided or activated yet. What was
-        spread and deposited stays in the world and evaporates by its own rule.
+        A new option starts from its first state: nothing runs, nothing is remembered, decided or activated. Gradients
+        that the old option spread or deposited stay in the world and evaporate.
         """
         changed = take_up(
             rows, options, self.held, self._stale, self._new, self._new_counts, self._members, self._counts
@@ -92,12 +92,12 @@ class Coordinator:
         self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
 
     def sense(self, now: float) -> None:
-        """Ask what is in use at `now` [s] and write its sensors into the parent's readings."""
+        """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
         for k, rows in self._in_use:
             self.contents[k].robots.sense(now, rows)
 
     def act(self, now: float, commands: Commands) -> None:
-        """Run the content where the parent runs the coordinator; its movement goes into `commands`."""
+        """Step the held configurations where the parent runs the coordinator; movements go into `commands`."""
         for k, rows in self._in_use:
             content = self.contents[k]
             network = content.network
@@ -114,7 +114,7 @@ class Coordinator:
             self._acted.append(content)
 
     def leave(self, now: float) -> None:
-        """Leave in the world, at `now` [s], what others shall find from the next control period on."""
+        """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
         for content in self._acted:
             content.robots.leave(now)
         self._acted.clear()
@@ -134,7 +134,7 @@ def group(held: Ints, members: Ints, counts: Ints) -> None:
 def take_up(
     rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, new_counts: Ints, members: Ints, counts: Ints
 ) -> int:
-    """Let `rows` (K,) hold `options` (K,) and note in `new` (O, R) and `new_counts` (O,) who takes up what.
+    """Give `options` (K,) to `rows` (K,); list in `new` (O, R) and `new_counts` (O,) which rows got which option.
 
     held, stale: (R,); members (O, R) and counts (O,) are brought up to date by `group`. Returns how many rows change,
     or -1, with nothing changed, for an option that does not exist.
@@ -162,8 +162,8 @@ def take_turns(
 ) -> tuple[int, int]:
     """List in `turns` (2, R) in which of `rows` (K,) a behaviour runs, and which of those were `stale` (R,).
 
-    Those are stale no longer. Where the behaviour was just started, all that runs inside stops. Returns how many are in
-    either list; marks are the mark tables of the networks outside and inside.
+    The listed rows are marked as not stale. Where the behaviour was just started, all that runs inside is stopped.
+    Returns the lengths of both lists. The marks are the mark tables of the networks outside and inside.
     """
     acting, renewed = 0, 0
     for row in rows:

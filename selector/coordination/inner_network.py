@@ -18,9 +18,9 @@ from selforg.network.network import BehaviourNetwork
 class InnerNetwork:
     """R rows of a network inside the behaviour `holder` of the network `parent`.
 
-    To whoever runs the robots it is like a coordinator: in every control period `sense`, the step of the parent, `act`,
-    and `leave` once all movements are known. It decides in every step in which its holder runs, with a decision
-    guaranteed; when the holder stops, all that runs inside stops too, and activations stay as they are.
+    It is called as a coordinator is, in every control period: `sense`, the step of the parent, `act`, and `leave` once
+    all movements are known. It decides in every step in which its holder runs, with a decision guaranteed. When the
+    holder stops, all that runs inside stops too; activations and memory stay. It follows no plan.
 
     Args:
         held: what the network is made of.
@@ -61,7 +61,7 @@ class InnerNetwork:
         return self.configuration.network
 
     def reset(self, rows: Ints) -> None:
-        """Begin anew in `rows` (K,), inside too."""
+        """Clear network and memory of `rows` (K,), and those of the networks inside."""
         self.network.reset(rows)
         self.configuration.forget(rows)
         for inner in self.inner:
@@ -82,7 +82,7 @@ class InnerNetwork:
             inner.act(now, commands)
 
     def leave(self, now: float) -> None:
-        """Leave in the world, at `now` [s], what others shall find from the next control period on."""
+        """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
         self.configuration.robots.leave(now)
         for inner in self.inner:
             inner.leave(now)

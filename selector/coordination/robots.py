@@ -1,4 +1,4 @@
-"""Robots whose network is made of coordinators: a whole tick in one call, for hosts without a model of their own."""
+"""Robots with coordinators and inner networks: a whole tick in one call, for hosts that have no loop of their own."""
 
 from __future__ import annotations
 
@@ -57,18 +57,18 @@ class CoordinatedRobots:
         self._all: Ints = np.arange(host.rows)
 
     def reset(self, rows: Ints | None = None) -> None:
-        """Begin anew in `rows` (K,) or all, holding the options they hold."""
+        """Clear all networks of `rows` (K,) or of all rows; each row keeps the options that it holds."""
         chosen = self._all if rows is None else rows
         self.network.reset(chosen)
         for inside in self._inside:
             inside.reset(chosen)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
-        """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
+        """Give `options` (K, C), or (K,) for one coordinator, to the coordinators in `rows` (K,) or in all rows."""
         hold_options(self.coordinators, options, self._all if rows is None else rows)
 
     def tick(self, now: float) -> Commands:
-        """Let all robots sense, decide and act at `now` [s]; returns what they are told, valid until the next tick."""
+        """Sense, decide and act at `now` [s] in all robots; return their commands, which hold until the next tick."""
         commands = self._commands
         for inside in self._inside:
             inside.sense(now)
@@ -89,7 +89,7 @@ def network_of(models: Sequence[CoordinatorModel], settings: NetworkSettings | N
 
 
 def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints) -> None:
-    """Let `options` (K, C), or (K,) for one coordinator, serve the goals of `coordinators` (C,) in `rows` (K,)."""
+    """Give `options` (K, C), or (K,) for one coordinator, to `coordinators` (C,) in `rows` (K,)."""
     table = np.asarray(options)
     table = table[:, None] if table.ndim == 1 else table
     if table.shape != (len(rows), len(coordinators)):

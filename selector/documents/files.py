@@ -16,7 +16,7 @@ from selforg.registry import unknown
 
 
 @dataclass(frozen=True)
-class Kind:
+class FileKind:
     """A kind of file.
 
     Attributes:
@@ -30,16 +30,16 @@ class Kind:
 
 
 KINDS = {
-    "experiments": Kind("experiment"),
-    "families": Kind("family"),
-    "knowledge": Kind("expert knowledge"),
-    "mechanisms": Kind("configuration"),
-    "missions": Kind("mission"),
-    "policies": Kind("policy", "/policy.json"),
-    "robots": Kind("robot"),
-    "starts": Kind("set of start configurations"),
-    "strategies": Kind("learned strategy", ".safetensors"),
-    "training": Kind("training"),
+    "experiments": FileKind("experiment"),
+    "families": FileKind("family"),
+    "knowledge": FileKind("expert knowledge"),
+    "mechanisms": FileKind("configuration"),
+    "missions": FileKind("mission"),
+    "policies": FileKind("policy", "/policy.json"),
+    "robots": FileKind("robot"),
+    "starts": FileKind("set of start configurations"),
+    "strategies": FileKind("learned strategy", ".safetensors"),
+    "training": FileKind("training"),
 }
 """Folder of a directory of configurations -> the kind of file that it holds."""
 

@@ -12,7 +12,7 @@ from selector.documents.fields import Closed, Name
 from selector.documents.reading import as_yaml, read_mapping
 from selector.knowledge import Option, knowledge_from
 from selector.store.exact_sums import Moments
-from selector.store.stored_knowledge import Entry, Key, Rated, StoredKnowledge, stored
+from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge, stored
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 MICROSECOND = timedelta(microseconds=1)
@@ -103,7 +103,7 @@ def from_document(content: object, where: str) -> StoredKnowledge:
                 raise DocumentError(f"{where}: expert.{goal}: option {given.name!r} is given twice")
             option = Option(**given.model_dump(include=set(Option.model_fields)))
             expert[goal, given.name] = Rated(option, given.position, given.source, _microseconds(given.updated))
-    learned: dict[Key, Entry] = {}
+    learned: dict[Key, LearnedEntry] = {}
     for k, entry in enumerate(document.learned):
         key = Key(entry.goal, entry.option, entry.context, entry.source)
         if key in learned:
@@ -111,7 +111,7 @@ def from_document(content: object, where: str) -> StoredKnowledge:
         moments = Moments(entry.count, int(entry.total), int(entry.squares))
         if why := moments.impossible():
             raise DocumentError(f"{where}: learned.{k}: {why}")
-        learned[key] = Entry(moments, _microseconds(entry.updated))
+        learned[key] = LearnedEntry(moments, _microseconds(entry.updated))
     return StoredKnowledge(expert, learned)
 
 
@@ -119,7 +119,7 @@ def _microseconds(time: datetime) -> int:
     return (time - EPOCH) // MICROSECOND
 
 
-def as_text(contents: StoredKnowledge, *, as_json: bool) -> str:
+def text_of(contents: StoredKnowledge, *, as_json: bool) -> str:
     """Return the contents of a store as the text of a file."""
     document = as_document(contents)
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n" if as_json else as_yaml(document)

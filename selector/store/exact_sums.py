@@ -69,7 +69,7 @@ class Moments:
         return ""
 
 
-NOTHING = Moments(0, 0, 0)
+NO_REWARDS = Moments(0, 0, 0)
 """The moments of no reward."""
 
 
@@ -86,7 +86,7 @@ def on_grid(reward: Floats) -> Ints:
 
 def sums_by_cell(cell: Ints, whole: Ints, cells: int) -> list[Moments]:
     """Return the moments of each of `cells` cells, given the cell (R,) and the value on the grid (R,) of each row."""
-    found = [NOTHING] * cells
+    found = [NO_REWARDS] * cells
     for start in range(0, cell.size, CHUNK):
         part, value = cell[start : start + CHUNK], whole[start : start + CHUNK]
         # value = high * 2^22 + low; the parts of the square are below 2^45, a chunk's sum of them below 2^63

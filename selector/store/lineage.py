@@ -55,12 +55,12 @@ def read_origins(connection: Connection) -> Origins:
 
 
 def note_merged(connection: Connection, identities: Iterable[str], now: int) -> None:
-    """Keep that updates of other stores were taken in at `now` [us since 1970, UTC]."""
+    """Note that updates of other stores were merged in at `now` [us since 1970, UTC]."""
     rows = [{"key": f"{MERGED}{identity}", "value": str(now)} for identity in sorted(identities)]
     connection.execute(insert(meta), rows)
 
 
 def begin_anew(connection: Connection) -> None:
-    """Make a store that has just forgotten all updates an origin of its own."""
+    """Give a store whose updates were all deleted a new identity."""
     connection.execute(delete(meta).where(meta.c.key.startswith(MERGED, autoescape=True)))
     connection.execute(update(meta).where(meta.c.key == IDENTITY).values(value=new_identity()))

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selector.store.exact_sums import NOTHING, Moments, on_grid, sums_by_cell
+from selector.store.exact_sums import NO_REWARDS, Moments, on_grid, sums_by_cell
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 
@@ -56,7 +56,7 @@ class RewardSums:
         cells = ((name, seen) for seen in names for name in self.options)
         for cell, moments in zip(cells, found, strict=True):
             if moments.count:
-                self._moments[cell] = self._moments.get(cell, NOTHING) + moments
+                self._moments[cell] = self._moments.get(cell, NO_REWARDS) + moments
 
     def _checked_options(self, option: Ints) -> Ints:
         chosen = np.asarray(option)

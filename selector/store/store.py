@@ -12,10 +12,10 @@ from selector.knowledge import Knowledge
 from selector.store import connection as connecting
 from selector.store import tables
 from selector.store.errors import StoreError, reported
-from selector.store.exact_sums import NOTHING, Moments
+from selector.store.exact_sums import NO_REWARDS, Moments
 from selector.store.lineage import Origins, begin_anew, note_merged, read_origins
 from selector.store.reward_sums import RewardSums
-from selector.store.stored_knowledge import Entry, Key, StoredKnowledge, check, check_names, microseconds, stored
+from selector.store.stored_knowledge import Key, LearnedEntry, StoredKnowledge, check, check_names, microseconds, stored
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -82,11 +82,11 @@ class KnowledgeStore:
 
         """
         now = microseconds() if updated is None else updated
-        learned: dict[Key, Entry] = {}
+        learned: dict[Key, LearnedEntry] = {}
         for batch in batches:
             for (option, context), moments in batch.moments.items():
                 key = Key(batch.goal, option, context, source)
-                entry = Entry(moments, now)
+                entry = LearnedEntry(moments, now)
                 learned[key] = learned[key].merged(entry) if key in learned else entry
         self.absorb(StoredKnowledge(learned=learned))
 
@@ -98,8 +98,8 @@ class KnowledgeStore:
             learned = tables.read_learned(connection, goal, contexts)
         sums: dict[tuple[str, str], Moments] = {}
         for key, entry in learned.items():
-            sums[key.context, key.option] = sums.get((key.context, key.option), NOTHING) + entry.moments
-        cells = [[sums.get((context, option), NOTHING) for option in options] for context in contexts]
+            sums[key.context, key.option] = sums.get((key.context, key.option), NO_REWARDS) + entry.moments
+        cells = [[sums.get((context, option), NO_REWARDS) for option in options] for context in contexts]
         shape = (len(contexts), len(options))
         count = np.array([[m.count for m in row] for row in cells], dtype=np.int64).reshape(shape)
         mean = np.array([[m.mean if m.count else 0.0 for m in row] for row in cells]).reshape(shape)

@@ -28,16 +28,16 @@ class Key(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Entry:
+class LearnedEntry:
     """What was learned under a key."""
 
     moments: Moments
     updated: int
     """Time of the last update [us since 1970, UTC]."""
 
-    def merged(self, other: "Entry") -> "Entry":
+    def merged(self, other: "LearnedEntry") -> "LearnedEntry":
         """Return both entries as one."""
-        return Entry(self.moments + other.moments, max(self.updated, other.updated))
+        return LearnedEntry(self.moments + other.moments, max(self.updated, other.updated))
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class StoredKnowledge:
     """Expert options by goal and name, and learned entries by key."""
 
     expert: Mapping[tuple[str, str], Rated] = field(default_factory=dict)
-    learned: Mapping[Key, Entry] = field(default_factory=dict)
+    learned: Mapping[Key, LearnedEntry] = field(default_factory=dict)
 
     def merged(self, other: "StoredKnowledge") -> "StoredKnowledge":
         """Return what a store holds that took in both, in any order.

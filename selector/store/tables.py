@@ -29,7 +29,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from selector.knowledge import Option
 from selector.store.errors import FULL
 from selector.store.exact_sums import COUNT_LIMIT, Moments
-from selector.store.stored_knowledge import NAME_LIMIT, Entry, Key, Rated, definition
+from selector.store.stored_knowledge import NAME_LIMIT, Key, LearnedEntry, Rated, definition
 
 LOW_BITS = 62
 LOW = (1 << LOW_BITS) - 1
@@ -70,7 +70,7 @@ learned = Table(
 )
 
 
-def add_learned(connection: Connection, entries: Iterable[tuple[Key, Entry]]) -> None:
+def add_learned(connection: Connection, entries: Iterable[tuple[Key, LearnedEntry]]) -> None:
     """Add to the entries of these keys, creating those that are missing; no key twice."""
     rows = [
         {
@@ -135,7 +135,7 @@ def _rated(row: Row[Any]) -> Rated:
 
 def read_learned(
     connection: Connection, goal: str | None = None, contexts: Sequence[str] | None = None
-) -> dict[Key, Entry]:
+) -> dict[Key, LearnedEntry]:
     """Return the learned entries by key: all of them, or those of one goal and, at least, of some contexts."""
     query = select(learned)
     if goal is not None:
@@ -150,12 +150,12 @@ def any_learned(connection: Connection) -> bool:
     return connection.execute(select(learned.c.goal).limit(1)).first() is not None
 
 
-def _entry(row: Row[Any]) -> Entry:
+def _entry(row: Row[Any]) -> LearnedEntry:
     total, squares = (row.total_high << LOW_BITS) + row.total_low, (row.squares_high << LOW_BITS) + row.squares_low
     moments = Moments(row.updates, total, squares)
     if why := moments.impossible():
         raise ValueError(why)
-    return Entry(moments, int(row.updated))
+    return LearnedEntry(moments, int(row.updated))
 
 
 def delete_learned(connection: Connection, chosen: dict[str, str]) -> int:

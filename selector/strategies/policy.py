@@ -5,7 +5,7 @@ import numpy as np
 from selector.documents.errors import shown
 from selector.documents.fields import Closed, Flag, Name
 from selector.strategies.choosing import best, chance_of, drawn
-from selector.strategies.policy_file import TrainedPolicy, Weights, find_policy, load_policy
+from selector.strategies.policy_file import Floats32, TrainedPolicy, find_policy, load_policy
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
@@ -71,7 +71,7 @@ class Network:
     def outputs(self, context: Floats) -> Floats:
         """Return the output (K, O) for each observation (K, F): logarithms of probabilities, up to a constant."""
         normal = np.clip((context - self._mean) / self._deviation, -self._clip, self._clip)
-        values: Weights = normal.astype(np.float32)
+        values: Floats32 = normal.astype(np.float32)
         for weights, bias, activation in self._layers:
             following = np.empty((len(values), len(bias)), dtype=np.float32)
             dense(values, weights, bias, activation, following)
@@ -80,7 +80,7 @@ class Network:
 
 
 @kernel
-def dense(inputs: Weights, weights: Weights, bias: Weights, activation: int, outputs: Weights) -> None:
+def dense(inputs: Floats32, weights: Floats32, bias: Floats32, activation: int, outputs: Floats32) -> None:
     """Fill `outputs` (K, H) for `inputs` (K, I), `weights` (I, H) and `bias` (H,), summed in the order of inputs.
 
     A library's matrix product sums in an order that depends on K; here a row gets the same bits alone and in a batch.

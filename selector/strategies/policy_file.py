@@ -22,8 +22,8 @@ from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.files import find_file
 from selector.strategies.problem import Problem
 
-Weights = npt.NDArray[np.float32]
-SPECIFICATION, WEIGHTS = "policy.json", "policy.safetensors"
+Floats32 = npt.NDArray[np.float32]
+SPECIFICATION, WEIGHTS_FILE = "policy.json", "policy.safetensors"
 
 
 class PolicySpec(Closed):
@@ -80,7 +80,7 @@ class TrainedPolicy:
     """
 
     spec: PolicySpec
-    weights: dict[str, Weights]
+    weights: dict[str, Floats32]
 
     def ordered_for(self, problem: Problem, where: str) -> "TrainedPolicy":
         """Return the policy with inputs and outputs in the order of `problem`.
@@ -124,7 +124,7 @@ def save_policy(directory: Path, policy: TrainedPolicy) -> None:
     _check(policy, shown(directory))
     content = safetensors.numpy.save({name: np.ascontiguousarray(array) for name, array in policy.weights.items()})
     spec = policy.spec.model_copy(update={"weights_sha256": hashlib.sha256(content).hexdigest()})
-    write_whole(directory / WEIGHTS, content)
+    write_whole(directory / WEIGHTS_FILE, content)
     text = json.dumps(spec.model_dump(mode="json"), indent=2, allow_nan=False) + "\n"
     write_whole(directory / SPECIFICATION, text.encode())
 
@@ -149,13 +149,15 @@ def load_policy(directory: Path) -> TrainedPolicy:
     where = shown(directory / SPECIFICATION)
     try:
         text = json.loads((directory / SPECIFICATION).read_text(encoding="utf-8"))
-        content = (directory / WEIGHTS).read_bytes()
+        content = (directory / WEIGHTS_FILE).read_bytes()
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
         raise DocumentError(f"{shown(directory)}: cannot be read ({error})") from error
     spec = validated(PolicySpec, text, where)
     digest = hashlib.sha256(content).hexdigest()
     if digest != spec.weights_sha256:
-        raise DocumentError(f"{where}: weights_sha256: expected that of {WEIGHTS}, {digest}, got {spec.weights_sha256}")
+        raise DocumentError(
+            f"{where}: weights_sha256: expected that of {WEIGHTS_FILE}, {digest}, got {spec.weights_sha256}"
+        )
     policy = TrainedPolicy(spec, safetensors.numpy.load(content))
     _check(policy, shown(directory))
     return policy

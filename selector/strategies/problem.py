@@ -1,4 +1,4 @@
-"""What a decision strategy is asked and told: the problem it serves, decisions to make, and what decisions brought."""
+"""What a decision strategy gets: its problem, the decisions to make, and the rewards of earlier decisions."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -75,7 +75,7 @@ class Decisions:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """K decisions of earlier and what they brought, in an order that does not depend on the order of rows.
+    """K earlier decisions and their rewards, in an order that does not depend on the order of rows.
 
     Attributes:
         groups: (K,) the set of estimates that each of them moves.
@@ -114,3 +114,20 @@ def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what
         raise ValueError(f"{name}: expected {what} 0..{count - 1}, got {numbers.min()}..{numbers.max()}")
     numbers.flags.writeable = False
     return numbers
+
+
+def canonical_order(groups: Ints, option: Ints, reward: Floats, chance: Floats, context: Floats) -> Ints:
+    """Return an order (K,) that depends on the contents only, so that sums over a batch do not depend on row order."""
+    order = np.lexsort((chance, reward, option, groups))
+    keys = (groups, option, reward, chance)
+    if context.shape[1] and len(order) > 1 and _ties(order, keys):
+        order = np.lexsort((*context.T, *reversed(keys)))
+    return order
+
+
+def _ties(order: Ints, keys: tuple[npt.NDArray[Any], ...]) -> bool:
+    equal = np.ones(len(order) - 1, dtype=bool)
+    for key in keys:
+        ordered = key[order]
+        equal &= ordered[1:] == ordered[:-1]
+    return bool(equal.any())

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
-from selector.strategies.problem import Decisions, Outcomes, Problem, readable, whole_numbers
+from selector.strategies.problem import Decisions, Outcomes, Problem, canonical_order, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
 
@@ -150,7 +150,7 @@ class DecisionStrategy(ABC):
         if count and (likely.min() <= 0.0 or likely.max() > 1.0):
             raise ValueError(f"chance: expected probabilities above 0, got {likely.min()}..{likely.max()}")
         groups = self.group_of[told]
-        order = _canonical_order(groups, chosen, gained, likely, seen)
+        order = canonical_order(groups, chosen, gained, likely, seen)
         outcomes = Outcomes(groups[order], chosen[order], gained[order], seen[order], likely[order])
         self._update(outcomes)
 
@@ -264,20 +264,3 @@ class DecisionStrategy(ABC):
 
 ROW_STATE = ("keys", "counters", "chance")
 """Names of the arrays (R,) that every strategy has besides what it learned."""
-
-
-def _canonical_order(groups: Ints, option: Ints, reward: Floats, chance: Floats, context: Floats) -> Ints:
-    """Return an order (K,) that depends on the contents only, so that sums over a batch do not depend on row order."""
-    order = np.lexsort((chance, reward, option, groups))
-    keys = (groups, option, reward, chance)
-    if context.shape[1] and len(order) > 1 and _ties(order, keys):
-        order = np.lexsort((*context.T, *reversed(keys)))
-    return order
-
-
-def _ties(order: Ints, keys: tuple[npt.NDArray[Any], ...]) -> bool:
-    equal = np.ones(len(order) - 1, dtype=bool)
-    for key in keys:
-        ordered = key[order]
-        equal &= ordered[1:] == ordered[:-1]
-    return bool(equal.any())

@@ -18,7 +18,7 @@ ROUNDS = 10
 LOW, SHIFT = np.uint64(0xFFFFFFFF), np.uint64(32)
 FIRST_FACTOR, SECOND_FACTOR = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
 FIRST_STEP, SECOND_STEP = np.uint64(0x9E3779B9), np.uint64(0xBB67AE85)
-FINE, COARSE, ONE, NONE = np.uint64(5), np.uint64(6), np.uint64(1), np.uint64(0)
+FINE_SHIFT, COARSE_SHIFT, ONE, NONE = np.uint64(5), np.uint64(6), np.uint64(1), np.uint64(0)
 TWO_26, TWO_53 = 67108864.0, 9007199254740992.0
 
 
@@ -54,9 +54,9 @@ def fill_uniforms(keys: Keys, counters: Keys, drawn: Floats) -> None:
         block = NONE
         for start in range(0, count, 2):
             a, b, c, d = philox(block, c1, c2, NONE, k0, k1)
-            drawn[k, start] = (float(a >> FINE) * TWO_26 + float(b >> COARSE)) / TWO_53
+            drawn[k, start] = (float(a >> FINE_SHIFT) * TWO_26 + float(b >> COARSE_SHIFT)) / TWO_53
             if start + 1 < count:
-                drawn[k, start + 1] = (float(c >> FINE) * TWO_26 + float(d >> COARSE)) / TWO_53
+                drawn[k, start + 1] = (float(c >> FINE_SHIFT) * TWO_26 + float(d >> COARSE_SHIFT)) / TWO_53
             block += ONE
 
 

@@ -16,8 +16,8 @@ from selforg.components import ACTIONS, SENSORS, Action, SensorComponent
 from selforg.gradients.queries import CHOICES
 from selforg.registry import Registry, unknown
 
-Class = TypeVar("Class")
-ClassOf: TypeAlias = type[Class]
+Component = TypeVar("Component")
+ClassOf: TypeAlias = type[Component]
 
 DEFAULT_BUFFER = "gradients"
 """Name of the buffer that is meant where none is named."""
@@ -53,7 +53,7 @@ class TargetSpec(Closed):
     """How far beyond their reach gradients are seen [m]; as the buffer says unless given."""
 
 
-class ComponentSpec(Closed, Generic[Class], extra="allow"):
+class ComponentSpec(Closed, Generic[Component], extra="allow"):
     """A component: the name of its class, and beside it the arguments of the constructor."""
 
     registry: ClassVar[Registry[Any]]
@@ -74,9 +74,9 @@ class ComponentSpec(Closed, Generic[Class], extra="allow"):
         return self
 
     @property
-    def component(self) -> ClassOf[Class]:
+    def component(self) -> ClassOf[Component]:
         """The class."""
-        found: ClassOf[Class] = self.registry.find(self.type)
+        found: ClassOf[Component] = self.registry.find(self.type)
         return found
 
     @property

@@ -147,26 +147,26 @@ class GoalSpec(Closed):
 
     def build(self, name: str) -> behaviours.Goal:
         """Return the goal this declares."""
-        trees = tuple(tree(spec) for spec in self.conditions)
+        trees = tuple(tree_of(spec) for spec in self.conditions)
         return behaviours.Goal(name, trees, priority=self.priority, permanent=self.permanent)
 
 
-def tree(spec: AnyCondition) -> conditions.Tree:
+def tree_of(spec: AnyCondition) -> conditions.Tree:
     """Return the condition that a specification declares."""
     match spec:
         case ConditionSpec():
             return conditions.Condition(spec.sensor, spec.activator.build())
         case NegationSpec():
-            return conditions.Negation(tree(spec.of))
+            return conditions.Negation(tree_of(spec.of))
         case ConjunctionSpec():
-            return conditions.Conjunction(*(tree(part) for part in spec.of))
+            return conditions.Conjunction(*(tree_of(part) for part in spec.of))
         case DisjunctionSpec():
-            return conditions.Disjunction(*(tree(part) for part in spec.of))
+            return conditions.Disjunction(*(tree_of(part) for part in spec.of))
 
 
 def precondition(spec: AnyCondition) -> conditions.Tree | conditions.Optional:
     """Return the precondition that a specification declares."""
-    return conditions.Optional(tree(spec)) if spec.optional else tree(spec)
+    return conditions.Optional(tree_of(spec)) if spec.optional else tree_of(spec)
 
 
 def plain_conditions(spec: AnyCondition) -> Iterator[ConditionSpec]:

@@ -32,8 +32,8 @@ _Real = Annotated[float, Field(strict=True)]
 _WORDS: dict[object, object] = {
     float: _Real,
     declared.Finite: fields.Number,
-    declared.NonNegative: fields.NonNegative,
-    declared.Share: fields.Share,
+    declared.AtLeastZero: fields.NonNegative,
+    declared.UpToOne: fields.Share,
     int: Annotated[int, Field(strict=True)],
     bool: fields.Flag,
     str: Annotated[str, Field(strict=True)],

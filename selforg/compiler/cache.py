@@ -94,11 +94,11 @@ def imported_by(file: Path) -> frozenset[Path]:
         entries = [part.split()[0] for part in (bracketed or listed or plain).split(",") if part.split()]
         names |= {module, *(f"{module}.{entry}" for entry in entries)} if module else set(entries)
     roots = {root_of(file), OWN_ROOT}
-    return frozenset(path for name in names for root in roots for path in files_of(root, name))
+    return frozenset(path for name in names for root in roots for path in module_files(root, name))
 
 
 @cache
-def files_of(root: Path, name: str) -> tuple[Path, ...]:
+def module_files(root: Path, name: str) -> tuple[Path, ...]:
     """Return the file of a module below `root`, or nothing if there is none."""
     place = root.joinpath(*name.split("."))
     candidates = (place.with_name(place.name + ".py"), place / "__init__.py")

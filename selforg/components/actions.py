@@ -25,7 +25,7 @@ Call: TypeAlias = Callable[[float, Ints], None]
 
 @dataclass(frozen=True)
 class Commands:
-    """What the robots are told in one tick.
+    """The movement commands of all robots in one tick.
 
     Attributes:
         vectors: (N, D) [m/s] where to move and how fast; of a robot that turns, only the direction counts.
@@ -56,7 +56,7 @@ class Action(ABC):
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class; names among them are theirs to give."""
+        """Return the arguments with which the contract tests build the class; None stands for one that they supply."""
         return {}
 
     @final
@@ -67,7 +67,7 @@ class Action(ABC):
 
     @final
     def leave(self, now: float, rows: Ints) -> None:
-        """Leave in the world what others shall find from the next tick on."""
+        """Spread and deposit in `rows` (K,), at `now` [s], what others perceive from the next tick on."""
         if len(rows):
             self._leave(now, rows)
 
@@ -76,7 +76,7 @@ class Action(ABC):
         """Act in at least one row."""
 
     def _leave(self, now: float, rows: Ints) -> None:  # noqa: B027  (most actions leave nothing)
-        """Leave something behind in at least one row."""
+        """Spread or deposit something in at least one row."""
 
 
 ACTIONS: Registry[Action] = Registry("action")
@@ -116,7 +116,7 @@ class Move(Action):
 def command_movements(
     rows: Ints, vectors: Floats, active: Flags, to_vectors: Floats, commanded: Flags, in_place: Flags
 ) -> None:
-    """Let `rows` (K,) move by their `vectors` (N, D) where there is one, `active` (N,)."""
+    """Command `rows` (K,) to move by their `vectors` (N, D) where there is one, `active` (N,)."""
     for row in rows:
         for axis in range(vectors.shape[1]):
             to_vectors[row, axis] = vectors[row, axis]
@@ -158,7 +158,7 @@ class Decide(Action):
         self.mechanism = mechanism
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Nothing moves; what is decided is spread when all movements are known."""
+        """Do nothing yet: the decision is spread when all movements are known."""
 
     def _leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)
@@ -187,7 +187,7 @@ class Spread(Action):
         self.mechanism = mechanism
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Nothing moves; the gradient is spread when all movements are known."""
+        """Do nothing yet: the gradient is spread when all movements are known."""
 
     def _leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)

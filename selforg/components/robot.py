@@ -1,4 +1,4 @@
-"""Robots whose network senses and acts through components: one call a tick, or its three parts by themselves."""
+"""Robots whose network senses and acts through components: a whole tick in one call, or its parts one by one."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action, Commands
-from selforg.components.sensors import SensorComponent, VectorReadings, VectorSensor
-from selforg.components.sources import Source
+from selforg.components.sensors import SensorComponent, VectorSensor
+from selforg.components.sources import MovementSource, Source
+from selforg.components.vector_readings import VectorReadings
 from selforg.network.network import BehaviourNetwork
 
 Actions = Mapping[str, Action | Sequence[Action]]
@@ -60,7 +61,7 @@ class OrganisedRobots:
         self._all, self._dim = np.arange(network.rows), dim
 
     def tick(self, now: float, rows: Ints | None = None) -> Commands:
-        """Let `rows` (K,) or all sense, decide and act at `now` [s]; returns what all N rows are told."""
+        """Sense, decide and act at `now` [s] in `rows` (K,) or in all rows; return the commands of all N rows."""
         chosen = self._all if rows is None else rows
         self.sense(now, chosen)
         self.network.step(chosen)
@@ -70,7 +71,7 @@ class OrganisedRobots:
         return commands
 
     def sense(self, now: float, rows: Ints) -> None:
-        """Renew the readings of `rows` (K,) at `now` [s]."""
+        """Write the readings of `rows` (K,) at `now` [s]."""
         for source in self._sensed:
             source.ask(now, rows)
         for vectors in self._vector_readings:
@@ -82,14 +83,14 @@ class OrganisedRobots:
             show(rows, readings, *self._shown)
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write what is sensed from now on also into `readings` (N, T): sensor k of the model into columns[k]."""
+        """Write all readings from now on also into `readings` (N, T): those of sensor k into column columns[k]."""
         for vectors in self._vector_readings:
             vectors.show_in(readings, columns[vectors.columns])
         others: Ints = np.array([column for column, _ in self._others], dtype=np.int64)
         self._shown = (readings, others, columns[others]) if len(others) else None
 
     def act(self, now: float, rows: Ints, commands: Commands) -> None:
-        """Let act in `rows` (K,) what runs after the network's step; movements go into `commands`."""
+        """Run the actions of the behaviours that run in `rows` (K,); movements go into `commands`."""
         self._acted = []
         for (b, action), sources in zip(self._actions, self._asked_late, strict=True):
             acting, started = self.network.running(b, rows)
@@ -101,7 +102,7 @@ class OrganisedRobots:
             self._acted.append((action, acting))
 
     def leave(self, now: float) -> None:
-        """Leave in the world, at `now` [s], what those who acted last leave; call it once all movements are known."""
+        """Spread and deposit, at `now` [s], in the rows that acted last; call it once all movements are known."""
         for action, acting in self._acted:
             action.leave(now, acting)
         self._acted = []
@@ -117,11 +118,12 @@ def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | A
 
 def _by_source(sensors: Sequence[tuple[int, SensorComponent]], readings: Floats) -> list[VectorReadings]:
     """Return what writes the vector sensors among `sensors`, those of one source together."""
-    found: dict[int, dict[int, VectorSensor]] = {}
+    found: dict[int, tuple[MovementSource, dict[int, float]]] = {}
     for column, component in sensors:
         if isinstance(component, VectorSensor):
-            found.setdefault(id(component.source), {})[column] = component
-    return [VectorReadings(next(iter(those.values())).source, those, readings) for those in found.values()]
+            _, those = found.setdefault(id(component.source), (component.source, {}))
+            those[column] = component.longest_absent
+    return [VectorReadings(source, those, readings) for source, those in found.values()]
 
 
 @lean_kernel

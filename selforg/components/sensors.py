@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple, final
+from collections.abc import Sequence
+from typing import Any, ClassVar, final
 
 import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Recording, Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import DecisionSource, GoalSource, MovementSource, Source
+from selforg.components.vector_readings import VectorReadings
 from selforg.network.model.behaviours import SensorKind
-from selforg.parameters import NonNegative
+from selforg.parameters import AtLeastZero
 from selforg.registry import Registry
 
 
@@ -46,7 +45,7 @@ class SensorComponent(ABC):
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class; names among them are theirs to give."""
+        """Return the arguments with which the contract tests build the class; None stands for one that they supply."""
         return {}
 
     @final
@@ -74,7 +73,7 @@ class VectorSensor(SensorComponent):
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         readings = np.zeros((len(self.source.vectors), 1))
-        VectorReadings(self.source, {0: self}, readings).write(rows)
+        VectorReadings(self.source, {0: self.longest_absent}, readings).write(rows)
         read: Floats = readings[rows, 0]
         return read
 
@@ -85,7 +84,7 @@ class VectorPresent(VectorSensor):
 
     kind = "fact"
 
-    def __init__(self, mechanism: MovementSource, longer_than: NonNegative = 1e-9) -> None:
+    def __init__(self, mechanism: MovementSource, longer_than: AtLeastZero = 1e-9) -> None:
         super().__init__(mechanism)
         if not longer_than >= 0.0:
             raise ValueError(f"VectorPresent: longer_than must be at least 0, got {longer_than}")
@@ -129,7 +128,7 @@ class GoalReached(GoalSensor):
 class GoalDistance(GoalSensor):
     """Clearance to the goal [m], at least 0; `unseen` [m] where there is none in view."""
 
-    def __init__(self, target: GoalSource, unseen: NonNegative) -> None:
+    def __init__(self, target: GoalSource, unseen: AtLeastZero) -> None:
         if not (unseen >= 0.0 and np.isfinite(unseen)):
             raise ValueError(f"GoalDistance: unseen must be a distance, got {unseen}")
         super().__init__(target)
@@ -150,7 +149,7 @@ class FartherThan(GoalSensor):
 
     kind = "fact"
 
-    def __init__(self, target: GoalSource, distance: NonNegative) -> None:
+    def __init__(self, target: GoalSource, distance: AtLeastZero) -> None:
         super().__init__(target)
         self.distance = distance
 
@@ -224,68 +223,3 @@ class Known(SensorComponent):
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self._values[rows]
-
-
-class ReadingTables(NamedTuple):
-    """What `read_vectors` reads and writes, of N rows and C sensors."""
-
-    vectors: Annotated[Floats, "N D"]  # of the source [m/s]
-    active: Annotated[Flags, "N"]  # whether there is a vector
-    longest_absent: Annotated[Floats, "C"]  # of each sensor [m/s]
-    readings: Annotated[Floats, "N S"]  # of the network that has the sensors
-    columns: Annotated[Ints, "C"]  # column of each sensor in `readings`
-    other_readings: Annotated[Floats, "N T"]  # of a network that is shown them too
-    other_columns: Annotated[Ints, "C"]
-
-
-READING_TABLES = Recording(ReadingTables)
-open_tables = READING_TABLES.open
-
-
-class VectorReadings:
-    """Writes what the vector sensors over one source read, all in one call.
-
-    Args:
-        source: theirs.
-        sensors: the column of the readings of each.
-        readings: (N, S) of the network that has the sensors.
-
-    """
-
-    def __init__(self, source: MovementSource, sensors: Mapping[int, VectorSensor], readings: Floats) -> None:
-        self._source, self._readings = source, readings
-        self._longest = np.array([sensor.longest_absent for sensor in sensors.values()])
-        self.columns: Ints = np.array(list(sensors), dtype=np.int64)
-        self.show_in(readings, self.columns)
-
-    def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write them into `columns` (C,) of other `readings` (N, T) too."""
-        source = self._source
-        self._tables = READING_TABLES.pack(
-            ReadingTables(source.vectors, source.active, self._longest, self._readings, self.columns, readings, columns)
-        )
-
-    def write(self, rows: Ints) -> None:
-        """Write the readings of `rows` (K,)."""
-        read_vectors(rows, self._tables.words)
-
-
-@lean_kernel
-def read_vectors(rows: Ints, tables: Words[ReadingTables]) -> None:
-    """Write of `rows` (K,) the length of the vector, 0 without one.
-
-    From a longest absent >= 0 on: 1 where it is longer than that, else 0.
-    """
-    t = open_tables(tables)
-    for row in rows:
-        length = 0.0
-        if t.active[row]:
-            for axis in range(t.vectors.shape[1]):
-                length += t.vectors[row, axis] * t.vectors[row, axis]
-            length = np.sqrt(length)
-        for k in range(t.columns.shape[0]):
-            reading = length
-            if t.longest_absent[k] >= 0.0:
-                reading = 1.0 if length > t.longest_absent[k] else 0.0
-            t.readings[row, t.columns[k]] = reading
-            t.other_readings[row, t.other_columns[k]] = reading

@@ -1,4 +1,4 @@
-"""Sources: a mechanism or a query asked once a tick, whatever number of sensors and behaviours look at its answer."""
+"""Sources: each asks one mechanism or query once a tick, for all sensors and actions that use the answer."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CLOCK_TOLERANCE = 1e-6
 
 
 class Source(ABC):
-    """Blueprint of what is asked once a tick, before anything is sensed; its answers hold until the next tick."""
+    """Blueprint of a source: it is asked once a tick, before sensors read; its answers hold until the next tick."""
 
     @final
     def ask(self, now: float, rows: Ints) -> None:
@@ -34,7 +34,7 @@ class Source(ABC):
 
 
 class MovementSource(Source):
-    """What a movement mechanism says.
+    """Answers of a movement mechanism.
 
     hold: time for which its answer is kept before it is asked again [s].
     vectors: (N, D) [m/s] movement, zero where there is none.
@@ -51,7 +51,7 @@ class MovementSource(Source):
         self._asked: Floats = np.full(rows, -np.inf)  # when [s]
 
     def forget(self, rows: Ints) -> None:
-        """Ask anew for `rows` (K,), however short ago they were asked for."""
+        """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
         self._asked[rows] = -np.inf
 
     def _ask(self, now: float, rows: Ints) -> None:

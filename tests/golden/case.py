@@ -8,7 +8,7 @@ RELATIVE, ABSOLUTE = 1e-7, 1e-9
 
 
 class SetAside(Exception):
-    """Raised by a replayer for a case that a numbered deviation of DESIGN 10 covers."""
+    """Raised by a replayer for a case that a numbered deviation of docs/quirks.md covers."""
 
     def __init__(self, deviation: str) -> None:
         super().__init__(deviation)

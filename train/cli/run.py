@@ -24,6 +24,7 @@ def run_command(
     option: Annotated[
         str | None, typer.Option(help="Option that serves the goal; the one of the highest score unless given.")
     ] = None,
+    knowledge: Annotated[str, typer.Option(help="Expert knowledge in which the goal stands.")] = "library",
     arena: Annotated[str | None, typer.Option(help="torus or open; the scene's own unless given.")] = None,
     configs: Configs = None,
     output: Annotated[Path | None, typer.Option(help="Markdown file to write the table of all goals to.")] = None,
@@ -41,7 +42,7 @@ def run_command(
     if arena is not None and arena not in GROUNDS:
         raise ConfigurationError(f"--arena: expected {' or '.join(GROUNDS)}, got {arena!r}")
     from clean_swarm_env.scenes import goals  # imports Numba
-    from train.goals import tables
+    from train.goals import goal_tables
     from train.goals.scene_runs import GoalRequest, as_mapping, run_goal
 
     if (goal is None) is not every:
@@ -52,17 +53,17 @@ def run_command(
         for name in goals() if every else (str(goal),):
             status.update(f"running {name}")
             outcomes.append(
-                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ())))  # type: ignore[arg-type]
+                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ()), knowledge))  # type: ignore[arg-type]
             )
     if json:
         plain = [as_mapping(outcome) for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
     elif output is not None:
-        _write(output, tables.as_page(outcomes))
+        _write(output, goal_tables.as_page(outcomes))
         typer.echo(f"{len(outcomes)} goals in {output}")
     else:
         for outcome in outcomes:
-            wide_console().print(tables.goal_on_terminal(outcome))
+            wide_console().print(goal_tables.goal_on_terminal(outcome))
 
 
 def _write(output: Path, page: str) -> None:

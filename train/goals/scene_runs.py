@@ -12,7 +12,7 @@ import numpy as np
 
 from clean_swarm_env.scenes import Measure, Scene, Setting, find
 from clean_swarm_env.scenes.ground import GroundKind
-from clean_swarm_env.scenes.served import ServedTeam, expertise
+from clean_swarm_env.scenes.served import KNOWLEDGE, ServedTeam, expertise
 from selforg.arrays import Floats
 from train.analysis.statistics import Summary, summarise
 
@@ -37,6 +37,8 @@ class GoalRequest:
     """Number of runs, each with a seed of its own."""
     directories: tuple[Path, ...] = ()
     """Directories with configurations and knowledge that go before the shipped ones."""
+    knowledge: str = KNOWLEDGE
+    """Name of the expert knowledge in which the goal and the option stand."""
 
     @property
     def seeds(self) -> range:
@@ -96,7 +98,7 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
 
     """
     scene = find(request.goal)
-    expert = expertise(request.goal, request.option, request.directories)
+    expert = expertise(request.goal, request.option, request.directories, request.knowledge)
     setting = setting_of(scene, request)
     served = scene(setting, request.seeds).run(lambda made: ServedTeam(made, expert)).values
     rival = scene(setting, request.seeds).run().values

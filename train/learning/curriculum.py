@@ -54,7 +54,7 @@ class Curriculum:
         }
 
     def begin(self, checkpoint: int) -> None:
-        """Give the batches the scenarios after a checkpoint, from the next reset; seed and checkpoint decide which."""
+        """Give the batches, from their next reset on, the scenarios of a checkpoint; the seed decides which."""
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):
             batch.share(int(word) * 2 + 1)

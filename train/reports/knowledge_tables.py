@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from rich.table import Table
 
 from selector.store import Key, StoredKnowledge, StoreError
-from selector.store.stored_knowledge import Entry
+from selector.store.stored_knowledge import LearnedEntry
 from selforg.registry import unknown
 from train.reports.text_table import EMPTY_CELL
 
@@ -50,7 +50,7 @@ def one_goal(contents: StoredKnowledge, goal: str) -> Table:
     return table
 
 
-def _learned(key: Key, entry: Entry) -> tuple[str, ...]:
+def _learned(key: Key, entry: LearnedEntry) -> tuple[str, ...]:
     moments = entry.moments
     figures = (f"{moments.mean:.6g}", f"{math.sqrt(moments.variance):.6g}")
     return (key.context or EMPTY_CELL, str(moments.count), *figures, _time([entry.updated]), key.source)

@@ -65,7 +65,7 @@ class Observer:
 
 def around_robots(worlds: Worlds, neighbour_ranges: tuple[float, ...]) -> Around:
     """Return what is around the robots of `worlds`, with nothing found yet."""
-    garbage, physics, items = worlds.garbage, worlds.physics, worlds.mission.garbage
+    garbage, physics = worlds.garbage, worlds.physics
 
     def numbers(*shape: int) -> Ints:
         return np.zeros(shape, dtype=np.int64)
@@ -80,7 +80,7 @@ def around_robots(worlds: Worlds, neighbour_ranges: tuple[float, ...]) -> Around
         items=garbage.positions,
         stage=garbage.stage,
         stations=worlds.stations,
-        sight=items.diffusion + items.goal_radius + items.view_distance,
+        sight=worlds.floor.packed.record.sight,
         longest=0.5 * float(np.hypot(*worlds.extent)),
         ranges=np.array(neighbour_ranges),
         team=numbers(worlds.worlds),

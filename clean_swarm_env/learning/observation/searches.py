@@ -6,7 +6,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around, open_around, write_way
 from clean_swarm_env.learning.phases import APPROACH, PATROL, TO_DUMP, TO_RECYCLING
-from clean_swarm_env.physics.cells import NOBODY, cell_at, cells_along, fill_cells, nearest_point
+from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells, nearest_point
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel, lean_kernel
@@ -88,7 +88,7 @@ def find_neighbours(around: Words[Around], rows: Ints) -> None:
         if lines > 0:
             line, column, walks = cell_at(y, lines, a.extent[1]), cell_at(x, columns, a.extent[0]), 9
         for walk in range(walks):
-            point = cells[(line + walk // 3 - 1) % lines, (column + walk % 3 - 1) % columns] if lines > 0 else 0
+            point = cell_beside(line, column, walk, cells) if lines > 0 else 0
             while point != NOBODY:
                 other = first + point
                 point = links[point] if lines > 0 else (point + 1 if point + 1 < robots else NOBODY)

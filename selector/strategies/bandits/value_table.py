@@ -42,14 +42,14 @@ class ValueTable(DecisionStrategy):
         return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
 
     def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
-        merge(self.counts, self.means, self.spreads, count, mean, count * variance)
+        merge_rewards(self.counts, self.means, self.spreads, count, mean, count * variance)
 
     def _update(self, outcomes: Outcomes) -> None:
         place, shape = (outcomes.groups, outcomes.option), self.counts.shape
         count = summed(place, np.ones(len(outcomes.option)), shape)
         mean = summed(place, outcomes.reward, shape) / np.maximum(count, 1.0)
         spread = summed(place, (outcomes.reward - mean[place]) ** 2, shape)
-        merge(self.counts, self.means, self.spreads, count, mean, spread)
+        merge_rewards(self.counts, self.means, self.spreads, count, mean, spread)
 
 
 def summed(place: tuple[Ints, Ints], values: Floats, shape: tuple[int, ...]) -> Floats:
@@ -58,7 +58,7 @@ def summed(place: tuple[Ints, Ints], values: Floats, shape: tuple[int, ...]) -> 
     return sums.astype(np.float64).reshape(shape)
 
 
-def merge(counts: Floats, means: Floats, spreads: Floats, count: Floats, mean: Floats, spread: Floats) -> None:
+def merge_rewards(counts: Floats, means: Floats, spreads: Floats, count: Floats, mean: Floats, spread: Floats) -> None:
     """Take further rewards into statistics (G, O): their count, mean and sum of squared deviations from it.
 
     Chan, Golub & LeVeque (1983), doi:10.1080/00031305.1983.10483115.

@@ -7,7 +7,7 @@ each. The rules themselves are in `selforg.mechanisms.kernels.rules`.
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
-from selforg.compiler.decorators import part
+from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Words
 from selforg.gradients.choosing import CHOOSE_NEAREST
 from selforg.gradients.store.records import Sight
@@ -67,7 +67,7 @@ def sums(combination: MovementRule, **fields: Any) -> Callable[[Formula], Moveme
     """Make a formula of one pair a movement rule, as a decorator; `combination` is the rule that sums formulas."""
 
     def entered(formula: Formula) -> MovementRule:
-        FORMULAS.append(part(formula))
+        FORMULAS.append(inlined(formula))
         return combination._replace(formula=len(FORMULAS) - 1, **fields)
 
     return entered
@@ -81,7 +81,7 @@ def by_number(functions: list[Any]) -> Callable[..., Any]:
     *others, last = functions
     before, here = by_number(others) if len(others) > 1 else without_number(others[0]), len(others)
 
-    @part
+    @inlined
     def called(number, *arguments):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN002, ANN202
         return last(*arguments) if number == here else before(number, *arguments)
 
@@ -91,7 +91,7 @@ def by_number(functions: list[Any]) -> Callable[..., Any]:
 def without_number(function: Any) -> Callable[..., Any]:  # noqa: ANN401  (compiled code)
     """Return a compiled function that takes a number and calls `function` with the other arguments."""
 
-    @part
+    @inlined
     def called(number, *arguments):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN002, ANN202
         return function(*arguments)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from selforg.compiler.decorators import inlined
-from selforg.parameters import Finite, NonNegative, Share
+from selforg.parameters import AtLeastZero, Finite, UpToOne
 from selforg.registry import Registry
 
 BOOLEAN_RULE, THRESHOLD_RULE, LINEAR_RULE, GREEDY_RULE, EQUAL_RULE = range(5)
@@ -27,8 +27,8 @@ class Activator(ABC):
     another, by its `kind`; the planner knows the rules of the classes below, and those of their subclasses.
     """
 
-    low: Share = 0.0
-    high: Share = 1.0
+    low: UpToOne = 0.0
+    high: UpToOne = 1.0
     kind: ClassVar[int]
 
     def __post_init__(self) -> None:
@@ -83,7 +83,7 @@ class Threshold(Activator):
 
     threshold: Finite
     minimum: bool = True
-    value_range: NonNegative = 0.0
+    value_range: AtLeastZero = 0.0
     kind: ClassVar[int] = THRESHOLD_RULE
 
     @classmethod

@@ -9,9 +9,10 @@ from pydantic import BaseModel, ValidationError
 from clean_swarm_env.config import mission as config
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.files import load_experiment, load_mission, names, with_changes
+from clean_swarm_env.config.files import load_experiment, load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
 from selector.documents.fields import Closed
+from selector.documents.files import files_of
 
 MODELS = [
     model
@@ -20,14 +21,14 @@ MODELS = [
 ]
 
 
-@pytest.mark.parametrize("name", names("experiments"))
+@pytest.mark.parametrize("name", files_of("experiments"))
 def test_every_shipped_experiment_loads(name):
     experiment = load_experiment(name)
     assert experiment.name == name
     assert experiment.description
 
 
-@pytest.mark.parametrize("name", names("missions"))
+@pytest.mark.parametrize("name", files_of("missions"))
 def test_every_shipped_mission_loads(name):
     assert load_mission(name).name == name
 
@@ -130,7 +131,7 @@ def test_a_given_directory_is_searched_before_the_shipped_one(tmp_path):
     assert load_mission("table1", [tmp_path]).name == "mine"
     assert load_mission("table1", [tmp_path]).time_limit == 100.0
     assert load_experiment("table1", [tmp_path]).mission.name == "mine"
-    assert "table1-reference" in names("experiments", [tmp_path])
+    assert "table1-reference" in files_of("experiments", [tmp_path])
 
 
 def test_changes_are_laid_over_mapping_by_mapping():

@@ -3,7 +3,7 @@
 import numpy as np
 
 from clean_swarm_env.world.records import FloorRecord, MindsRecord
-from clean_swarm_env.world.robot import SENSORS
+from clean_swarm_env.world.robot import OWN_SENSORS
 from selforg.network.state.state import MARK_LAYERS
 
 
@@ -22,7 +22,7 @@ def floor_record(garbage, robots, extent, **fields):
 def minds_record(rows, behaviours=1, handling=(0, 0, 0)):
     """Return the record of robots that read 0 everywhere and do nothing; `handling` (3,) behaviours handle cargo."""
     return MindsRecord(
-        readings=np.zeros((rows, len(SENSORS))),
+        readings=np.zeros((rows, len(OWN_SENSORS))),
         marks=np.zeros((rows, MARK_LAYERS, behaviours), np.int64),
         handling=np.array(handling, np.int64),
         transport=np.zeros(2, np.int64),

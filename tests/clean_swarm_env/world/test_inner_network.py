@@ -12,7 +12,7 @@ from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
 from tests.clean_swarm_env.courses import mission
 from train.evaluation.explain import as_json, explained
-from train.evaluation.record import record
+from train.evaluation.record import record_run
 from train.running.runs import RunTask
 
 PATROL = {"channels": ["pheromone"], "pheromone": {"channel": "pheromone", "attraction": -1}, "min_speed": 0.5}
@@ -104,7 +104,7 @@ def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]
-    steps = record(task, tmp_path / "run.npz")
+    steps = record_run(task, tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz") as kept:
         assert kept["network_names"].tolist() == ["Search", "Search/Pause"]
         assert kept["Search/behaviour_names"].tolist() == ["Roam", "Pause"]

@@ -6,7 +6,7 @@ import pytest
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, MINDS
-from clean_swarm_env.world.robot import SENSORS, robot_network
+from clean_swarm_env.world.robot import OWN_SENSORS, robot_network
 from clean_swarm_env.world.tick_kernels import read_sensors
 from tests.clean_swarm_env.courses import avoidance
 from tests.clean_swarm_env.world.records import floor_record, minds_record
@@ -36,7 +36,7 @@ def _read(robot, items, stage, cargo=NOTHING, recycled=0):
     minds = minds_record(1)
     minds.readings[:] = 9.0
     read_sensors(FLOOR.pack(floor).words, MINDS.pack(minds).words)
-    return dict(zip((sensor.name for sensor in SENSORS), minds.readings[0].tolist(), strict=True))
+    return dict(zip((sensor.name for sensor in OWN_SENSORS), minds.readings[0].tolist(), strict=True))
 
 
 def test_behaviours_have_the_preconditions_effects_and_thresholds_of_the_reference():

@@ -12,9 +12,9 @@ from selector.vocabulary.constructors import references_of
 from selector.vocabulary.settings import SettingsSpec
 from selforg.components import ACTIONS, SENSORS, Action, Commands, MovementSource, SensorComponent
 from selforg.mechanisms import DecisionMechanism, MovementMechanism
-from selforg.network.model.activators import ACTIVATORS, THRESHOLD, Activator
+from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
 from selforg.network.model.behaviours import NetworkSettings
-from selforg.parameters import NonNegative
+from selforg.parameters import AtLeastZero
 from tests.selforg.components import test_contract as own_components  # registers components of its own
 
 
@@ -24,7 +24,7 @@ class Fast(SensorComponent):
 
     kind = "fact"
 
-    def __init__(self, mechanism: MovementSource, limit: NonNegative = 0.5) -> None:
+    def __init__(self, mechanism: MovementSource, limit: AtLeastZero = 0.5) -> None:
         self.sources = (mechanism,)
         self._vectors, self._limit = mechanism.vectors, limit
 
@@ -36,7 +36,7 @@ class Fast(SensorComponent):
 class Low(Activator):
     """Fulfilled at or below 1."""
 
-    kind = THRESHOLD
+    kind = THRESHOLD_RULE
     parameters = (1.0, 0.0)
     direction = -1.0
 

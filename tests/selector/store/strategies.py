@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import strategies as st
 
 from selector.knowledge import Option
-from selector.store.exact_sums import NOTHING, REWARD_LIMIT, on_grid, sums_by_cell
+from selector.store.exact_sums import NO_REWARDS, REWARD_LIMIT, on_grid, sums_by_cell
 from selector.store.reward_sums import RewardSums
-from selector.store.stored_knowledge import Entry, Key, Rated, StoredKnowledge
+from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge
 
 rewards = st.floats(-REWARD_LIMIT, REWARD_LIMIT)
 short = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), min_size=1, max_size=8)
@@ -16,7 +16,7 @@ times = st.integers(0, 4 * 10**15)
 
 def moments_of(values):
     cell = np.zeros(len(values), dtype=np.int64)
-    return sums_by_cell(cell, on_grid(np.array(values)), 1)[0] if values else NOTHING
+    return sums_by_cell(cell, on_grid(np.array(values)), 1)[0] if values else NO_REWARDS
 
 
 moments = st.lists(rewards, min_size=1, max_size=5).map(moments_of)
@@ -55,7 +55,7 @@ def rated_table(draw, of=names):
 
 def contents(of=None):
     """StoredKnowledge of a store; with a strategy of few names, two of them have much in common."""
-    entries = st.dictionaries(keys if of is None else few_keys, st.builds(Entry, moments, times), max_size=5)
+    entries = st.dictionaries(keys if of is None else few_keys, st.builds(LearnedEntry, moments, times), max_size=5)
     return st.builds(StoredKnowledge, rated_table(names if of is None else of), entries)
 
 

@@ -8,33 +8,34 @@ from hypothesis import example, given
 from selector.documents.errors import DocumentError
 from selector.knowledge import Option
 from selector.store import Key, Moments, StoredKnowledge, document
-from selector.store.stored_knowledge import Entry, Rated
+from selector.store.stored_knowledge import LearnedEntry, Rated
 from tests.selector.store import strategies as some
 
 TRAPS = ["1e-9", "1.5e3", "no", "~", "null", "0x1F", "12:30:45", "2026-11-21", "=", "<<", "a: b", "- a", "é"]
 SMALL = StoredKnowledge(
     {("G", "a"): Rated(Option(configuration="C", score=1.0, name="a", parameters={"view": 2.0}), 0, "expert", 7)},
-    {Key("G", "a", "", "run"): Entry(Moments(2, -(2**24), 2**48), 1_795_257_649_499_841)},
+    {Key("G", "a", "", "run"): LearnedEntry(Moments(2, -(2**24), 2**48), 1_795_257_649_499_841)},
 )
 
 
 @given(some.contents())
-@example(StoredKnowledge({}, {Key(name, name, name, name): Entry(Moments(1, 0, 0), 0) for name in TRAPS}))
+@example(StoredKnowledge({}, {Key(name, name, name, name): LearnedEntry(Moments(1, 0, 0), 0) for name in TRAPS}))
 @example(StoredKnowledge({(n, n): Rated(Option(configuration=n, score=1e-9, name=n), 0, n, 10**15) for n in TRAPS}))
 def test_a_document_holds_a_store_to_the_last_bit(tmp_path_factory, contents):
     directory = tmp_path_factory.mktemp("documents")
     for name in ("store.yaml", "store.json"):
         path = directory / name
-        path.write_text(document.as_text(contents, as_json=name.endswith("json")), encoding="utf-8")
+        path.write_text(document.text_of(contents, as_json=name.endswith("json")), encoding="utf-8")
         assert document.read(path, "unused") == contents
 
 
 def test_equal_contents_give_equal_text(tmp_path):
     backwards = StoredKnowledge(
-        SMALL.expert, dict(reversed([(Key("A", "b", "c", "d"), Entry(Moments(1, 0, 0), 0)), *SMALL.learned.items()]))
+        SMALL.expert,
+        dict(reversed([(Key("A", "b", "c", "d"), LearnedEntry(Moments(1, 0, 0), 0)), *SMALL.learned.items()])),
     )
     forwards = StoredKnowledge(SMALL.expert, dict(reversed(backwards.learned.items())))
-    assert document.as_text(backwards, as_json=False) == document.as_text(forwards, as_json=False)
+    assert document.text_of(backwards, as_json=False) == document.text_of(forwards, as_json=False)
 
 
 def changed(**changes):

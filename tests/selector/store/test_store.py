@@ -11,11 +11,11 @@ from hypothesis import HealthCheck, given, settings
 from selector.knowledge import knowledge_from, load_knowledge
 from selector.store import Key, KnowledgeStore, Moments, RewardSums, StoredKnowledge, StoreError
 from selector.store.exact_sums import COUNT_LIMIT
-from selector.store.stored_knowledge import Entry, stored
+from selector.store.stored_knowledge import LearnedEntry, stored
 from tests.selector.store import strategies as some
 
 few = settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-one = Entry(Moments(1, 5, 25), 7)
+one = LearnedEntry(Moments(1, 5, 25), 7)
 
 
 @pytest.fixture
@@ -137,11 +137,11 @@ def test_large_sums_are_exact_to_the_last_bit(new_store):
     key = Key("G", "a", "", "run")
     store = new_store()
     for _ in range(2):
-        store.absorb(StoredKnowledge(learned={key: Entry(largest, 1)}))
-    assert store.contents().learned == {key: Entry(largest + largest, 1)}
+        store.absorb(StoredKnowledge(learned={key: LearnedEntry(largest, 1)}))
+    assert store.contents().learned == {key: LearnedEntry(largest + largest, 1)}
     with pytest.raises(StoreError, match=r"an entry would hold more than 68719476736 updates; nothing was added"):
         store.absorb(StoredKnowledge(learned={key: one, Key("G", "b", "", "run"): one}))
-    assert store.contents().learned == {key: Entry(largest + largest, 1)}
+    assert store.contents().learned == {key: LearnedEntry(largest + largest, 1)}
 
 
 def test_reset_forgets_what_is_chosen(new_store):

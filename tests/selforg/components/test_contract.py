@@ -94,7 +94,7 @@ class Surroundings:
 
     def state(self):
         """Return copies of all that a sensor must not change."""
-        return [self.buffer.table.near[: len(self.buffer)].copy(), self.memory["fact"].values.copy()]
+        return [self.buffer.table.record.near[: len(self.buffer)].copy(), self.memory["fact"].values.copy()]
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The cleaning robot of ROBOT_MODEL.md as a planning problem, written by hand."""
+"""The cleaning robot of docs/robot.md as a planning problem, written by hand."""
 
 import numpy as np
 

@@ -12,8 +12,8 @@ from tests.paths import ROOT
 from train.analysis.statistics import summarise
 from train.cli import run as goal_cli
 from train.cli.app import app
+from train.goals.goal_tables import as_markdown, as_page
 from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, as_mapping, run_goal
-from train.goals.tables import as_markdown, as_page
 
 runner = CliRunner()
 
@@ -146,3 +146,14 @@ def test_the_page_in_the_docs_is_about_the_scenes_as_they_are():
         assert f"\n| {goal}, {expertise(goal).name} |" in text
         for measure in scene.measures:
             assert re.search(rf"\| {re.escape(measure.name)}.*\| [≤≥] {measure.target:g} \|", text), measure.name
+
+
+def test_a_goal_runs_by_another_expert_knowledge():
+    result = call("AgentCollisionAvoidance", "--knowledge", "original", "--runs", "1", "--seconds", "2")
+    assert "AgentCollisionAvoidance by RepulsionGradient" in result.output  # of equal scores the first is taken
+
+
+def test_expert_knowledge_that_does_not_cover_a_goal_names_those_that_it_does():
+    result = call("CircleFormation", "--knowledge", "original")
+    assert isinstance(result.exception, ConfigurationError)
+    assert "original.yaml: unknown goal 'CircleFormation'" in str(result.exception)

@@ -11,7 +11,7 @@ from train.analysis.statistics import Summary
 from train.goals.scene_runs import GoalOutcome, MeasureComparison
 
 VERDICTS = {True: "yes", False: "no", None: "-"}
-HEADS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
+MEASURE_HEADS = ("measure", "mean", "target", "baseline", "difference", "target met", "beats baseline")
 """Heads of the columns of both tables; intervals are 95 % intervals."""
 
 
@@ -23,7 +23,7 @@ def goal_on_terminal(outcome: GoalOutcome) -> Group:
         Text(""),
     ]
     table = Table(box=box.HORIZONTALS, show_edge=False)
-    for index, name in enumerate(HEADS):
+    for index, name in enumerate(MEASURE_HEADS):
         table.add_column(name, justify="left" if index == 0 else "right")
     for comparison in outcome.comparisons:
         table.add_row(*_cells(comparison))
@@ -74,7 +74,7 @@ def as_page(outcomes: Sequence[GoalOutcome]) -> str:
 
 def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
     """Return the table of all goals, and what their scenes are, as Markdown."""
-    lines = [f"| goal, option | {' | '.join(HEADS)} |", "|---" * (len(HEADS) + 1) + "|"]
+    lines = [f"| goal, option | {' | '.join(MEASURE_HEADS)} |", "|---" * (len(MEASURE_HEADS) + 1) + "|"]
     for outcome in outcomes:
         for index, comparison in enumerate(outcome.comparisons):
             first = f"{outcome.scene.goal}, {outcome.option}" if index == 0 else ""

@@ -1,0 +1,109 @@
+"""Draws the layers and one tick as SVG: `python -m docs.figures.draw_architecture [DIR]` (default docs/pictures).
+
+The layers inside a package are those of its contract in `pyproject.toml`.
+"""
+
+import sys
+import tomllib
+from html import escape
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PICTURES = ROOT / "docs" / "pictures"
+INK, PALE, FLOOR, MINDS, BETWEEN = "#1b2a41", "#8d99ae", "#d9f0e6", "#d7e6f5", "#fbe3d4"
+WIDTH, BOX, GAP = 760, 42, 16
+
+PACKAGES = {"train": BETWEEN, "clean_swarm_env": FLOOR, "selector": MINDS, "selforg": MINDS}
+"""Package -> colour, from the top down."""
+UNWRITTEN = {"selforg": "components > mechanisms > gradients | network > compiler > arrays"}
+"""Layers of a package without a contract of its own."""
+
+STAGES = (  # (lane, call, what goes on)
+    ("both", "apply_due", "events change teams, garbage, stations, delivery"),
+    ("minds", "spread_poses, receive_poses", "one instant for all; losses and delays are drawn"),
+    ("minds", "sense", "vectors of mechanisms; items, stations, cargo become readings"),
+    ("minds", "decide", "satisfaction, wishes, plans, activation, arbitration"),
+    ("both", "handle_cargo", "pick, recycle and dump what starts in this tick"),
+    ("minds", "hide_items", "what was picked attracts nobody any more"),
+    ("minds", "act", "each running movement gives its rows a vector"),
+    ("minds", "leave", "pheromones and messages, once all vectors are known"),
+    ("floor", "move", "four physics steps: turn, drive, contacts, count collisions"),
+)
+LANES = {"floor": (0, FLOOR), "minds": (1, MINDS), "both": (0.5, BETWEEN)}
+LANE = 350
+
+
+def text(x: float, y: float, words: str, size: int = 13, weight: str = "normal", colour: str = INK) -> str:
+    """Return a centred line of text."""
+    style = f'font-family="sans-serif" font-size="{size}" font-weight="{weight}" fill="{colour}"'
+    return f'<text x="{x:g}" y="{y:g}" text-anchor="middle" {style}>{escape(words)}</text>'
+
+
+def box(x: float, y: float, width: float, colour: str, title: str, words: str) -> list[str]:
+    """Return a box with a title and a line below it."""
+    frame = f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{BOX}" rx="6" fill="{colour}" stroke="{INK}"/>'
+    middle = x + width / 2
+    return [frame, text(middle, y + 17, title, 13, "bold"), text(middle, y + 34, words, 11)]
+
+
+def arrow(x0: float, y0: float, x1: float, y1: float) -> str:
+    """Return an arrow."""
+    ends = f'x1="{x0:g}" y1="{y0:g}" x2="{x1:g}" y2="{y1:g}"'
+    return f'<line {ends} stroke="{PALE}" stroke-width="1.5" marker-end="url(#tip)"/>'
+
+
+def svg(height: float, parts: list[str]) -> str:
+    """Return a picture of the parts."""
+    tip = f'<path d="M0,0 L8,4 L0,8 z" fill="{PALE}"/>'
+    marker = (
+        f'<defs><marker id="tip" markerWidth="8" markerHeight="8" refX="7" refY="4" orient="auto">{tip}</marker></defs>'
+    )
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:g}" width="{WIDTH}">'
+    return "\n".join([head, '<rect width="100%" height="100%" fill="white"/>', marker, *parts, "</svg>"]) + "\n"
+
+
+def inside(package: str) -> str:
+    """Return the layers inside a package, from the top down; those of one layer do not import each other."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
+    found = [contract["layers"] for contract in contracts if contract.get("containers") == [package]]
+    return " > ".join(found[0]) if found else UNWRITTEN.get(package, "")
+
+
+def layers() -> str:
+    """Return the picture of the layers; an import leads down only."""
+    parts = []
+    for number, (name, colour) in enumerate(PACKAGES.items()):
+        y = 10 + number * (BOX + GAP)
+        parts += box(20, y, WIDTH - 40, colour, name, inside(name))
+        if number:
+            parts.append(arrow(WIDTH / 2, y - GAP, WIDTH / 2, y))
+    return svg(10 + len(PACKAGES) * (BOX + GAP), parts)
+
+
+def tick() -> str:
+    """Return the picture of one tick: stages from top to bottom, in the lane of the owner of the arrays they change."""
+    top = 34
+    parts = [text(195, 20, "floor: bodies, items, stations", 13, "bold", PALE)]
+    parts.append(text(565, 20, "minds: buffers, networks, coordinators", 13, "bold", PALE))
+    before = None
+    for number, (lane, title, words) in enumerate(STAGES):
+        place, colour = LANES[lane]
+        x, y = 20 + place * (LANE + 20), top + number * (BOX + GAP)
+        parts += box(x, y, LANE, colour, f"{number + 1} {title}", words)
+        middle = x + LANE / 2
+        if before is not None:
+            parts.append(arrow(before, y - GAP, middle, y))
+        before = middle
+    return svg(top + len(STAGES) * (BOX + GAP), parts)
+
+
+def main(directory: Path) -> None:
+    """Write both pictures into a directory."""
+    (directory / "layers.svg").write_text(layers(), encoding="utf-8")
+    (directory / "tick.svg").write_text(tick(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURES)

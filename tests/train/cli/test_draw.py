@@ -1,0 +1,64 @@
+"""`clean-swarm draw` as a user meets it."""
+
+import pytest
+
+from train.cli import app as cli
+
+STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
+
+
+@pytest.fixture
+def told(capsys, monkeypatch, tmp_path):
+    """Run the command line in an empty directory: code, output, errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        monkeypatch.setattr("sys.argv", ["clean-swarm", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        return int(ended.value.code or 0), *capsys.readouterr()
+
+    return call
+
+
+def test_the_default_is_a_file_of_the_robots_name(told, tmp_path):
+    assert told("draw", "cleaning") == (0, "1 network in cleaning.svg\n", "")
+    assert (tmp_path / "cleaning.svg").read_bytes().startswith(STARTS[".svg"])
+
+
+@pytest.mark.parametrize("suffix", STARTS)
+def test_the_ending_chooses_the_format_and_equal_networks_give_equal_files(told, tmp_path, suffix):
+    for name in ("a", "b"):
+        assert told("draw", "Spacing", "--output", name + suffix)[0] == 0
+    first = (tmp_path / f"a{suffix}").read_bytes()
+    assert first.startswith(STARTS[suffix])
+    assert first == (tmp_path / f"b{suffix}").read_bytes()
+
+
+def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
+    (tmp_path / "my" / "mechanisms").mkdir(parents=True)
+    shy = tmp_path / "my" / "mechanisms" / "Shy.yaml"
+    shy.write_text("mechanisms: {shy: {type: AvoidAll}}\nbehaviours: {Flee: {action: {type: Move, mechanism: shy}}}\n")
+    assert told("draw", "Shy", "--configs", "my", "--output", "shy.png")[0] == 0
+    assert told("draw", shy)[1] == "1 network in Shy.svg\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["cleanin"], "unknown robot or configuration 'cleanin'"),
+        (["none.yaml"], "none.yaml: "),
+        (["cleaning", "--output", "x.gif"], "--output: expected a name that ends in .svg, .png, .pdf, got x.gif"),
+        (["Spacing", "--output", "none/x.png"], "--output: none/x.png: No such file or directory"),
+        (["Spacing", "--knowledge", "cleaning"], "--knowledge: expected a robot"),
+        (["cleaning", "--knowledge", "nix"], "unknown expert knowledge 'nix'"),
+        (["cleaning", "--knowledge", "library"], "unknown goal 'AvoidCollision'"),
+        (["cleaning", "--configs", "none"], "none: no such directory"),
+    ],
+)
+def test_bad_input_is_one_line_and_code_2(told, tmp_path, words, said):
+    code, out, err = told("draw", *words)
+    assert (code, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,193 @@
+"""Diagrams say everything a network holds, in words, and no text covers another."""
+
+import itertools
+
+import pytest
+
+from selector.configurations.library import Library
+from selector.coordination.model import coordinator_models
+from selector.coordination.robot_document import coordinated_goals
+from selector.documents.files import find_file
+from selector.knowledge import Knowledge, load_knowledge
+from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
+from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional
+from train.reports.network_diagram.content import BoxKind, LinkKind, configuration_panels, robot_panels
+from train.reports.network_diagram.layout import BORDER, HEADING, place_panel, text_width
+from train.reports.network_diagram.picture import FILLS, STROKES, draw_panels
+from train.reports.network_diagram.words import change_in_words, component_in_words, condition_in_words
+
+NESTED = """
+root: robot
+networks:
+  robot:
+    sensors: {far: number, seen: fact}
+    conditions:
+      near: {sensor: far, activator: {type: Linear, zero: 5.0, full: 1.0}}
+    behaviours:
+      Approach: {preconditions: [near], effects: [{sensor: far, change: -1.0}], network: approach}
+      Leave: {effects: [{sensor: far, change: 0.5}]}
+    goals:
+      Reach: {conditions: [near], permanent: false}
+  approach:
+    sensors: {far: number}
+    behaviours:
+      Straight: {preconditions: [near]}
+"""
+
+
+def _robot(name: str):
+    path, known = find_file("robots", name), load_knowledge(name)
+    models = coordinator_models(coordinated_goals(path), known, Library())
+    return robot_panels(path, {model.goal: model for model in models}, known)
+
+
+@pytest.fixture(scope="module")
+def cleaning():
+    (panel,) = _robot("cleaning")
+    return panel
+
+
+@pytest.fixture
+def nested(tmp_path):
+    (tmp_path / "nested.yaml").write_text(NESTED)
+    return robot_panels(tmp_path / "nested.yaml", {}, Knowledge({}))
+
+
+def _boxes(panel, kind):
+    return {box.lines[0]: box.lines[1:] for column in panel.columns for box in column if box.kind is kind}
+
+
+def _links(panel, kind):
+    return {(link.start, link.end) for link in panel.links if link.kind is kind}
+
+
+@pytest.mark.parametrize(
+    ("condition", "words"),
+    [
+        (Condition("carrying", Boolean()), "carrying"),
+        (Condition("carrying", Boolean(False)), "not carrying"),
+        (Negation(Condition("carrying", Boolean())), "not carrying"),
+        (Condition("far", Threshold(2.0)), "far ≥ 2"),
+        (Condition("far", Threshold(2.0, minimum=False)), "far ≤ 2"),
+        (Condition("far", Linear(0.0, 1.5)), "far: none at 0, full at 1.5"),
+        (Condition("far", Greedy(maximise=False)), "far ever less"),
+        (Condition("state", Equal(3.0)), "state = 3"),
+        (Condition("at", Boolean(low=0.25)), "at (0.25 to 1)"),
+        (Optional(Condition("far", Equal(0.0))), "optional: far = 0"),
+        (Negation(Condition("far", Threshold(2.0))), "not (far ≥ 2)"),
+        (
+            Disjunction(
+                Condition("a", Boolean()), Conjunction(Condition("b", Boolean()), Condition("c", Boolean(False)))
+            ),
+            "a or (b and not c)",
+        ),
+    ],
+)
+def test_conditions_are_said_in_words(condition, words):
+    assert condition_in_words(condition) == words
+
+
+def test_effects_show_their_sign():
+    assert change_in_words("far", 0.5) == "far +0.5"
+    assert change_in_words("far", -1.0) == "far \N{MINUS SIGN}1"
+
+
+def test_actions_name_what_they_refer_to():
+    assert component_in_words({"type": "SetState", "name": "carrying", "value": True}) == "SetState: carrying = true"
+    assert component_in_words({"type": "Move", "mechanism": "home"}) == "Move: home"
+
+
+def test_the_cleaning_robot_shows_all_that_its_document_declares(cleaning):
+    assert len(_boxes(cleaning, BoxKind.SENSOR)) == 12
+    assert list(_boxes(cleaning, BoxKind.BEHAVIOUR)) == [
+        "Patrol", "MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump",
+    ]  # fmt: skip
+    assert set(_boxes(cleaning, BoxKind.GOAL)) == {"PatrolEnvironment", "GarbageCleaned", "AvoidCollision"}
+    assert ("sensor.carrying", "condition.not carrying") in _links(cleaning, LinkKind.READS)
+    assert ("condition.not carrying", "behaviour.PickGarbage") in _links(cleaning, LinkKind.NEEDED)
+    assert ("behaviour.PickGarbage", "effect.carrying +1") in _links(cleaning, LinkKind.RAISES)
+    assert ("behaviour.Dump", "effect.carrying \N{MINUS SIGN}1") in _links(cleaning, LinkKind.LOWERS)
+    assert ("effect.garbage_found \N{MINUS SIGN}1", "goal.GarbageCleaned") in _links(cleaning, LinkKind.HELPS)
+
+
+def test_a_coordinator_shows_its_options_and_what_comes_with_them(cleaning):
+    assert _boxes(cleaning, BoxKind.COORDINATOR) == {
+        "AvoidCollision": (
+            "RepulsionFernandez, score 1: view_distance 2.0",
+            "RepulsionFernandez-view1.5, score 0: view_distance 1.5",
+            "RepulsionGradient, score 0.5: view_distance 1.5",
+        )
+    }
+    sensors = _boxes(cleaning, BoxKind.SENSOR)
+    assert sensors["rep_bool (fact)"] == ("comes with AvoidCollision",)
+    assert sensors["carrying (fact)"] == ()
+    assert len(_links(cleaning, LinkKind.WISHED)) == 1
+
+
+def test_inner_networks_are_panels_of_their_own(nested):
+    assert [panel.title for panel in nested] == ["robot nested", "network inside Approach"]
+    assert _boxes(nested[0], BoxKind.BEHAVIOUR)["Approach"] == ("holds a network, below",)
+    assert list(_boxes(nested[1], BoxKind.BEHAVIOUR)) == ["Straight"]
+
+
+def test_what_hinders_a_goal_is_told_from_what_helps_it(nested):
+    assert _links(nested[0], LinkKind.HELPS) == {("effect.far \N{MINUS SIGN}1", "goal.Reach")}
+    assert _links(nested[0], LinkKind.HINDERS) == {("effect.far +0.5", "goal.Reach")}
+    assert _boxes(nested[0], BoxKind.GOAL)["Reach"][-1] == "until it is reached"
+
+
+@pytest.mark.parametrize("name", Library().keys)
+def test_every_shipped_configuration_can_be_drawn_without_overlap(name):
+    (panel,) = configuration_panels(find_file("mechanisms", name))
+    _assert_readable(panel)
+
+
+@pytest.mark.parametrize("name", ["cleaning", "cleaning-patrol"])
+def test_every_shipped_robot_can_be_drawn_without_overlap(name):
+    for panel in _robot(name):
+        _assert_readable(panel)
+
+
+def test_names_are_drawn_as_they_are_written(tmp_path):
+    odd = NESTED.replace("Straight", '" "').replace("Leave", "Leave $x^2$ and $y").replace("far", "a" * 90)
+    (tmp_path / "odd.yaml").write_text(odd)
+    panels = robot_panels(tmp_path / "odd.yaml", {}, Knowledge({}))
+    for panel in panels:
+        _assert_readable(panel)
+    drawn = [text.get_text() for text in draw_panels(panels).axes[0].texts if not text.get_parse_math()]
+    assert "Leave $x^2$ and $y" in drawn
+
+
+def _assert_readable(panel):
+    """All links end in boxes, boxes lie apart and inside, and each text fits its box."""
+    placed = place_panel(panel)
+    for link in panel.links:
+        assert link.start in placed.boxes
+        assert link.end in placed.boxes
+    for a, b in itertools.combinations(placed.boxes.values(), 2):
+        apart_across = a.x + a.width <= b.x or b.x + b.width <= a.x
+        apart_along = a.y + a.height <= b.y or b.y + b.height <= a.y
+        assert apart_across or apart_along, (a.box.key, b.box.key)
+    for box in placed.boxes.values():
+        assert box.x >= BORDER
+        assert box.y >= HEADING
+        assert box.x + box.width <= placed.width
+        assert box.y + box.height <= placed.height
+        assert all(text_width(line, i < box.bold) < box.width for i, line in enumerate(box.lines))
+
+
+def test_drawn_text_lies_inside_the_figure_and_apart(cleaning):
+    figure = draw_panels([cleaning])
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    frames = [text.get_window_extent() for text in axes.texts]
+    width, height = figure.canvas.get_width_height()
+    assert all(f.x0 >= 0 and f.y0 >= 0 and f.x1 <= width and f.y1 <= height for f in frames)
+    assert not [(a, b) for a, b in itertools.combinations(frames, 2) if a.padded(-1.0).overlaps(b.padded(-1.0))]
+
+
+def test_every_kind_has_a_look_of_its_own():
+    assert set(FILLS) == set(BoxKind)
+    assert len(set(FILLS.values())) == len(BoxKind)
+    assert set(STROKES) == set(LinkKind)
+    assert len(set(STROKES.values())) == len(LinkKind)

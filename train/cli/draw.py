@@ -1,0 +1,78 @@
+"""`clean-swarm draw`: a diagram of a robot's behaviour network, or of a mechanism configuration.
+
+Matplotlib and the library are loaded by the command only, so that help is quick.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clean_swarm_env.config.errors import ConfigurationError
+from train.cli.options import Configs
+
+if TYPE_CHECKING:
+    from train.reports.network_diagram.content import NetworkPanel
+
+RobotOrConfiguration = Annotated[
+    str, typer.Argument(help="Name of a robot or of a mechanism configuration, or path to its YAML file.")
+]
+PictureFile = Annotated[
+    Path | None, typer.Option(help="File to write, .svg, .png or .pdf; NAME.svg in this directory unless given.")
+]
+ExpertKnowledge = Annotated[
+    str | None,
+    typer.Option(help="Expert knowledge whose options the coordinators show; that of the robot's name unless given."),
+]
+
+
+def draw_command(
+    robot: RobotOrConfiguration,
+    output: PictureFile = None,
+    knowledge: ExpertKnowledge = None,
+    configs: Configs = None,
+) -> None:
+    """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
+    from train.reports.network_diagram.picture import PICTURE_SUFFIXES, draw_panels, save_picture
+
+    if output is not None and output.suffix not in PICTURE_SUFFIXES:
+        raise ConfigurationError(f"--output: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {output}")
+    path = _found(robot, configs or [])
+    panels = _panels(path, knowledge, configs or [])
+    file = output or Path(f"{path.stem}.svg")
+    try:
+        save_picture(draw_panels(panels), file)
+    except OSError as error:
+        raise ConfigurationError(f"--output: {file}: {error.strerror or error}") from error
+    typer.echo(f"{len(panels)} network{'s' if len(panels) > 1 else ''} in {file}")
+
+
+def _found(name: str, directories: list[Path]) -> Path:
+    """Return the file of a robot or configuration by its name, the robot's first, or by its path."""
+    from selector.documents.files import files_of, find_file
+    from selforg.registry import unknown
+
+    robots, configurations = files_of("robots", directories), files_of("mechanisms", directories)
+    if Path(name).suffix or name in robots:
+        return find_file("robots", name, directories)
+    if name not in configurations:
+        raise ConfigurationError(unknown("robot or configuration", name, sorted({*robots, *configurations})))
+    return configurations[name]
+
+
+def _panels(path: Path, knowledge: str | None, directories: list[Path]) -> "list[NetworkPanel]":
+    from selector.configurations.library import library_of
+    from selector.coordination.model import coordinator_models
+    from selector.coordination.robot_document import coordinated_goals
+    from selector.documents.reading import read_mapping
+    from selector.knowledge import Knowledge, load_knowledge
+    from train.reports.network_diagram.content import configuration_panels, robot_panels
+
+    if "networks" not in read_mapping(path):
+        if knowledge is not None:
+            raise ConfigurationError("--knowledge: expected a robot, got a mechanism configuration")
+        return configuration_panels(path)
+    goals = coordinated_goals(path)
+    known = load_knowledge(knowledge or path.stem, directories) if goals or knowledge else Knowledge({})
+    models = coordinator_models(goals, known, library_of(tuple(directories)))
+    return robot_panels(path, {model.goal: model for model in models}, known)
