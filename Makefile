@@ -3,6 +3,7 @@ BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
 	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
+.PHONY: check lint test golden soak bench
 
 check: lint test  ## all that CI asks for
 
