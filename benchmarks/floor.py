@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.physics.chipmunk_calls import HANDLES
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import ContactSpace
-from clean_swarm_env.physics.motion import MOTION, NOBODY_TOUCHES, Motion, land, push
+from clean_swarm_env.physics.motion import NOBODY_TOUCHES, ROBOT_MOTION, RobotMotion, land, push
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -67,8 +67,8 @@ class Floor:
         # A body moves by up to 0.2 m until the copies are looked at again; everywhere is as far as the world goes.
         zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
         # One world of all rows, and no time: to land is only to wrap the places.
-        self._motion = MOTION.pack(
-            Motion(
+        self._motion = ROBOT_MOTION.pack(
+            RobotMotion(
                 positions=places,
                 headings=np.zeros(rows),
                 bodies=bodies,

@@ -22,8 +22,8 @@ IR: Compiler = LLVM.ir
     SPACE,
     STEP,  # void (space, double timestep)
     EACH,  # void (space, void (body, data), data)
-    WRITE,  # void (body, data), fields of the next body from an array
-    READ,  # void (body, data), fields of the next body into an array
+    WRITE_BODY,  # void (body, data), fields of the next body from an array
+    READ_BODY,  # void (body, data), fields of the next body into an array
     BODIES,  # data: positions and velocities of all bodies
     BODIES_DONE,  # int32 in that data: how many numbers have been read or written
     FORCES,  # data: forces on all bodies
@@ -102,7 +102,7 @@ def touch(world: int, handles: Ints, current: bool, timestep: float) -> None:
     """Have Chipmunk do a substep of a world: bodies are loaded unless `current`, forces written, bodies read back."""
     space, each = handles[world, SPACE], handles[world, EACH]
     if not current:
-        each_body(each, space, handles[world, WRITE], handles[world, BODIES], handles[world, BODIES_DONE])
-    each_body(each, space, handles[world, WRITE], handles[world, FORCES], handles[world, FORCES_DONE])
+        each_body(each, space, handles[world, WRITE_BODY], handles[world, BODIES], handles[world, BODIES_DONE])
+    each_body(each, space, handles[world, WRITE_BODY], handles[world, FORCES], handles[world, FORCES_DONE])
     step_space(handles[world, STEP], space, timestep)
-    each_body(each, space, handles[world, READ], handles[world, BODIES], handles[world, BODIES_DONE])
+    each_body(each, space, handles[world, READ_BODY], handles[world, BODIES], handles[world, BODIES_DONE])

@@ -23,7 +23,7 @@ COPY_RIGHT_ABOVE: Final = 4  # at (+width, +height),
 COPY_RIGHT_BELOW: Final = 8  # at (+width, -height)
 
 
-class Motion(NamedTuple):
+class RobotMotion(NamedTuple):
     """The bodies of all worlds, and the sizes that their motion depends on."""
 
     positions: Annotated[Floats, "R 2"]  # in [0, width) x [0, height) [m]
@@ -48,8 +48,8 @@ class Motion(NamedTuple):
     stiffness: float  # force by missing velocity [kg/s]
 
 
-MOTION = Recording(Motion)
-open_motion = MOTION.open
+ROBOT_MOTION = Recording(RobotMotion)
+open_robot_motion = ROBOT_MOTION.open
 
 
 @inlined
@@ -62,7 +62,7 @@ def wrapped_angle(angle: float) -> float:
 
 
 @inlined
-def touching(first: int, end: int, m: Motion) -> bool:
+def touching(first: int, end: int, m: RobotMotion) -> bool:
     """Tell whether any pair of the rows first .. end - 1 that are present touches."""
     for i in range(first, end):
         if not m.present[i]:
@@ -79,7 +79,7 @@ def touching(first: int, end: int, m: Motion) -> bool:
 
 
 @inlined
-def move(row: int, m: Motion) -> bool:
+def move(row: int, m: RobotMotion) -> bool:
     """Move a body on for one timestep; return whether it crossed a seam.
 
     Where the place wraps, the start of the substep is shifted along, so that start + velocity * timestep is the new
@@ -97,7 +97,7 @@ def move(row: int, m: Motion) -> bool:
 
 
 @inlined
-def search_contacts(world: int, m: Motion) -> bool:
+def search_contacts(world: int, m: RobotMotion) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
     robots = m.positions.shape[0] // m.patience.shape[0]
     first = world * robots
@@ -109,7 +109,7 @@ def search_contacts(world: int, m: Motion) -> bool:
 
 
 @inlined
-def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Motion) -> None:
+def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: RobotMotion) -> None:
     """Set the velocity that each robot of a world wants in this substep, turn robots and, where `free`, move them."""
     robots = m.positions.shape[0] // m.patience.shape[0]
     for row in range(world * robots, (world + 1) * robots):
@@ -125,13 +125,13 @@ def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Mot
 
 
 @lean_kernel
-def fly(speed: Floats, turn_rate: Floats, motion: Words[Motion]) -> int:
+def fly(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion]) -> int:
     """Do one substep of every world that is free of contacts; return the number of the others.
 
     speed (R,) [m/s] along the heading at the beginning of the substep, turn_rate (R,) [rad/s]. A world is free when
     its patience, which counts down from `settling` since the last contact, is 0; headings turn in all worlds.
     """
-    m = open_motion(motion)
+    m = open_robot_motion(motion)
     engaged = 0
     for world in range(m.patience.shape[0]):
         contact = search_contacts(world, m)
@@ -141,13 +141,13 @@ def fly(speed: Floats, turn_rate: Floats, motion: Words[Motion]) -> int:
 
 
 @lean_kernel
-def push(world: int, motion: Words[Motion]) -> None:
+def push(world: int, motion: Words[RobotMotion]) -> None:
     """Set forces and seam copies of a world in contact.
 
     The force is the one that gives the wanted velocity in one timestep. A body within `zone` of a seam needs copies,
     if it is present at all.
     """
-    m = open_motion(motion)
+    m = open_robot_motion(motion)
     robots = m.positions.shape[0] // m.patience.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         m.forces[row, 0] = m.stiffness * (m.wanted[row, 0] - m.bodies[row, 2])
@@ -168,9 +168,9 @@ def push(world: int, motion: Words[Motion]) -> None:
 
 
 @lean_kernel
-def land(world: int, motion: Words[Motion]) -> bool:
+def land(world: int, motion: Words[RobotMotion]) -> bool:
     """Move the robots of a world with the velocities that the contacts left; return whether any crossed a seam."""
-    m = open_motion(motion)
+    m = open_robot_motion(motion)
     robots, crossed = m.positions.shape[0] // m.patience.shape[0], False
     for row in range(world * robots, (world + 1) * robots):
         if move(row, m):

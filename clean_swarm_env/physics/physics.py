@@ -22,10 +22,10 @@ from clean_swarm_env.physics.contact_space import PERSISTENCE, SKIN, ContactSpac
 from clean_swarm_env.physics.drive import DifferentialDrive, Orders
 from clean_swarm_env.physics.motion import (
     ALWAYS_TOUCHING,
-    MOTION,
     NOBODY_TOUCHES,
+    ROBOT_MOTION,
     SEARCH_PAIRS,
-    Motion,
+    RobotMotion,
     fly,
     push,
     wrapped_angle,
@@ -74,8 +74,8 @@ class Physics(Uncopied):
         search = NOBODY_TOUCHES
         if settings.contacts == "solid" and robots > 1:
             search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
-        self._motion: Packed[Motion] = MOTION.pack(
-            Motion(
+        self._motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
+            RobotMotion(
                 positions=self.positions,
                 headings=self.headings,
                 bodies=self._bodies,

@@ -11,15 +11,15 @@ Shapes: W worlds, N robots a world, R = W * N rows.
 from clean_swarm_env.physics.chipmunk_calls import SPACE, touch
 from clean_swarm_env.physics.collisions import Counts, count_world, open_counts
 from clean_swarm_env.physics.drive import DriveState, Orders, open_drive, open_orders, steer_rows
-from clean_swarm_env.physics.motion import Motion, land, open_motion, push, search_contacts, steer_world
+from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, steer_world
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 
 
 @inlined
-def count(world: int, motion: Words[Motion], counts: Words[Counts]) -> None:
+def count(world: int, motion: Words[RobotMotion], counts: Words[Counts]) -> None:
     """Count one world and add the events to those of the tick."""
-    m, c = open_motion(motion), open_counts(counts)
+    m, c = open_robot_motion(motion), open_counts(counts)
     count_world(world, m.positions, m.present, counts)
     robots = m.positions.shape[0] // m.patience.shape[0]
     for row in range(world * robots, (world + 1) * robots):
@@ -27,7 +27,7 @@ def count(world: int, motion: Words[Motion], counts: Words[Counts]) -> None:
 
 
 @inlined
-def can_touch(world: int, m: Motion) -> bool:
+def can_touch(world: int, m: RobotMotion) -> bool:
     """Tell whether Chipmunk can be called for the next substep of a world: it has a space, with the right copies."""
     robots = m.copies.shape[0] // m.handles.shape[0]
     for row in range(world * robots, (world + 1) * robots):
@@ -37,18 +37,18 @@ def can_touch(world: int, m: Motion) -> bool:
 
 
 @lean_kernel
-def settle(world: int, motion: Words[Motion]) -> None:
+def settle(world: int, motion: Words[RobotMotion]) -> None:
     """Take over the velocities that a substep of pymunk came to."""
-    m = open_motion(motion)
+    m = open_robot_motion(motion)
     crossed = land(world, motion)
     # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
     m.current[world] = not crossed and m.patience[world] > 1
 
 
 @lean_kernel
-def go_on(world: int, left: int, drive: Words[DriveState], motion: Words[Motion], counts: Words[Counts]) -> int:
+def go_on(world: int, left: int, drive: Words[DriveState], motion: Words[RobotMotion], counts: Words[Counts]) -> int:
     """Run a world through its `left` substeps; return the substeps left if the next one is for Python to do."""
-    m, d = open_motion(motion), open_drive(drive)
+    m, d = open_robot_motion(motion), open_drive(drive)
     while left > 0:
         contact = search_contacts(world, m)
         steer_world(world, not contact, d.speed, d.turn_rate, m)
@@ -69,14 +69,14 @@ def begin_tick(
     substeps: int,
     orders: Words[Orders],
     drive: Words[DriveState],
-    motion: Words[Motion],
+    motion: Words[RobotMotion],
     counts: Words[Counts],
 ) -> int:
     """Give the drives their orders at `now` [s] and run every world as far as it goes by itself.
 
     Returns how many worlds have substeps left.
     """
-    o, m, c = open_orders(orders), open_motion(motion), open_counts(counts)
+    o, m, c = open_orders(orders), open_robot_motion(motion), open_counts(counts)
     steer_rows(o.vectors, o.commanded, o.in_place, m.headings, now, drive)
     for row in range(c.entered_in_tick.shape[0]):
         c.entered_in_tick[row] = 0
@@ -89,7 +89,7 @@ def begin_tick(
 
 @lean_kernel
 def settle_and_go_on(
-    world: int, left: int, drive: Words[DriveState], motion: Words[Motion], counts: Words[Counts]
+    world: int, left: int, drive: Words[DriveState], motion: Words[RobotMotion], counts: Words[Counts]
 ) -> int:
     """Run a world on after a substep that Python has had pymunk do; see `go_on`."""
     settle(world, motion)

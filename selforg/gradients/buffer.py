@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.records import Words
 from selforg.gradients.delivery import Delivery, Mail, address
 from selforg.gradients.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
 from selforg.gradients.names import Codes
@@ -15,7 +14,6 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.rows import read_gradient, write_gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.records import Store
 from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, store_rows
 from selforg.gradients.store.tables import Tables
 from selforg.space import Space
@@ -55,11 +53,6 @@ class SoBuffer:
     def __len__(self) -> int:
         """Return how many gradients are stored, of all teams; those that evaporated unseen may still be counted."""
         return self.table.used
-
-    @property
-    def words(self) -> Words[Store]:
-        """What compiled code takes of the buffer, until something is stored the next time."""
-        return self.table.packed.words
 
     def store_static(
         self,
@@ -138,9 +131,9 @@ class SoBuffer:
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
         """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
         if self.shared:
-            if not deposit_rows(rows, message, tag, now, self.poses.words, self.words):
+            if not deposit_rows(rows, message, tag, now, self.poses.packed.words, self.table.packed.words):
                 self.table.reserve(len(rows))
-                deposit_rows(rows, message, tag, now, self.poses.words, self.words)
+                deposit_rows(rows, message, tag, now, self.poses.packed.words, self.table.packed.words)
             return
         rows = rows[self.poses.known[rows]]
         messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)
@@ -157,13 +150,13 @@ class SoBuffer:
     def clear(self, team: int) -> None:
         """Delete everything one team has stored or has under way."""
         for space in self._spaces(team):
-            clear_space(int(space), self.words)
+            clear_space(int(space), self.table.packed.words)
         self.mail.forget(self._spaces(team))
 
     def evaporate(self, now: float) -> None:
         """Bring everything to `now` [s] and free what evaporated away. Needed by hand only to free memory."""
         for space in range(self.table.spaces):
-            evaporate_space(space, float(now), self.words)
+            evaporate_space(space, float(now), self.table.packed.words)
 
     def count(self, team: int, channel: str) -> int:
         """Return how many gradients of `channel` a team has stored; see `__len__`."""
@@ -232,7 +225,7 @@ class SoBuffer:
     def store_tables(self, messages: Floats, tags: Ints, now: float) -> None:
         """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
         self.table.reserve(len(messages))
-        store_rows(messages, tags, float(now), self.words)
+        store_rows(messages, tags, float(now), self.table.packed.words)
 
     def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
         """Return `positions` as (M, D), or raise ValueError."""

@@ -107,7 +107,7 @@ def address(messages: Floats, tags: Ints, poses: OwnPoses, delivery: Delivery) -
         by_row = len(delivery.generators) == poses.rows
         draws[index, :count] = delivery.generators[source if by_row else int(teams[index])].random(count)
     which, receivers = np.empty(draws.size, dtype=np.int64), np.empty(draws.size, dtype=np.int64)
-    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.words, which, receivers)
+    found = find_receivers(messages, tags, reaches[teams], losses[teams], draws, poses.packed.words, which, receivers)
     copies = tags[which[:found]]
     copies[:, c.TAG_SPACE] = receivers[:found]
     return messages[which[:found]], copies

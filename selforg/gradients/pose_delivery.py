@@ -45,7 +45,7 @@ class Hearing:
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        hear(self.poses.words, self.reaches, self.losses, self._draws)
+        hear(self.poses.packed.words, self.reaches, self.losses, self._draws)
 
 
 @kernel

@@ -26,6 +26,11 @@ class OwnPoses:
         >>> poses = OwnPoses(Euclidean(2), rows=2, teams=np.array([0, 0]))
         >>> poses.update(np.array([[0.0, 0.0], [1.0, 0.0]]), np.zeros(2), now=0.0)
 
+    Attributes:
+        own: (N, K, POSE_COLUMNS) float64, poses of each row, the newest first.
+        row_table: (N, ROW_COLUMNS or more) int64.
+        packed: both and more as compiled code takes them.
+
     """
 
     def __init__(
@@ -70,7 +75,7 @@ class OwnPoses:
         self.row_table[:, c.ROW_TEAM] = codes
         self.row_table[:, c.ROW_COLUMNS :] = -1
         self._no_headings: Floats = np.zeros(rows)
-        self._packed = POSES.pack(
+        self.packed = POSES.pack(
             Poses(
                 own=self.own,
                 rows=self.row_table,
@@ -88,11 +93,6 @@ class OwnPoses:
             )
         )
 
-    @property
-    def words(self) -> Words[Poses]:
-        """What compiled code takes of the poses."""
-        return self._packed.words
-
     def update(self, positions: Floats, headings: Floats | None, now: float) -> None:
         """Let every row spread its pose: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
         positions = np.ascontiguousarray(positions, dtype=np.float64)
@@ -103,7 +103,7 @@ class OwnPoses:
                 f"OwnPoses.update: positions must be ({self.rows}, {self.space.dim}) and headings ({self.rows},), "
                 f"got {positions.shape} and {headings.shape}"
             )
-        bad = update_poses(positions, headings, known, float(now), self.words)
+        bad = update_poses(positions, headings, known, float(now), self.packed.words)
         if bad >= 0:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
@@ -112,7 +112,7 @@ class OwnPoses:
 
         position: (D,) [m]; heading: (D,) direction, zero if there is none; now [s].
         """
-        look = self._packed.record
+        look = self.packed.record
         return self.set_gradient(
             row,
             Gradient(
@@ -139,7 +139,7 @@ class OwnPoses:
         newest[[c.DIFFUSION, c.GOAL_RADIUS]] = gradient.diffusion, gradient.goal_radius
         newest[[c.POSE_SIGN, c.POSE_STAMP]] = gradient.attraction, gradient.stamp
         self.row_table[row, c.ROW_POSES] = min(self.row_table[row, c.ROW_POSES] + 1, self.history)
-        index_poses(self.words)
+        index_poses(self.packed.words)
         return True
 
     def gradient(self, row: int, age: int = 0) -> Gradient:
@@ -174,8 +174,8 @@ class OwnPoses:
 
     def members(self, team: int) -> Ints:
         """Return the rows of a team, in their order."""
-        first = self._packed.record.first
-        return self._packed.record.members[first[team] : first[team + 1]]
+        first = self.packed.record.first
+        return self.packed.record.members[first[team] : first[team + 1]]
 
     @property
     def positions(self) -> Floats:

@@ -108,7 +108,7 @@ class Queries:
         see |= (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)
         see |= SEE_WITHOUT_POSE if without_pose and np.isinf(view) else 0
         channels, margins = buffer.channel_table(tuple(look.channels)), (minus, zero, plus)
-        poses, store = buffer.poses.words, buffer.words
+        poses, store = buffer.poses.packed.words, buffer.table.packed.words
         start: Ints = np.zeros(len(chosen) + 1, dtype=np.int64)
         done = 0
         while True:
@@ -188,7 +188,7 @@ class Queries:
         look = Filter(look.channels, True, False, look.view_distance)
         found = int(self.see(now, [row], look).start[-1])
         sight = self._room.on(self._buffer.channel_table(tuple(look.channels)))
-        kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.words)
+        kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.packed.words)
         return self._objects(self._room.pairs[:kept])
 
     def chosen(self, rule: str, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:

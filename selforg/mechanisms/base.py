@@ -133,7 +133,8 @@ class CompiledMechanism(MovementMechanism):
         buffer, channels = self.buffer, self.buffer.channel_table(self.channels)
         if buffer.settings.whole_seconds:
             buffer.evaporate(now)
-        self.directions.refill()
+        if self.directions.low[0]:
+            self.directions.refill()
         done = self._run(now, rows, places, movements, self._room.on(channels))
         while done < len(rows):
             self._room.double()
@@ -208,7 +209,7 @@ class RuleMechanism(LimitedMechanism):
     """A movement mechanism that runs one of the compiled rules of `selforg.mechanisms.kernels.rules`."""
 
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        motion, poses, store = self._motion.words, self.poses.words, self.buffer.words
+        motion, poses, store = self._motion.words, self.poses.packed.words, self.buffer.table.packed.words
         return move_rows(now, rows, places, movements, sight, motion, poses, store)
 
 

@@ -70,15 +70,17 @@ class NeighbourDecision(DecisionMechanism):
         )
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
-        buffer, room, left = self.buffer, self._deciding.record, rows
+        buffer, deciding, left = self.buffer, self._deciding, rows
         if buffer.settings.whole_seconds:
             buffer.evaporate(now)
-        room.states[rows] = states
+        channels, poses, store = buffer.channel_table(self.channels), self.poses.packed, buffer.table.packed
+        deciding.record.states[rows] = states
         while len(left):
-            sight = self._room.on(buffer.channel_table(self.channels))
-            left = left[decide_rows(now, left, sight, self._deciding.words, self.poses.words, buffer.words) :]
+            done = decide_rows(now, left, self._room.on(channels), deciding.words, poses.words, store.words)
+            left = left[done:]
             if len(left):
                 self._room.double()
+        room = deciding.record
         values[:], states[:], decided[:] = room.values[rows], room.states[rows], room.decided[rows]
 
 

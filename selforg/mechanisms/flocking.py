@@ -57,7 +57,7 @@ class FlockMechanism(CompiledMechanism):
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
         if self._flock is None or len(self._flock.record.boids) < len(self._room.pairs):
             self._flock = self._packed()
-        flock, poses, store = self._flock.words, self.poses.words, self.buffer.words
+        flock, poses, store = self._flock.words, self.poses.packed.words, self.buffer.table.packed.words
         return flock_rows(now, rows, places, movements, sight, flock, poses, store)
 
 

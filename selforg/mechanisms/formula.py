@@ -42,5 +42,5 @@ class FormulaMechanism(LimitedMechanism):
         super().__init__(buffer, min_speed=min_speed, max_speed=max_speed, **options)
 
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        walk = make_walk(type(self).formula)
-        return walk(now, rows, places, movements, sight, self._motion.words, self.poses.words, self.buffer.words)
+        motion, poses, store = self._motion.words, self.poses.packed.words, self.buffer.table.packed.words
+        return make_walk(type(self).formula)(now, rows, places, movements, sight, motion, poses, store)

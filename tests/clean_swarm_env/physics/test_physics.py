@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.physics.contact_space import SHARED_MEMORY, ContactSpace
-from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, MOTION
+from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, ROBOT_MOTION
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -133,7 +133,7 @@ def test_robots_pass_through_each_other_only_where_they_may():
 def test_free_motion_and_pymunk_are_one_integrator(seed):
     """Pymunk asked in every substep gives what pymunk gives that is asked while robots touch."""
     sparing, always = (placed(1, 2, seed, width=2.0, height=2.0) for _ in range(2))
-    always._motion = MOTION.pack(always._motion.record._replace(search=ALWAYS_TOUCHING))
+    always._motion = ROBOT_MOTION.pack(always._motion.record._replace(search=ALWAYS_TOUCHING))
     engaged = []
     for walk in range(20):
         apart = shorter(wander(sparing, 20, walk) - wander(always, 20, walk), 2.0)
