@@ -11,10 +11,10 @@ GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 
 
 class DirectionStream:
-    """Unit vectors drawn ahead, one `Generator` per row, so that no row's luck depends on another row.
+    """Unit vectors drawn ahead, one `Generator` per row, so that the draws of a row depend on no other row.
 
-    Nothing is drawn at construction. Compiled code tells when a row has used half of its block, and `refill` then
-    draws anew; only a row that asks for more than half a block in one call gets its last vector again.
+    Nothing is drawn at construction. Compiled code sets `low` when a row has used half of its block, and `refill` then
+    draws more. A row that takes more than half a block in one call gets its last vector again.
 
     Attributes:
         vectors: (N, block, 3) float64, drawn unit vectors, the third component zero in the plane.
@@ -57,7 +57,7 @@ class DirectionStream:
         self.low[0] = True
 
     def refill(self) -> None:
-        """Draw ahead for every row that has used half of its block; does nothing unless `low` is set."""
+        """Draw for every row that has used half of its block; does nothing unless `low` is set."""
         if not self.low[0]:
             return
         for row in np.flatnonzero(2 * self.cursor >= self.block):

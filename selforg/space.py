@@ -59,9 +59,9 @@ class Torus(Space):
         super().__init__(np.array([width, height], dtype=np.float64))
 
     def _wrap(self, positions: Floats) -> Floats:
-        wrapped: Floats = np.mod(positions, self.extent)
-        # np.mod rounds a tiny negative number up to the extent itself
-        return np.where(wrapped >= self.extent, 0.0, wrapped)
+        inside: Floats = np.array(positions, dtype=np.float64, order="C")
+        wrap_all(inside.reshape(-1, self.dim), self.extent)
+        return inside
 
 
 @inlined
@@ -95,6 +95,14 @@ def shorten(deltas: Floats, extent: Floats) -> None:
     for index in range(len(deltas)):
         for axis in range(len(extent)):
             deltas[index, axis] = nearest_image(deltas[index, axis], extent[axis])
+
+
+@lean_kernel
+def wrap_all(positions: Floats, extent: Floats) -> None:
+    """Bring `positions` (M, D) [m] into a space of `extent` (D,) [m]."""
+    for index in range(len(positions)):
+        for axis in range(len(extent)):
+            positions[index, axis] = wrapped(positions[index, axis], extent[axis])
 
 
 @inlined

@@ -20,7 +20,7 @@ READ, KEEP, DATA = 0, 3, 1  # arguments of llvm.prefetch: for reading, into the 
 
 
 def prefetch(table: Floats | Links, row: int) -> None:
-    """Ask for the beginning of a row of `table` (M, C). Where nothing is compiled there is nothing to do."""
+    """Ask the processor for the beginning of a row of `table` (M, C); does nothing where nothing is compiled."""
 
 
 def prefetch_row(typing: Compiler, table: Compiler, row: Compiler) -> Compiler:

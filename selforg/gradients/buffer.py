@@ -8,10 +8,10 @@ import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
 from selforg.gradients.delivery import Delivery, Mail, address
-from selforg.gradients.gradient import FARTHEST, Gradient, check_fields, check_gradient, require
+from selforg.gradients.gradient import Gradient, check_fields, check_gradient, check_position, require
 from selforg.gradients.names import Codes
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.rows import read_gradient, write_gradient
+from selforg.gradients.rows import read_gradient, set_times, write_gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, store_rows
@@ -74,7 +74,7 @@ class SoBuffer:
         Raises ValueError naming the field that is impossible.
         """
         places = self._check_places("store_static", positions)
-        check_fields(places, attraction, diffusion, goal_radius, evaporation_factor, evaporation_period, now)
+        check_fields(attraction, diffusion, goal_radius, evaporation_factor, evaporation_period, now)
         if not self.keeps(channel):
             return
         messages, tags = self._static(teams, channel, places, now)
@@ -97,7 +97,6 @@ class SoBuffer:
         if rule != "new":
             raise ValueError(f"extinguish: channel {channel!r} must aggregate by 'new', its rule is {rule!r}")
         places = self._check_places("extinguish", positions)
-        require("position", places, np.abs(places) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
         if self.keeps(channel):
             messages, tags = self._static(teams, channel, places, now)  # blank: without reach, neither sign nor period
             messages[:, c.MESSAGE_FAR + c.FAR_FACTOR], tags[:, c.TAG_SOURCE] = 1.0, -1
@@ -117,7 +116,7 @@ class SoBuffer:
         self.poses.set_gradient(row, gradient)
 
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:
-        """Let rows (TAG_SOURCE) spread messages (M, MESSAGE_COLUMNS), tags (M, TAG_COLUMNS) by the delivery model."""
+        """Spread messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) from rows, the TAG_SOURCE, by the delivery."""
         tags[:, c.TAG_SPACE] = self.poses.teams[tags[:, c.TAG_SOURCE]]
         if self.shared:
             self.store_tables(messages, tags, now)
@@ -143,7 +142,7 @@ class SoBuffer:
         self.spread(messages, tags, now)
 
     def deliver(self, now: float) -> None:
-        """Store what has been under way long enough; call it before the rows look. Nothing to do without a delay."""
+        """Store the messages that are due at `now` [s]; call it before the rows look. Does nothing without a delay."""
         for messages, tags in self.mail.take(now):
             self.store_tables(messages, tags, now)
 
@@ -154,7 +153,7 @@ class SoBuffer:
         self.mail.forget(self._spaces(team))
 
     def evaporate(self, now: float) -> None:
-        """Bring everything to `now` [s] and free what evaporated away. Needed by hand only to free memory."""
+        """Bring everything to `now` [s] and free what evaporated away. Only memory depends on it, no answer."""
         for space in range(self.table.spaces):
             evaporate_space(space, float(now), self.table.packed.words)
 
@@ -163,11 +162,11 @@ class SoBuffer:
         return self.table.count(self.channels.code(channel), self._spaces(team)) if channel in self.channels else 0
 
     def keeps(self, channel: str) -> bool:
-        """Tell whether gradients of `channel` are stored at all."""
+        """Return whether gradients of `channel` are stored at all."""
         return self.settings.store_all or channel in self.settings.channels
 
     def channel_code(self, channel: str) -> int:
-        """Return the number of `channel`, a new one if it was never heard of."""
+        """Return the number of `channel`, a new one if it never came up."""
         if channel not in self.channels:
             self.table.add_channel(self.settings.rule_of(channel))
             self._channel_tables.clear()
@@ -176,8 +175,8 @@ class SoBuffer:
     def channel_table(self, channels: tuple[str, ...]) -> Ints:
         """Return what compiled code takes for `channels` (none: all): 1 if it sees shared poses, then the channels.
 
-        In the order of their names: the order in which other teams brought them up must not change a sum. It is the
-        same array until a new channel comes up.
+        Channels are in the order of their names, because the order in which other teams used them first must not
+        change a sum. The array is the same one until a new channel comes up.
         """
         if channels not in self._channel_tables:
             names = sorted(set(channels))
@@ -232,6 +231,7 @@ class SoBuffer:
         places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
         if places.shape[1:] != (self.space.dim,):
             raise ValueError(f"{caller}: positions must be (M, {self.space.dim}), got {np.shape(positions)}")
+        check_position(places)
         return places
 
     def _static(self, teams: npt.ArrayLike, channel: str, places: Floats, now: float) -> tuple[Floats, Ints]:
@@ -282,9 +282,3 @@ class SoBuffer:
         if ((codes < 0) | (codes >= self.poses.team_count)).any():
             raise ValueError(f"SoBuffer: teams must lie in 0..{self.poses.team_count - 1}, got {teams!r}")
         return codes
-
-
-def set_times(messages: Floats, now: float) -> None:
-    """Set when `messages` (M, MESSAGE_COLUMNS) are spread, which is when their evaporation begins, to `now` [s]."""
-    far = messages[:, c.MESSAGE_FAR :]
-    far[:, c.FAR_STAMP] = far[:, c.FAR_CLOCK] = now

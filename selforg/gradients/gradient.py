@@ -53,8 +53,12 @@ class Gradient:
         return self.diffusion + self.goal_radius
 
 
+def check_position(position: npt.NDArray[np.float64]) -> None:
+    """Raise ValueError unless all coordinates (..., D) [m] are possible."""
+    require("position", position, np.abs(position) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
+
+
 def check_fields(
-    position: npt.NDArray[np.float64],
     attraction: npt.ArrayLike,
     diffusion: npt.ArrayLike,
     goal_radius: npt.ArrayLike,
@@ -63,7 +67,6 @@ def check_fields(
     stamp: npt.ArrayLike,
 ) -> None:
     """Raise ValueError naming the first field with an impossible value; each a number or an array of them."""
-    require("position", position, np.abs(position) <= FARTHEST, f"finite, at most {FARTHEST:g} m")
     sign = numbers("attraction", attraction)
     require("attraction", sign, (sign == -1) | (sign == 0) | (sign == 1), "-1, 0 or 1")
     radius = numbers("diffusion", diffusion)
@@ -111,10 +114,9 @@ def check_gradient(gradient: Gradient, dim: int) -> tuple[npt.NDArray[np.float64
     if not isinstance(gradient.payload, Mapping):
         raise ValueError(f"gradient: payload must be a mapping, got {gradient.payload!r}")
     place, heading = padded(gradient.position, dim, "position"), padded(gradient.heading, dim, "heading")
-    check_fields(
-        place, gradient.attraction, gradient.diffusion, gradient.goal_radius, gradient.evaporation_factor,
-        gradient.evaporation_period, gradient.stamp,
-    )  # fmt: skip
+    check_position(place)
+    g = gradient
+    check_fields(g.attraction, g.diffusion, g.goal_radius, g.evaporation_factor, g.evaporation_period, g.stamp)
     require("heading", heading, np.abs(heading) <= FARTHEST, "finite")
     if gradient.clock is not None:
         clock = numbers("clock", gradient.clock)

@@ -14,7 +14,7 @@ class Codes:
         return len(self._names)
 
     def __contains__(self, name: str) -> bool:
-        """Tell whether a name has a number."""
+        """Return whether a name has a number."""
         return name in self._codes
 
     def code(self, name: str) -> int:

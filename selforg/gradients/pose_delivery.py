@@ -1,7 +1,8 @@
-"""Hearing: which poses of the others a row has received, when messages have a range and get lost.
+"""Delivery of poses: which poses of the others a row has received, when messages have a range and get lost.
 
-Own poses keep a short history, so what a row has received last from another one is an age in that history: the table of
-rows has a column for each member of the team, and what sees poses begins with that age. Nothing is copied.
+Own poses keep a short history. The pose that a row has received last from another one is an age in that history, so no
+pose is copied: the table of rows has a column of ages for each member of the team, and a row that looks at poses begins
+with that age.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from selforg.space import nearest_image
 
 
 class Hearing:
-    """Lets the rows of `poses` receive each other's poses; call `listen` after each update of the poses.
+    """Delivers poses among the rows of `poses`; call `listen` after each update of the poses.
 
     Attributes:
         reaches: (T,) farthest receiver in each team [m]; the owner may change it.
@@ -40,7 +41,7 @@ class Hearing:
         self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - c.ROW_HEARD))
 
     def listen(self) -> None:
-        """Let every row receive the newest pose of each other row that is in range, unless it gets lost."""
+        """Deliver the newest pose of each row to the other rows in range, unless it gets lost."""
         lossy = (self.losses > 0.0) & (self.losses < 1.0)
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():

@@ -94,7 +94,7 @@ class OwnPoses:
         )
 
     def update(self, positions: Floats, headings: Floats | None, now: float) -> None:
-        """Let every row spread its pose: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
+        """Spread the pose of every row: positions (N, D) [m], headings (N,) [rad] in the plane or None, time [s]."""
         positions = np.ascontiguousarray(positions, dtype=np.float64)
         known = headings is not None
         headings = self._no_headings if headings is None else np.ascontiguousarray(headings, dtype=np.float64)
@@ -108,7 +108,7 @@ class OwnPoses:
             raise ValueError(f"OwnPoses.update: position and heading of row {bad} must be finite, got {positions[bad]}")
 
     def set_pose(self, row: int, position: Sequence[float], heading: Sequence[float], now: float) -> bool:
-        """Let one row spread one pose; False if it is not newer than the last one.
+        """Spread one pose of one row; False if it is not newer than the last one.
 
         position: (D,) [m]; heading: (D,) direction, zero if there is none; now [s].
         """
@@ -127,7 +127,7 @@ class OwnPoses:
         )
 
     def set_gradient(self, row: int, gradient: Gradient) -> bool:
-        """Let one row spread a checked gradient as its pose; False if it is not newer than the last one."""
+        """Spread a checked gradient as the pose of one row; False if it is not newer than the last one."""
         if self.row_table[row, c.ROW_POSES] > 0 and gradient.stamp <= self.own[row, 0, c.POSE_STAMP]:
             return False
         place = self.space.wrap(np.asarray(gradient.position, dtype=np.float64))
@@ -162,7 +162,7 @@ class OwnPoses:
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_POSES] = 0
 
     def silence(self, rows: npt.ArrayLike, silent: bool = True) -> None:
-        """Forget all poses of `rows` (R,), which spread no more by `update`; or let them spread again."""
+        """Forget all poses of `rows` (R,) and leave them out of `update`; or, not `silent`, take them in again."""
         self.forget(rows)
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_SILENT] = int(silent)
 

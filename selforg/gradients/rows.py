@@ -30,6 +30,12 @@ def write_gradient(gradient: Gradient, space: Space, keys: Codes, messages: Floa
             break
 
 
+def set_times(messages: Floats, now: float) -> None:
+    """Set when `messages` (M, MESSAGE_COLUMNS) are spread, which is when their evaporation begins, to `now` [s]."""
+    far = messages[:, c.MESSAGE_FAR :]
+    far[:, c.FAR_STAMP] = far[:, c.FAR_CLOCK] = now
+
+
 def read_gradient(
     store: Store, slot: int, dim: int, channel: str, source: int | str, payload: Mapping[str, Any]
 ) -> Gradient:

@@ -1,7 +1,7 @@
 """The blueprint of movement mechanisms, and the one that runs compiled rules.
 
-`move` is called once per tick with the rows that want to know where this mechanism would take them; it must not change
-the buffer. What a mechanism leaves behind it leaves in `deposit`, called after all movements of the tick are known.
+`move` is called once per tick with the rows whose movement is asked for; it must not change the buffer. A mechanism
+that leaves gradients behind leaves them in `deposit`, called after all movements of the tick are known.
 """
 
 from abc import ABC, abstractmethod
@@ -153,7 +153,7 @@ class LimitedMechanism(CompiledMechanism):
     """What movement mechanisms share whose vectors are limited to [`min_speed`, `max_speed`].
 
     Attributes:
-        rule: the movement rule; a formula of one's own has none, and does not read this one.
+        rule: the movement rule; a `FormulaMechanism` does not read it.
         angle_xy, angle_yz: view angles [rad] to either side of the heading, for rules that look ahead.
 
     """

@@ -31,9 +31,7 @@ class Pheromone:
 
     def __post_init__(self) -> None:
         """Check every field."""
-        check_fields(
-            np.zeros(2), self.attraction, self.diffusion, 0.0, self.evaporation_factor, self.evaporation_period, 0.0
-        )
+        check_fields(self.attraction, self.diffusion, 0.0, self.evaporation_factor, self.evaporation_period, stamp=0.0)
 
 
 class DepositingMechanism(RuleMechanism):

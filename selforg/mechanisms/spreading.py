@@ -7,8 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.gradients.buffer import SoBuffer, set_times
+from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
+from selforg.gradients.rows import set_times
 from selforg.gradients.store import columns as c
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.registry import MECHANISMS
@@ -38,9 +39,13 @@ class Carried:
     def __post_init__(self) -> None:
         """Check every field."""
         check_fields(
-            np.zeros(2), self.attraction, self.diffusion, self.goal_radius, self.evaporation_factor,
-            self.evaporation_period, 0.0,
-        )  # fmt: skip
+            self.attraction,
+            self.diffusion,
+            self.goal_radius,
+            self.evaporation_factor,
+            self.evaporation_period,
+            stamp=0.0,
+        )
 
 
 class Spreader:

@@ -12,14 +12,11 @@ from selforg.mechanisms.kernels.flocking import (
     BOID_VELOCITY,
     FLOCK,
     Flock,
-    action,
-    adjacency,
-    bump,
     mean_difference,
     olfati_saber,
     separation,
-    sigma_norm,
 )
+from selforg.mechanisms.kernels.flocking_terms import action, adjacency, bump, sigma_norm
 from selforg.randomness import DirectionStream
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.scene import heading_of

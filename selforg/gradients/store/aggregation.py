@@ -102,7 +102,7 @@ def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
 
 @part
 def older(one: int, other: int, store: Words[Store]) -> bool:
-    """Tell whether the gradient in slot `one` was stored before the one in slot `other`."""
+    """Return whether the gradient in slot `one` was stored before the one in slot `other`."""
     marks = open_store(store).marks
     return (whole(marks[one, c.MARK_SERIAL]) - whole(marks[other, c.MARK_SERIAL])) % c.SERIALS > c.SERIALS // 2
 

@@ -1,8 +1,7 @@
 """Evaporation of one stored gradient: exact time (lazy, path independent) or whole seconds (eager, as the original).
 
-Exact time: the diffusion is a pure function of the clock, so it may be worked out whenever somebody looks. Whole
-seconds depend on when the buffer was touched (Q3); every operation then evaporates everything, and NEAR_DUE is never
-set.
+Exact time: the diffusion is a pure function of the clock, so it may be worked out at any later look. Whole seconds
+depend on when the buffer was used (Q3); every operation then evaporates everything, and NEAR_DUE is never set.
 """
 
 import numpy as np
@@ -64,7 +63,7 @@ def evaporate_whole_seconds(slot: int, now: float, store: Words[Store]) -> None:
 
 @inlined
 def evaporated_away(slot: int, store: Words[Store]) -> bool:
-    """Tell whether nothing is left of a gradient: no goal area and less diffusion than the least that is kept."""
+    """Return whether nothing is left of a gradient: no goal area and less diffusion than the least that is kept."""
     s = open_store(store)
     return bool(s.near[slot, c.GOAL_RADIUS] == 0.0 and s.near[slot, c.DIFFUSION] < s.min_diffusion)
 

@@ -27,7 +27,7 @@ from selforg.gradients.store.records import (
 from selforg.grid import bucket_of, near_cells, whole
 from selforg.space import half_of, shortest
 
-IN_CACHE = 4096  # gradients: so few are not worth asking for ahead
+IN_CACHE = 4096  # gradients: so few are not worth prefetching
 
 
 @inlined
@@ -43,7 +43,7 @@ def look_all_around(
 def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
     """Write what a row sees into the pairs of `sight` from `look.begin` on and return where it ends.
 
-    Beyond the end of the table pairs are counted, not written: the caller comes again with a longer table.
+    Beyond the end of the table pairs are counted, not written: the caller then calls again with a longer table.
     """
     s, channels = open_store(store), open_sight(sight).channels
     found = look.begin
@@ -80,7 +80,7 @@ def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Si
     newest_only = moving and look.see & c.SEE_HISTORY == 0
     skipped = look.row if moving and look.see & c.SKIP_OWN else -1  # rows are sources from 0 up
     visited, number, slot, cell = 0, max(cells, 0 if cells == 0 else 1), -1, 0
-    # whoever needs few leaves the others as they are
+    # a caller that needs few pairs must not evaporate other gradients
     together = MOST_CANDIDATES if look.limit > len(open_sight(sight).pairs) else 1
     ahead = s.counters[c.COUNTER_USED] > IN_CACHE
     if ahead:
@@ -113,7 +113,7 @@ def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Si
 
 @part
 def look_ahead(layer: int, cells: int, store: Words[Store]) -> None:
-    """Ask for the first gradient of each of the first `cells` of a window; most of a cell lies next to its first."""
+    """Prefetch the first gradient of the first `cells` of a window; most of a cell lies next to its first."""
     s = open_store(store)
     for index in range(cells):
         slot = whole(s.buckets[bucket_of(layer, int(s.window[index]), s.buckets)])
@@ -170,8 +170,8 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
 
 @part
 def beyond(squared: float, reach: float) -> bool:
-    """Tell whether a squared distance [m2] is certainly longer than `reach` [m].
+    """Return whether a squared distance [m2] is certainly longer than `reach` [m].
 
-    Most candidates of a window are: this spares them the square root, which then decides the border exactly.
+    Most candidates of a window are, and need no square root; for the others the square root decides exactly.
     """
     return reach < 0.0 or squared > reach * reach * 1.000000001

@@ -121,7 +121,7 @@ def store_moving(slot: int, layer: int, store: Words[Store]) -> bool:
 
 @part
 def sweep(layer: int, now: float, store: Words[Store]) -> None:
-    """Look at the next SWEPT_PER_STORE gradients of a layer and free those that evaporated unseen."""
+    """Look at the next SWEPT_PER_STORE gradients of a layer and delete those that evaporated away."""
     s = open_store(store)
     for _ in range(SWEPT_PER_STORE):
         slot = whole(s.layers[layer, c.LAYER_SWEEP])

@@ -16,7 +16,7 @@ from selforg.space import Space
 Table = TypeVar("Table", Floats, Links)
 
 SMALLEST_CAPACITY = 64  # gradients
-SMALLEST_MESS = 4096  # gradients: as many fit a fast cache in any order
+SMALLEST_UNSORTED = 4096  # gradients: as many fit a fast cache in any order
 SECOND_COPY = 1 << 18  # gradients: of more, a second copy of a table would take too much memory
 
 
@@ -35,7 +35,7 @@ class Tables:
         self.spaces = spaces
         bounds, cells = make_levels(space.padded_extent, space.dim, settings.smallest_cell)
         counters = np.zeros(c.COUNTERS, dtype=np.int64)
-        counters[[c.COUNTER_FREE, c.COUNTER_TIDY_AT]] = -1, SMALLEST_MESS
+        counters[[c.COUNTER_FREE, c.COUNTER_TIDY_AT]] = -1, SMALLEST_UNSORTED
         self.packed = STORE.pack(
             Store(
                 near=np.empty((SMALLEST_CAPACITY, c.NEAR_COLUMNS)),
@@ -133,7 +133,7 @@ class Tables:
         for column in (c.LAYER_HEAD, c.LAYER_TAIL, c.LAYER_SWEEP):
             layers[:, column] = place[layers[:, column]]
         counters[[c.COUNTER_FREE, c.COUNTER_HIGH]] = -1, len(order)
-        counters[c.COUNTER_TIDY_AT] = counters[c.COUNTER_SERIAL] + max(SMALLEST_MESS, len(order) // 4)
+        counters[c.COUNTER_TIDY_AT] = counters[c.COUNTER_SERIAL] + max(SMALLEST_UNSORTED, len(order) // 4)
         tables["buckets"] = np.empty(capacity, dtype=np.int32)
         self.packed = STORE.pack(Store(**tables))
         rebuild(self.packed.words)

@@ -80,7 +80,7 @@ def highest(own: float, found: int, key: int, sight: Words[Sight], store: Words[
 
 @part
 def all_above(own: float, found: int, key: int, sight: Words[Sight], store: Words[Store]) -> bool:
-    """Tell whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
+    """Return whether all of the first `found` pairs carry a value above `own`; one without a value counts as equal."""
     s, pairs = open_store(store), open_sight(sight).pairs
     for index in range(found):
         slot = int(pairs[index, c.PAIR_SLOT])

@@ -1,4 +1,4 @@
-"""Walking: a kernel for a formula of your own, which then runs for one robot or a million pairs."""
+"""The kernel of a formula that a user writes: the sum of the formula over all pairs, for any number of rows."""
 
 from collections.abc import Callable
 from functools import cache

@@ -114,7 +114,7 @@ def test_moving_neighbours_together_in_place_is_moving_them_to_new_tables(monkey
     space, seen = Torus(11.0, 11.0), []
     for in_place in (False, True):
         monkeypatch.setattr("selforg.gradients.store.tables.SECOND_COPY", 0 if in_place else 1 << 18)
-        monkeypatch.setattr("selforg.gradients.store.tables.SMALLEST_MESS", 100)
+        monkeypatch.setattr("selforg.gradients.store.tables.SMALLEST_UNSORTED", 100)
         buffer = SoBuffer(BufferSettings(aggregation_distance=0.3), space, OwnPoses(space, 1))
         buffer.poses.update(np.array([[5.0, 5.0]]), None, 0.0)
         buffer.table.reserve(2000)
