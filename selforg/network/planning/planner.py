@@ -43,10 +43,15 @@ class BuiltInPlanner(Planner):
 
     `make_search` makes what searches one problem: the built-in forward search, or an engine in its place (see
     `planner_named`).
+
+    Attributes:
+        attempts: sets of goals searched so far; each goal that is given up takes one more.
+
     """
 
     def __init__(self, model: NetworkModel, make_search: Callable[[PlanningProblem], Search] = ForwardSearch) -> None:
         self.model = model
+        self.attempts = 0
         self._make_search = make_search
         self._searches: dict[tuple[int, ...], SpendingSearch] = {}
         self._translation = Translation(model)
@@ -66,6 +71,7 @@ class BuiltInPlanner(Planner):
         plan, is_of_class = search.plan(facts, numbers, wanted, self.memory.reach)
         if not is_of_class:
             self.memory.widen()
+        self.attempts += plan.attempts
         outcome = plan.outcome
         if not isinstance(outcome, Plan):
             return None

@@ -18,13 +18,15 @@ class PriorityPlan:
     """The outcome for the best set of goals that has a plan: `goals` are those it reaches, `given_up` the others.
 
     Without a plan for any goal `outcome` is `Unsolvable`, or `Unknown` if a search gave up; `goals` is then empty.
-    `proved`: every set that was tried in vain is proved unsolvable.
+    `proved`: every set that was tried in vain is proved unsolvable. `attempts`: how many sets were searched; the
+    original counts each as a call of its planner.
     """
 
     outcome: Answer
     goals: tuple[int, ...]
     given_up: tuple[int, ...]
     proved: bool = True
+    attempts: int = 0
 
 
 def plan_by_priority(
@@ -51,18 +53,20 @@ def plan_by_priority(
     state = search.read_state(facts, numbers)
     unsolvable: list[set[int]] = []
     failure: Answer = Unsolvable()
+    attempts = 0
     for chosen in goal_sets(wanted, [search.problem.goals[goal].priority for goal in wanted]):
         if any(known.issubset(chosen) for known in unsolvable):
             continue
+        attempts += 1
         outcome = search.plan_from(state, chosen)
         if isinstance(outcome, Plan):
             given_up = tuple(goal for goal in wanted if goal not in chosen)
-            return PriorityPlan(outcome, chosen, given_up, isinstance(failure, Unsolvable))
+            return PriorityPlan(outcome, chosen, given_up, isinstance(failure, Unsolvable), attempts)
         if isinstance(outcome, Unsolvable):
             unsolvable.append(set(chosen))
         else:
             failure = outcome
-    return PriorityPlan(failure, (), wanted, isinstance(failure, Unsolvable))
+    return PriorityPlan(failure, (), wanted, isinstance(failure, Unsolvable), attempts)
 
 
 def goal_sets(goals: tuple[int, ...], priorities: Sequence[int]) -> Iterator[tuple[int, ...]]:

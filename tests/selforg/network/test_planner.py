@@ -183,12 +183,14 @@ def test_the_important_goal_survives_and_a_satisfied_one_is_kept():
     )
     answer = plan_by_priority(ForwardSearch(problem), np.array([False, False, True]), np.zeros(0))
     assert (answer.outcome, answer.goals, answer.given_up) == (Plan((1,), 1.0), (1, 2), (0,))
+    assert answer.attempts == 3
 
 
 def test_no_reachable_goal_is_said_so():
     problem = PlanningProblem(("a",), (), (), (PlanningGoal("a", FactIs(0)),))
     answer = plan_by_priority(ForwardSearch(problem), np.array([False]), np.zeros(0))
     assert (answer.outcome, answer.goals, answer.given_up) == (Unsolvable(), (), (0,))
+    assert answer.attempts == 1
 
 
 @pytest.mark.parametrize(

@@ -97,6 +97,16 @@ def test_goals_that_are_off_take_no_part():
     assert [model.behaviours[b].name for b in found] == CHAIN
 
 
+def test_each_goal_that_is_given_up_costs_one_more_attempt():
+    behaviours = [Behaviour("heat", effects=(Effect("warm", 1.0),))]
+    goals = [Goal("warm", (Condition("warm", Boolean()),), 1), Goal("lit", (Condition("lit", Boolean()),), 3)]
+    planner = BuiltInPlanner(NetworkModel([Sensor("warm", "fact"), Sensor("lit", "fact")], behaviours, goals))
+    assert planner.plan(np.zeros(2), np.zeros(1, np.int64), np.ones(2, np.int64)) == [0]
+    assert planner.attempts == 3  # both, lit, warm
+    assert planner.plan(np.zeros(2), np.zeros(1, np.int64), np.array([1, 0])) == [0]
+    assert planner.attempts == 4
+
+
 def test_a_planner_independent_behaviour_is_in_no_plan():
     wanted = Goal("warm", (Condition("warm", Boolean()),))
     heat = {"preconditions": (), "effects": (Effect("warm", 1.0),)}
