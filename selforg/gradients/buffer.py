@@ -113,6 +113,8 @@ class SoBuffer:
             self._store_gradient(gradient, now, np.array([row if not self.shared else self.poses.teams[row]]))
             return
         check_gradient(gradient, self.space.dim)
+        if self.settings.whole_seconds:
+            evaporate_space(row if not self.shared else int(self.poses.teams[row]), float(now), self.table.packed.words)
         self.poses.set_gradient(row, gradient)
 
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:

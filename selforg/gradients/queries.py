@@ -149,8 +149,11 @@ class Queries:
         *,
         signs: tuple[bool, bool, bool] = EVERYTHING,
     ) -> list[Gradient]:
-        """Return the gradients that `row` sees. An infinite view distance shows all, even without an own pose."""
-        return self._objects(self.see(now, [row], look, signs=signs, without_pose=True).pairs)
+        """Return the gradients that `row` sees.
+
+        An infinite view distance shows all, even without an own pose, unless `signs` leaves some out (B1).
+        """
+        return self._objects(self.see(now, [row], look, signs=signs, without_pose=all(signs)).pairs)
 
     def neighbours(self, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
         """Return the newest moving gradient in view of every other robot, per channel and source."""

@@ -62,7 +62,7 @@ class DecisionMechanism(Mechanism):
 
     @final
     def decide(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> Decision:
-        """Return what `rows` (R,) (None: all) would decide at `now` [s]; rows without a pose keep what they have."""
+        """Return what `rows` (R,) (None: all) would decide at `now` [s]; rows without a pose see no neighbours."""
         chosen = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         values, states = self.values[chosen], self.state_codes[chosen]
         decided = self.poses.known[chosen]

@@ -14,7 +14,7 @@ from selforg.mechanisms.registry import MECHANISMS
 
 @MECHANISMS.register
 class Exploration(RuleMechanism):
-    """A random direction, at `max_speed`, for every row that knows its pose."""
+    """A random direction, at 1 m/s within [`min_speed`, `max_speed`] (B7), for every row that knows its pose."""
 
     rule = wander
 

@@ -22,7 +22,7 @@ class CollisionAvoidance(RuleMechanism):
 
 @MECHANISMS.register
 class FollowAll(RuleMechanism):
-    """Towards attractive and away from repulsive gradients; neutral ones are ignored."""
+    """Towards attractive and away from repulsive gradients; neutral ones alone are a movement of zero (B4)."""
 
     rule = follow_all
 

@@ -57,7 +57,7 @@ def query(scene: Scene, call: str, now: float, args: dict[str, Any]) -> Any:
     if call == "agent_list":
         answer = queries.neighbours(0, now, look)
     elif call == "agent_set":
-        histories = queries.neighbour_histories(0, now, look, own=args.get("include_own", False))
+        histories = queries.neighbour_histories(0, now, look, own=args.get("include_own", True))
         answer = [gradient for history in histories for gradient in history]
     elif call == "static_list_angle":
         xy, yz = args.get("view_angle_xy"), args.get("view_angle_yz")

@@ -87,7 +87,9 @@ def create(scene: Scene, name: str, given: dict[str, Any]) -> Any:
     evaporation = {"evaporation_factor": given.get("ev_factor", 1.0), "evaporation_period": given.get("ev_time", 0.0)}
     key = "null" if quorum else given["key"]
     carried = Carried(QUORUM_CHANNEL if quorum else channel, key, **fields, **evaporation)
-    keywords = {k: given[k] for k in ("threshold", "value", "state") if given.get(k) is not None}
+    keywords = {k: given[k] for k in ("threshold", "value") if given.get(k) is not None}
+    if given.get("state") is not None:
+        keywords["state"] = str(given["state"])  # ours are names, also those of a quorum
     if not quorum:
         keywords["key"] = key
     if name == "MorphogenesisBarycenter":

@@ -59,6 +59,8 @@ def keywords(case: Case) -> dict[str, Any]:
     if name in NO_SPEEDS:
         mapped = {}
     mapped["channels"] = [channel_of(c) for c in given.get("frames", ())]
+    if name.startswith("Flocking") and "frame" in given:
+        mapped["channels"] = [channel_of(given["frame"])]
     if name == "Patrol" or name.startswith("DepositPheromones"):
         patrol = name == "Patrol"
         mapped["pheromone"] = Pheromone(

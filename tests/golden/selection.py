@@ -8,7 +8,7 @@ from selector.documents.errors import DocumentError
 from selector.knowledge import knowledge_from
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
-from tests.golden.case import Case, difference
+from tests.golden.case import Case, SetAside, difference
 
 
 def replay(case: Case) -> str | None:
@@ -16,8 +16,23 @@ def replay(case: Case) -> str | None:
     try:
         chosen = choose(case.inputs["expert_knowledge"], case.inputs["so_goal"])
     except DocumentError as error:
-        return None if "error" in case.expected else f"refused: {error}"
+        if "error" in case.expected:
+            return None
+        if has_boolean_scores(case.inputs["expert_knowledge"]):
+            raise SetAside("B6") from error
+        return f"refused: {error}"
     return difference(case.expected, chosen)
+
+
+def has_boolean_scores(table: dict[str, list[Any]]) -> bool:
+    """Return whether an option has a truth value as its score, which we refuse and the original takes for a number."""
+    options = [entry for entries in table.values() for entry in entries if is_option(entry)]
+    return any(isinstance(score, bool) for _, score, _ in options)
+
+
+def is_option(entry: Any) -> bool:
+    """Return whether an entry has the original's form: configuration, score, parameters."""
+    return isinstance(entry, list) and len(entry) == 3
 
 
 def choose(table: dict[str, list[Any]], goal: str) -> dict[str, Any]:
@@ -31,7 +46,7 @@ def choose(table: dict[str, list[Any]], goal: str) -> dict[str, Any]:
 
 
 def _option(entry: Any, index: int) -> Any:
-    if not (isinstance(entry, list) and len(entry) == 3):
+    if not is_option(entry):
         return entry
     configuration, score, parameters = entry
     return {"name": f"option {index}", "configuration": configuration, "score": score, "parameters": parameters}

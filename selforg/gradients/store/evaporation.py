@@ -43,7 +43,7 @@ def evaporate(slot: int, now: float, store: Words[Store]) -> None:
         periods -= 1.0
     elif clock + (periods + 1.0) * period <= now:
         periods += 1.0
-    s.near[slot, c.DIFFUSION] = s.far[slot, c.FAR_START] * s.far[slot, c.FAR_FACTOR] ** periods
+    s.near[slot, c.DIFFUSION] = evaporated(s.far[slot, c.FAR_START], s.far[slot, c.FAR_FACTOR], periods)
     s.near[slot, c.NEAR_DUE] = clock + (periods + 1.0) * period
 
 
@@ -57,8 +57,16 @@ def evaporate_whole_seconds(slot: int, now: float, store: Words[Store]) -> None:
     if age < s.far[slot, c.FAR_PERIOD]:
         return
     periods = np.floor(np.floor(age) / s.far[slot, c.FAR_PERIOD])
-    s.near[slot, c.DIFFUSION] *= s.far[slot, c.FAR_FACTOR] ** periods
+    s.near[slot, c.DIFFUSION] = evaporated(s.near[slot, c.DIFFUSION], s.far[slot, c.FAR_FACTOR], periods)
     s.far[slot, c.FAR_CLOCK] += periods * s.far[slot, c.FAR_PERIOD]
+
+
+@inlined
+def evaporated(diffusion: float, factor: float, periods: float) -> float:
+    """Return what is left of a diffusion [m] after `periods`; an infinite one stays until a factor of 0 ends it."""
+    if np.isinf(diffusion):
+        return 0.0 if factor == 0.0 and periods > 0.0 else diffusion
+    return float(diffusion * factor**periods)
 
 
 @inlined

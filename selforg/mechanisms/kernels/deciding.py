@@ -47,11 +47,11 @@ def decide_rows(
     for index in range(len(rows)):
         row = int(rows[index])
         d.values[row] = d.before[row]
-        d.decided[row] = known[row, c.ROW_POSES] > 0
-        if not d.decided[row]:
-            continue
-        look = look_all_around(row, now, d.see, (d.view_distance, d.view_distance, d.view_distance), 0, sight, poses)
-        found = gather(look, sight, poses, store)
+        found, sees = 0, known[row, c.ROW_POSES] > 0
+        d.decided[row] = sees or d.rule != DECIDE_BARYCENTER  # distances need an own position
+        if sees:
+            margins = (d.view_distance, d.view_distance, d.view_distance)
+            found = gather(look_all_around(row, now, d.see, margins, 0, sight, poses), sight, poses, store)
         if found > len(pairs):
             return index
         if d.rule == DECIDE_QUORUM:

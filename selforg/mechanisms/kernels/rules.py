@@ -30,6 +30,7 @@ from selforg.mechanisms.kernels.movement_rule import (
     sums,
 )
 from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_fernandez, repulsion_ge
+from selforg.randomness import take_direction
 
 EVERYTHING = (VIEW_DISTANCE, VIEW_DISTANCE, VIEW_DISTANCE)
 ATTRACTIVE = (NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE)
@@ -40,9 +41,11 @@ BY_ANY = (True, True, True)
 BALCH, GE = 0, 1  # potentials of chemotaxis
 
 
-@combines(random=True)
+@combines()
 def wander(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
-    """Look at no gradient: the sum is zero."""
+    """Look at no gradient: the sum is a random direction of 1 m/s."""
+    m = open_motion(motion)
+    m.total[0], m.total[1], m.total[2] = take_direction(m.directions, m.cursor, row)
     return True
 
 
@@ -95,7 +98,7 @@ avoid_all = repulsion._replace(
 patrol = avoid_all._replace(random=True)
 
 
-@sums(sum_all, looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_REPULSIVE)
+@sums(sum_all, looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_ANY)
 def follow_all(
     distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
 ) -> float:
