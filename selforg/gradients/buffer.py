@@ -118,7 +118,7 @@ class SoBuffer:
         self.poses.set_gradient(row, gradient)
 
     def spread(self, messages: Floats, tags: Ints, now: float) -> None:
-        """Spread messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) from rows, the TAG_SOURCE, by the delivery."""
+        """Spread messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS) from rows (TAG_SOURCE) by `delivery`."""
         tags[:, c.TAG_SPACE] = self.poses.teams[tags[:, c.TAG_SOURCE]]
         if self.shared:
             self.store_tables(messages, tags, now)

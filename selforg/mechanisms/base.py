@@ -20,10 +20,10 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
 from selforg.gradients.store.records import Sight
-from selforg.mechanisms.kernels.motion import MOTION, MOVEMENTS, Motion, Movements
 from selforg.mechanisms.kernels.movement_rule import MovementRule
 from selforg.mechanisms.kernels.moving import move_rows
 from selforg.mechanisms.kernels.rules import wander
+from selforg.mechanisms.kernels.steering import MOVEMENTS, STEERING, Movements, Steering
 from selforg.mechanisms.options import LookOptions, MoveOptions
 from selforg.randomness import DirectionStream
 
@@ -174,11 +174,11 @@ class LimitedMechanism(CompiledMechanism):
         self.angle_xy, self.angle_yz = np.inf, np.inf
 
     @cached_property
-    def _motion(self) -> Packed[Motion]:
+    def _steering(self) -> Packed[Steering]:
         """What kernels take of the mechanism, packed when it moves for the first time."""
         rule, directions = self.rule, self.directions
-        return MOTION.pack(
-            Motion(
+        return STEERING.pack(
+            Steering(
                 combination=rule.combination,
                 formula=rule.formula,
                 looks_repulsive=rule.looks[0],
@@ -209,8 +209,8 @@ class RuleMechanism(LimitedMechanism):
     """A movement mechanism that runs one of the compiled rules of `selforg.mechanisms.kernels.rules`."""
 
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        motion, poses, store = self._motion.words, self.poses.packed.words, self.buffer.table.packed.words
-        return move_rows(now, rows, places, movements, sight, motion, poses, store)
+        steering, poses, store = self._steering.words, self.poses.packed.words, self.buffer.table.packed.words
+        return move_rows(now, rows, places, movements, sight, steering, poses, store)
 
 
 def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:

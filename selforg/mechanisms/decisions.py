@@ -18,8 +18,8 @@ from selforg.mechanisms.kernels.deciding import (
     DECIDE_BARYCENTER,
     DECIDE_GOSSIP_MAX,
     DECIDE_QUORUM,
-    DECIDING,
-    Deciding,
+    DECISION_RULE,
+    DecisionRule,
     decide_rows,
 )
 from selforg.mechanisms.options import LookOptions
@@ -52,11 +52,11 @@ class NeighbourDecision(DecisionMechanism):
         self._room = PairRoom(64)
 
     @cached_property
-    def _deciding(self) -> Packed[Deciding]:
+    def _deciding(self) -> Packed[DecisionRule]:
         """What kernels take of the mechanism, packed when it decides for the first time."""
         rows = self.poses.rows
-        return DECIDING.pack(
-            Deciding(
+        return DECISION_RULE.pack(
+            DecisionRule(
                 rule=self.rule,
                 see=self._see,
                 view_distance=self.view_distance,

@@ -9,7 +9,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.records import Sight
 from selforg.mechanisms.base import LimitedMechanism
 from selforg.mechanisms.kernels.formula import UserFormula, make_walk
-from selforg.mechanisms.kernels.motion import Movements
+from selforg.mechanisms.kernels.steering import Movements
 from selforg.mechanisms.options import MoveOptions
 
 
@@ -42,5 +42,5 @@ class FormulaMechanism(LimitedMechanism):
         super().__init__(buffer, min_speed=min_speed, max_speed=max_speed, **options)
 
     def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        motion, poses, store = self._motion.words, self.poses.packed.words, self.buffer.table.packed.words
-        return make_walk(type(self).formula)(now, rows, places, movements, sight, motion, poses, store)
+        steering, poses, store = self._steering.words, self.poses.packed.words, self.buffer.table.packed.words
+        return make_walk(type(self).formula)(now, rows, places, movements, sight, steering, poses, store)

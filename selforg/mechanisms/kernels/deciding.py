@@ -12,7 +12,7 @@ from selforg.gradients.store.records import Poses, Sight, Store, open_poses, ope
 DECIDE_QUORUM, DECIDE_GOSSIP_MAX, DECIDE_BARYCENTER = 0, 1, 2
 
 
-class Deciding(NamedTuple):
+class DecisionRule(NamedTuple):
     """A decision rule, what rows have decided so far, and room for what they decide now."""
 
     rule: int  # DECIDE_
@@ -26,8 +26,8 @@ class Deciding(NamedTuple):
     decided: Annotated[Flags, "N"]  # room for whether there is a decision
 
 
-DECIDING = Recording(Deciding)
-open_deciding = DECIDING.open
+DECISION_RULE = Recording(DecisionRule)
+open_decision_rule = DECISION_RULE.open
 
 
 @lean_kernel
@@ -35,7 +35,7 @@ def decide_rows(
     now: float,
     rows: Ints,
     sight: Words[Sight],
-    deciding: Words[Deciding],
+    deciding: Words[DecisionRule],
     poses: Words[Poses],
     store: Words[Store],
 ) -> int:
@@ -43,7 +43,7 @@ def decide_rows(
 
     Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
     """
-    d, known, pairs = open_deciding(deciding), open_poses(poses).rows, open_sight(sight).pairs
+    d, known, pairs = open_decision_rule(deciding), open_poses(poses).rows, open_sight(sight).pairs
     for index in range(len(rows)):
         row = int(rows[index])
         d.values[row] = d.before[row]

@@ -10,7 +10,15 @@ from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight
-from selforg.mechanisms.kernels.motion import Motion, Movements, add, full_length, limit, open_motion, open_movements
+from selforg.mechanisms.kernels.steering import (
+    Movements,
+    Steering,
+    add,
+    full_length,
+    limit,
+    open_movements,
+    open_steering,
+)
 
 UserFormula: TypeAlias = Callable[[float, float, float, float, float, float], float]
 """(distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
@@ -33,11 +41,11 @@ def make_walk(formula: UserFormula) -> Walk:
         places: Ints,
         movements: Words[Movements],
         sight: Words[Sight],
-        motion: Words[Motion],
+        steering: Words[Steering],
         poses: Words[Poses],
         store: Words[Store],
     ) -> int:
-        m, p, answers = open_motion(motion), open_poses(poses), open_movements(movements)
+        m, p, answers = open_steering(steering), open_poses(poses), open_movements(movements)
         pairs = open_sight(sight).pairs
         for index in range(len(rows)):
             row, place = int(rows[index]), places[index]
@@ -56,7 +64,7 @@ def make_walk(formula: UserFormula) -> Walk:
                 distance, diffusion = pairs[i, c.PAIR_DISTANCE], pairs[i, c.PAIR_DIFFUSION]
                 goal, sign = pairs[i, c.PAIR_GOAL_RADIUS], pairs[i, c.PAIR_SIGN]
                 length = formula(distance, own_goal, own_reach, diffusion, goal, sign)
-                add(i, length, full_length(i, sight), row, sight, motion)
+                add(i, length, full_length(i, sight), row, sight, steering)
             limit(m.total, m.min_speed, m.max_speed)
             answers.active[place] = found > 0
             for axis in range(answers.vectors.shape[1]):

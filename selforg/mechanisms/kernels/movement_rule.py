@@ -11,7 +11,7 @@ from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Words
 from selforg.gradients.choosing import CHOOSE_NEAREST
 from selforg.gradients.store.records import Sight
-from selforg.mechanisms.kernels.motion import Motion, Own
+from selforg.mechanisms.kernels.steering import Own, Steering
 
 # How far beyond its reach a gradient can make a rule different from zero
 NOT_AT_ALL = 0
@@ -21,8 +21,8 @@ VIEW_DISTANCE = 2
 Formula: TypeAlias = Callable[[float, float, float, float, float, float, float], float]
 """(distance, diffusion, goal radius [m], attraction [-], own goal radius, own reach, view distance [m]) -> length [m or
 -] of a contribution: towards the gradient if positive; negative infinity is full repulsion."""
-Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Motion]], bool]
-"""(row, number of pairs, own radii, sight, motion) -> whether any gradient contributes; adds to the sum of `motion`."""
+Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Steering]], bool]
+"""(row, number of pairs, own radii, sight, steering) -> whether any gradient contributes; adds to the sum."""
 
 FORMULAS: list[Formula] = []
 COMBINATIONS: list[Combination] = []

@@ -9,9 +9,9 @@ from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Look, Margins, Poses, Sight, Store, open_poses, open_sight
 from selforg.gradients.store.view_angle import keep_ahead
-from selforg.mechanisms.kernels.motion import Motion, Movements, Own, limit, open_motion, open_movements
 from selforg.mechanisms.kernels.movement_rule import NOT_AT_ALL, OWN_GOAL_RADIUS
 from selforg.mechanisms.kernels.rules import combine
+from selforg.mechanisms.kernels.steering import Movements, Own, Steering, limit, open_movements, open_steering
 from selforg.randomness import take_direction
 
 
@@ -22,7 +22,7 @@ def move_rows(
     places: Ints,
     movements: Words[Movements],
     sight: Words[Sight],
-    motion: Words[Motion],
+    steering: Words[Steering],
     poses: Words[Poses],
     store: Words[Store],
 ) -> int:
@@ -30,12 +30,8 @@ def move_rows(
 
     Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
     """
-    m, p, answers, room = (
-        open_motion(motion),
-        open_poses(poses),
-        open_movements(movements),
-        len(open_sight(sight).pairs),
-    )
+    m, p, answers = open_steering(steering), open_poses(poses), open_movements(movements)
+    room = len(open_sight(sight).pairs)
     looks = m.looks_repulsive + m.looks_neutral + m.looks_attractive > 0
     for index in range(len(rows)):
         row, place = int(rows[index]), places[index]
@@ -46,18 +42,18 @@ def move_rows(
             own = Own(goal_radius, p.own[row, 0, c.DIFFUSION] + goal_radius)
             found = 0
             if looks:
-                margins = margins_of(goal_radius, motion)
+                margins = margins_of(goal_radius, steering)
                 found = gather(look_all_around(row, now, m.see, margins, 0, sight, poses), sight, poses, store)
             if found > room:
                 return index
             if m.ahead:
                 found = keep_ahead(row, found, m.angle_xy, m.angle_yz, sight, poses)
             if found > 0 or not looks:
-                moves = combine(m.combination, row, found, own, sight, motion)
+                moves = combine(m.combination, row, found, own, sight, steering)
             if not moves and m.wakes_repulsive + m.wakes_neutral + m.wakes_attractive > 0:
-                moves = gather(look_for_one(row, now, motion, poses), sight, poses, store) > 0
+                moves = gather(look_for_one(row, now, steering, poses), sight, poses, store) > 0
             if moves:
-                finish(row, own.reach, motion)
+                finish(row, own.reach, steering)
         answers.active[place] = moves
         for axis in range(answers.vectors.shape[1]):
             answers.vectors[place, axis] = m.total[axis]
@@ -67,9 +63,9 @@ def move_rows(
 
 
 @part
-def margins_of(goal_radius: float, motion: Words[Motion]) -> Margins:
+def margins_of(goal_radius: float, steering: Words[Steering]) -> Margins:
     """Return the margins [m] within which the rule can be different from zero, for an own `goal_radius` [m]."""
-    m = open_motion(motion)
+    m = open_steering(steering)
     return (
         margin(m.looks_repulsive, m.view_distance, goal_radius),
         margin(m.looks_neutral, m.view_distance, goal_radius),
@@ -86,9 +82,9 @@ def margin(looks: int, view: float, goal_radius: float) -> float:
 
 
 @part
-def look_for_one(row: int, now: float, motion: Words[Motion], poses: Words[Poses]) -> Look:
+def look_for_one(row: int, now: float, steering: Words[Steering], poses: Words[Poses]) -> Look:
     """Return the look of a row for any one gradient that makes the rule active though it adds nothing."""
-    m, own = open_motion(motion), open_poses(poses).own
+    m, own = open_steering(steering), open_poses(poses).own
     nowhere = -np.inf
     margins = (
         m.view_distance if m.wakes_repulsive else nowhere,
@@ -99,9 +95,9 @@ def look_for_one(row: int, now: float, motion: Words[Motion], poses: Words[Poses
 
 
 @part
-def finish(row: int, own_reach: float, motion: Words[Motion]) -> None:
+def finish(row: int, own_reach: float, steering: Words[Steering]) -> None:
     """Limit the sum: repulsions among robots to the own reach, all others to their speeds."""
-    m = open_motion(motion)
+    m = open_steering(steering)
     if m.by_own_reach:
         limit(m.total, 0.0, own_reach)
         return

@@ -18,7 +18,6 @@ from selforg.gradients.choosing import (
 )
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Sight, open_sight
-from selforg.mechanisms.kernels.motion import Motion, Own, add, full_length, open_motion
 from selforg.mechanisms.kernels.movement_rule import (
     COMBINATIONS,
     FORMULAS,
@@ -29,11 +28,12 @@ from selforg.mechanisms.kernels.movement_rule import (
     combines,
     sums,
 )
+from selforg.mechanisms.kernels.steering import Own, Steering, add, full_length, open_steering
 from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_fernandez, repulsion_ge
 from selforg.randomness import take_direction
 
-EVERYTHING = (VIEW_DISTANCE, VIEW_DISTANCE, VIEW_DISTANCE)
-ATTRACTIVE = (NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE)
+ALL_IN_VIEW = (VIEW_DISTANCE, VIEW_DISTANCE, VIEW_DISTANCE)
+ATTRACTIVE_IN_VIEW = (NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE)
 ATTRACTIVE_AND_NEAR_REPULSIVE = (OWN_GOAL_RADIUS, NOT_AT_ALL, VIEW_DISTANCE)
 BY_REPULSIVE = (True, False, False)  # which gradients in view make a rule active
 BY_ANY = (True, True, True)
@@ -42,17 +42,17 @@ BALCH, GE = 0, 1  # potentials of chemotaxis
 
 
 @combines()
-def wander(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
     """Look at no gradient: the sum is a random direction of 1 m/s."""
-    m = open_motion(motion)
-    m.total[0], m.total[1], m.total[2] = take_direction(m.directions, m.cursor, row)
+    s = open_steering(steering)
+    s.total[0], s.total[1], s.total[2] = take_direction(s.directions, s.cursor, row)
     return True
 
 
 @combines()
-def sum_all(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+def sum_all(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
     """Sum one formula over all pairs."""
-    m, pairs = open_motion(motion), open_sight(sight).pairs
+    m, pairs = open_steering(steering), open_sight(sight).pairs
     x, y, z = 0.0, 0.0, 0.0
     for index in range(found):
         distance = pairs[index, c.PAIR_DISTANCE]
@@ -65,14 +65,14 @@ def sum_all(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[M
             y += scale * pairs[index, c.PAIR_DY]
             z += scale * pairs[index, c.PAIR_DZ]
         else:
-            add(index, length, own.reach if m.by_own_reach else full_length(index, sight), row, sight, motion)
+            add(index, length, own.reach if m.by_own_reach else full_length(index, sight), row, sight, steering)
     m.total[0] += x
     m.total[1] += y
     m.total[2] += z
     return True
 
 
-@sums(sum_all, looks=EVERYTHING, by_own_reach=True)
+@sums(sum_all, looks=ALL_IN_VIEW, by_own_reach=True)
 def fernandez(
     distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
 ) -> float:
@@ -80,7 +80,7 @@ def fernandez(
     return -repulsion_fernandez(distance - goal, own_reach, distance) if distance - goal <= view else 0.0
 
 
-@sums(sum_all, looks=EVERYTHING, by_own_reach=True)
+@sums(sum_all, looks=ALL_IN_VIEW, by_own_reach=True)
 def repulsion(
     distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
 ) -> float:
@@ -109,7 +109,7 @@ def follow_all(
     return -repulsion_balch(clearance, diffusion)
 
 
-@sums(sum_all, looks=EVERYTHING, ahead=True)
+@sums(sum_all, looks=ALL_IN_VIEW, ahead=True)
 def exploit(
     distance: float, diffusion: float, goal: float, sign: float, own_goal: float, own_reach: float, view: float
 ) -> float:
@@ -117,11 +117,11 @@ def exploit(
     return attraction_ge(distance - own_goal - goal, diffusion)
 
 
-@combines(looks=ATTRACTIVE)
-def follow_one(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+@combines(looks=ATTRACTIVE_IN_VIEW)
+def follow_one(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
     """Follow one chosen gradient by the potentials of Balch & Hybinette (2000); False if none is chosen."""
     pairs = open_sight(sight).pairs
-    chosen = choose(open_motion(motion).chooses, pairs, found, own.goal_radius)
+    chosen = choose(open_steering(steering).chooses, pairs, found, own.goal_radius)
     if chosen < 0 or pairs[chosen, c.PAIR_SIGN] == 0.0:
         return False
     distance, diffusion = pairs[chosen, c.PAIR_DISTANCE], pairs[chosen, c.PAIR_DIFFUSION]
@@ -130,23 +130,23 @@ def follow_one(row: int, found: int, own: Own, sight: Words[Sight], motion: Word
         length = attraction_balch(clearance, diffusion, distance)
     else:
         length = -repulsion_balch(clearance, diffusion)
-    add(chosen, length, full_length(chosen, sight), row, sight, motion)
+    add(chosen, length, full_length(chosen, sight), row, sight, steering)
     return True
 
 
-follow_strongest = follow_one._replace(looks=EVERYTHING, chooses=CHOOSE_STRONGEST)
+follow_strongest = follow_one._replace(looks=ALL_IN_VIEW, chooses=CHOOSE_STRONGEST)
 follow_farthest = follow_one._replace(chooses=CHOOSE_FARTHEST)
 follow_least_reach = follow_one._replace(chooses=CHOOSE_LEAST_REACH)
 follow_most_reach = follow_one._replace(chooses=CHOOSE_MOST_REACH)
 
 
 @combines(looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_REPULSIVE, formula=BALCH, chooses=CHOOSE_NEAREST)
-def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], motion: Words[Motion]) -> bool:
+def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
     """Add attraction to the nearest attractive gradient and all repulsions; False without any.
 
     Potentials of Ge & Cui (2000) for `chemotaxis_ge`, of Balch & Hybinette (2000) else and where there is no goal.
     """
-    m, pairs = open_motion(motion), open_sight(sight).pairs
+    m, pairs = open_steering(steering), open_sight(sight).pairs
     ge = m.formula == GE
     goal = choose(m.chooses, pairs, found, own.goal_radius)
     goal_clearance, contributions = 0.0, 0
@@ -156,7 +156,7 @@ def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], motion
         pull = attraction_balch(goal_clearance, diffusion, pairs[goal, c.PAIR_DISTANCE])
         if ge:
             pull = attraction_ge(goal_clearance, diffusion)
-        add(goal, pull, 0.0, row, sight, motion)
+        add(goal, pull, 0.0, row, sight, steering)
     for index in range(found):
         if pairs[index, c.PAIR_SIGN] >= 0.0:
             continue
@@ -166,8 +166,8 @@ def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], motion
         if ge and goal >= 0:
             away, to_goal = repulsion_ge(clearance, pairs[index, c.PAIR_DIFFUSION], goal_clearance)
             if pairs[goal, c.PAIR_DISTANCE] > 0.0:
-                add(goal, to_goal, 0.0, row, sight, motion)
-        add(index, -away, full_length(index, sight), row, sight, motion)
+                add(goal, to_goal, 0.0, row, sight, steering)
+        add(index, -away, full_length(index, sight), row, sight, steering)
     return contributions > 0
 
 

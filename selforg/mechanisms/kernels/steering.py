@@ -19,7 +19,7 @@ class Movements(NamedTuple):
     active: Annotated[Flags, "K"]  # whether there is a movement
 
 
-class Motion(NamedTuple):
+class Steering(NamedTuple):
     """A movement rule with its parameters, the random directions of a `DirectionStream`, and room for a sum."""
 
     combination: int  # this and the next fields: see `MovementRule`
@@ -46,8 +46,8 @@ class Motion(NamedTuple):
     total: Annotated[Floats, "3"]  # room for a sum
 
 
-MOVEMENTS, MOTION = Recording(Movements), Recording(Motion)
-open_movements, open_motion = MOVEMENTS.open, MOTION.open
+MOVEMENTS, STEERING = Recording(Movements), Recording(Steering)
+open_movements, open_steering = MOVEMENTS.open, STEERING.open
 
 
 class Own(NamedTuple):
@@ -58,14 +58,14 @@ class Own(NamedTuple):
 
 
 @part
-def add(index: int, length: float, full: float, row: int, sight: Words[Sight], motion: Words[Motion]) -> None:
+def add(index: int, length: float, full: float, row: int, sight: Words[Sight], steering: Words[Steering]) -> None:
     """Add a contribution of `length` along the offset of a pair to the sum; -inf becomes `full` [m] away.
 
     Where the centres coincide there is no offset, and the direction is random.
     """
     if length == 0.0:
         return
-    m, pairs = open_motion(motion), open_sight(sight).pairs
+    m, pairs = open_steering(steering), open_sight(sight).pairs
     if np.isinf(length):
         length = -full
     distance = pairs[index, c.PAIR_DISTANCE]
