@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from clean_swarm_env.config.files import load_mission, with_changes
+from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch, Finished
 from clean_swarm_env.learning.observation.term import TERMS

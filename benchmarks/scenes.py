@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from clean_swarm_env.config.files import load_mission, with_changes
+from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.robot import GOAL

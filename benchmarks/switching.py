@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.measuring import by_turns, ratio
 from benchmarks.record import record
-from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.robot import coordinators_of

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` cannot wait for: see `__getattr__`
     from clean_swarm_env.config.errors import ConfigurationError as ConfigurationError
     from clean_swarm_env.config.families import FamilyConfig as FamilyConfig
-    from clean_swarm_env.config.files import load_family as load_family
-    from clean_swarm_env.config.files import load_mission as load_mission
+    from clean_swarm_env.config.load import load_family as load_family
+    from clean_swarm_env.config.load import load_mission as load_mission
     from clean_swarm_env.config.mission import MissionConfig as MissionConfig
     from clean_swarm_env.config.mission import StartConfiguration as StartConfiguration
     from clean_swarm_env.learning.actions import ActionConfig as ActionConfig
     from clean_swarm_env.learning.batch import Batch as Batch
     from clean_swarm_env.learning.joined import family_batches as family_batches
+    from clean_swarm_env.learning.observation.config import ObservationConfig as ObservationConfig
     from clean_swarm_env.learning.observation.term import TERMS as TERMS
     from clean_swarm_env.learning.observation.term import Term as Term
-    from clean_swarm_env.learning.observation.terms import ObservationConfig as ObservationConfig
     from clean_swarm_env.learning.reward import RewardConfig as RewardConfig
     from clean_swarm_env.world.mission import run_mission as run_mission
 

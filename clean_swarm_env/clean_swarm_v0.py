@@ -28,8 +28,8 @@ from clean_swarm_env.borders.spaces import action_space, masks_of, observation_s
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 
 AgentAction = int | NDArray[np.int64] | NDArray[np.float32]

@@ -12,7 +12,7 @@ from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 from ray.tune.registry import register_env
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.load import load_mission
 
 STEPS = 1_000
 

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name, Number
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
 from selforg.registry import unknown

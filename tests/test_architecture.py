@@ -19,6 +19,7 @@ BORDERS = {
     "numba": {  # the compiler's own folder, and what calls C from compiled code
         "selforg/compiler/cache.py",
         "selforg/compiler/decorators.py",
+        "selforg/compiler/llvm.py",
         "selforg/compiler/prefetch.py",
         "selforg/compiler/records.py",
         "selforg/compiler/switches.py",

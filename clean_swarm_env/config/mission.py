@@ -1,7 +1,7 @@
 """Typed, closed and frozen configuration of a mission: one sentence and a unit per field.
 
 Every value that is impossible is refused here with the key, what was expected and what was given; unknown keys are
-errors. `clean_swarm_env.config.files` reads these models from YAML and adds the name of the file. The defaults are the
+errors. `clean_swarm_env.config.load` reads these models from YAML and adds the name of the file. The defaults are the
 settings of the reference experiment (see `configs/missions`), with solid robots.
 """
 
@@ -22,6 +22,7 @@ from clean_swarm_env.config.events import (
     check_team,
 )
 from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.config.types import Count, Index, Point, Pose
 from clean_swarm_env.config.world import WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
@@ -79,17 +80,6 @@ class GarbageConfig(Closed):
     """Distance within which a robot is at an item [m]."""
     pick_distance: Positive = 0.6
     """Distance within which the nearest item is taken [m]."""
-
-
-class StationsConfig(Closed):
-    """The two stations that each item passes."""
-
-    recycling: Point = (2.75, 5.5)
-    """Position of the recycling station [m]."""
-    dump: Point = (8.25, 5.5)
-    """Position of the dump station [m]."""
-    reach: Positive = 0.5
-    """Distance within which a robot is at a station [m]."""
 
 
 class PatrolConfig(Closed):

@@ -18,11 +18,12 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
-from clean_swarm_env.learning.observation.terms import ObservationConfig
-from clean_swarm_env.learning.progress import COMPLETED, TIME_OVER, MissionProgress
+from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
 from clean_swarm_env.world.mission import MissionResult, result_of
+from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of

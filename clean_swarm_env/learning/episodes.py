@@ -14,7 +14,7 @@ from typing import TypedDict
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
-from clean_swarm_env.config.files import load_family, load_mission
+from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 

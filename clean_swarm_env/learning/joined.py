@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig
-from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
 from clean_swarm_env.learning.episodes import Size

@@ -10,6 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from clean_swarm_env.world.garbage import NOTHING
+from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state, tick_limit
 from clean_swarm_env.world.robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Flags, Ints
@@ -20,7 +21,6 @@ EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
 """Rows of `Period.events`: items picked, recycled and dumped by the robot, collision events in which it took part,
 ticks at whose end another robot was closer than the collision distance, ticks in which it avoided others."""
 PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
-RUNNING, COMPLETED, TIME_OVER = range(3)
 
 
 class Period(NamedTuple):
@@ -100,7 +100,7 @@ class MissionProgress:
     def reset(self, world: int) -> None:
         """Begin anew with a world that has just been reset."""
         mission, rows, followed = self._worlds.missions[world], self._worlds.rows_of(world), self._followed.record
-        self.limits[world] = max(round(mission.time_limit * mission.world.control_rate), 1)
+        self.limits[world] = tick_limit(mission)
         self.outcome[world] = RUNNING
         self.idle[rows] = 0
         followed.had[rows] = followed.cargo[rows]
@@ -168,8 +168,8 @@ def count_tick(
         p.dumped[world] += f.done[world] - f.had_done[world]
         f.had_done[world] = f.done[world]
         f.elapsed[world] = ticks[world]
-        if cleaned[world] or ticks[world] >= f.limits[world]:
-            p.outcome[world] = COMPLETED if cleaned[world] else TIME_OVER
+        p.outcome[world] = mission_state(cleaned[world], ticks[world], f.limits[world])
+        if p.outcome[world] != RUNNING:
             f.ended[ended] = world
             ended += 1
     return ended

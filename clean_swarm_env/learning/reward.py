@@ -10,7 +10,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.learning.progress import COMPLETED, EVENTS, MissionProgress, Period, open_period
+from clean_swarm_env.learning.progress import EVENTS, MissionProgress, Period, open_period
+from clean_swarm_env.world.mission_end import COMPLETED
 from selector.documents.fields import Closed, Number, Share
 from selforg.arrays import Floats
 from selforg.compiler.decorators import lean_kernel

@@ -4,17 +4,13 @@ A call from Python costs about as much as the work of a small space. The address
 by world, as a table of handles; a world without handles is not for compiled code.
 """
 
-from typing import Any, TypeAlias
-
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
+from selforg.compiler.llvm import LLVM, Compiler
 
-Compiler: TypeAlias = Any  # Numba and LLVM are not typed
-LLVM: Compiler = cgutils
 IR: Compiler = LLVM.ir
 
 # handles (W, HANDLES) int64, addresses, all zero where a world has no space that compiled code may step

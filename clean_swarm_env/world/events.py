@@ -1,8 +1,6 @@
-"""What happens in one world and when: the events of its mission, and the garbage that keeps coming.
+"""What happens in one world and when: the events of its mission, and the items that arrive.
 
-Garbage comes as a Poisson process: the items expected since the last one are compared with an exponential draw, so that
-a change of the rate keeps what has been waited already. What comes, when and where, depends on the seed of the world
-only, never on what robots do: all options that are compared get the same garbage.
+Both depend on the seed of the world only, never on what robots do: all options that are compared get the same.
 """
 
 from __future__ import annotations
@@ -14,14 +12,13 @@ import numpy as np
 
 from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.arrivals import NO_TICK, Arrivals
 from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from clean_swarm_env.world.team import Place, Team
+from clean_swarm_env.world.team_changes import Place, Team
 from selforg.arrays import Flags, Floats
 
-NO_TICK: Final = 1 << 62
-"""Tick of what never happens."""
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; those of its robots have their numbers."""
 TOLERANCE: Final = 1e-9
@@ -54,15 +51,13 @@ class Agenda:
 
     def __init__(self, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, OWN_STREAMS)).spawn(3)
-        self._arrivals, self._landings, self._places = (np.random.default_rng(stream) for stream in streams)
+        arriving, self._landings, self._places = (np.random.default_rng(stream) for stream in streams)
         per_tick = mission.world.control_rate
+        self._arrivals = Arrivals(arriving, mission.garbage.respawn, 60.0 * per_tick)
         self._events: list[tuple[int, Event]] = [
             (ceil(event.at * per_tick - TOLERANCE), event) for _, event in in_order(mission.events)
         ]
         self._joining: list[Place | None] = []
-        self._ticks_per_minute = 60.0 * per_tick
-        self._ticket = float(self._arrivals.exponential())  # items expected until the next one comes
-        self._set_rate(mission.garbage.respawn, 0.0)
         self._landing = mission.items_expected - mission.garbage.count
         self._ends = not mission.continuous
         self._find_due(0)
@@ -70,10 +65,8 @@ class Agenda:
     def run(self, world: int, affected: Affected) -> None:
         """Apply what is due in `world`."""
         tick, extent = int(affected.clock.ticks[world]), affected.floor.extent
-        while self._next_item <= tick:
-            affected.land(world, self._arrivals.uniform(size=2) * extent)
-            self._ticket = float(self._arrivals.exponential())
-            self._set_rate(self._rate, self._next_time)
+        for share in self._arrivals.until(tick):
+            affected.land(world, share * extent)
         while (
             (not self._joining or self._let_join(world, affected.team)) and self._events and self._events[0][0] <= tick
         ):
@@ -87,13 +80,7 @@ class Agenda:
 
     def _find_due(self, tick: int) -> None:
         next_event = self._events[0][0] if self._events else NO_TICK
-        self.due = tick + 1 if self._joining else min(next_event, self._next_item)
-
-    def _set_rate(self, rate: float, since: float) -> None:
-        """Let items come at `rate` [1/min] from the time `since` [ticks] on, from which the ticket counts."""
-        self._rate, self._since = rate, since
-        self._next_time = since + self._ticket * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
-        self._next_item = ceil(self._next_time)
+        self.due = tick + 1 if self._joining else min(next_event, self._arrivals.due)
 
     def _let_join(self, world: int, team: Team) -> bool:
         """Let robots join that have waited; return whether none has to wait on."""
@@ -119,8 +106,7 @@ class Agenda:
                 affected.land(world, position)
             self._landing -= event.items
         elif isinstance(event, Respawn):
-            self._ticket = max(self._ticket - (tick - self._since) * self._rate / self._ticks_per_minute, 0.0)
-            self._set_rate(event.rate, float(tick))
+            self._arrivals.set_rate(event.rate, tick)
         elif isinstance(event, MoveStations):
             floor.stations[world] = event.recycling, event.dump
         else:

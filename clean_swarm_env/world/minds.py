@@ -14,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.drive import ORDERS, Orders
 from clean_swarm_env.physics.uncopied import Uncopied
-from clean_swarm_env.world.delivery import Reception, pose_history
+from clean_swarm_env.world.reception import Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
 from clean_swarm_env.world.robot import robot_network
 from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.world.mission_end import RUNNING, mission_state, tick_limit
 from clean_swarm_env.world.robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
@@ -96,14 +97,14 @@ class Course:
         self.worlds.reset(0, run.start, run.seed)
         self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy, directories=directories)
         self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
-        self._limit = round(mission.time_limit / self.worlds.period)
+        self._limit = tick_limit(mission)
         self.worlds.hold(self._selection.decide())
 
     @property
     def in_progress(self) -> bool:
         """Whether there is garbage and time left."""
         worlds = self.worlds
-        return bool(not worlds.cleaned[0] and worlds.ticks[0] < self._limit)
+        return mission_state(worlds.cleaned[0], worlds.ticks[0], self._limit) == RUNNING
 
     def tick(self) -> None:
         """Run one control period; at the first one of a decision period, decide what serves each goal."""

@@ -11,7 +11,7 @@ from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.coordination.robot_network import RobotNetwork
 from selector.documents.errors import DocumentError, shown
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.knowledge import Knowledge
 from selforg.network.model.behaviours import Sensor
 

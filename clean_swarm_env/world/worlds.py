@@ -18,7 +18,7 @@ from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from clean_swarm_env.world.team import Team
+from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided, handle_cargo_in_reach
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import hold_options

@@ -28,7 +28,7 @@ from docs.figures.draw_trajectories import draw_trajectories
 from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models
 from selector.coordination.robot_document import coordinated_goals, load_network
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import STRATEGIES
 from train.reports.network_diagram import draw_panels, robot_panels

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.picture import (
     GARBAGE,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.picture import draw_world
 from clean_swarm_env.drawing.world_picture import canvas_of

@@ -9,7 +9,7 @@ from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.files import files_of
+from selector.documents.find import files_of
 from selector.documents.parameters import check_parameters_used, resolved
 from selector.documents.reading import read_mapping
 from selector.knowledge import Knowledge, Option

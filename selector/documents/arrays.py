@@ -1,7 +1,6 @@
 """Named arrays with a description in one safetensors file: data that run no code when they are read."""
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import safetensors
 import safetensors.numpy
 
 from selector.documents.errors import DocumentError, shown
+from selector.documents.writing import write_whole
 
 Arrays = dict[str, npt.NDArray[Any]]
 DESCRIPTION = "description"
@@ -40,28 +40,6 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
     if not isinstance(description, dict):
         raise DocumentError(f"{shown(path)}: expected a description of what the file holds, got none")
     return arrays, description
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that at any moment, also after a loss of power, the old or the new content is there.
-
-    Raises:
-        DocumentError: a place that cannot be written to.
-
-    """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with part.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise DocumentError(f"{shown(path)}: cannot be written ({error})") from error
 
 
 def names_differ(what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> str | None:

@@ -119,7 +119,7 @@ def _microseconds(time: datetime) -> int:
     return (time - EPOCH) // MICROSECOND
 
 
-def text_of(contents: StoredKnowledge, *, as_json: bool) -> str:
+def document_text(contents: StoredKnowledge, *, as_json: bool) -> str:
     """Return the contents of a store as the text of a file."""
     document = as_document(contents)
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n" if as_json else as_yaml(document)

@@ -32,7 +32,7 @@ from selector.store.exact_sums import COUNT_LIMIT, Moments
 from selector.store.stored_knowledge import NAME_LIMIT, Key, LearnedEntry, Rated, definition
 
 LOW_BITS = 62
-LOW = (1 << LOW_BITS) - 1
+LOW_MASK = (1 << LOW_BITS) - 1
 MOST_NAMED = 500
 """Most contexts that a query names; databases limit them, and with more it costs less to read all."""
 SUMS = ("total", "squares")
@@ -77,9 +77,9 @@ def add_learned(connection: Connection, entries: Iterable[tuple[Key, LearnedEntr
             **key._asdict(),
             "updates": entry.moments.count,
             "total_high": entry.moments.total >> LOW_BITS,  # rounds down, so that low is never negative
-            "total_low": entry.moments.total & LOW,
+            "total_low": entry.moments.total & LOW_MASK,
             "squares_high": entry.moments.squares >> LOW_BITS,
-            "squares_low": entry.moments.squares & LOW,
+            "squares_low": entry.moments.squares & LOW_MASK,
             "updated": entry.updated,
         }
         for key, entry in sorted(entries)  # everyone locks rows in one order: no two writers wait for each other
@@ -97,8 +97,8 @@ def _adding(dialect: str) -> postgresql.Insert | sqlite.Insert:
     }
     for name in SUMS:
         low = old[f"{name}_low"] + new[f"{name}_low"]  # below 2^63
-        carry = case((low > LOW, 1), else_=0)
-        changes[f"{name}_low"] = low.bitwise_and(LOW)
+        carry = case((low > LOW_MASK, 1), else_=0)
+        changes[f"{name}_low"] = low.bitwise_and(LOW_MASK)
         changes[f"{name}_high"] = old[f"{name}_high"] + new[f"{name}_high"] + carry
     return inserting.on_conflict_do_update(index_elements=list(learned.primary_key), set_=changes)
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from selector.documents.arrays import Arrays, load_arrays, names_differ, save_arrays
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import ROW_STATE, DecisionStrategy
 

@@ -16,10 +16,11 @@ import numpy.typing as npt
 import safetensors.numpy
 from pydantic import Field, model_validator
 
-from selector.documents.arrays import names_differ, write_whole
+from selector.documents.arrays import names_differ
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name, Number, Positive
-from selector.documents.files import find_file
+from selector.documents.find import find_file
+from selector.documents.writing import write_whole
 from selector.strategies.problem import Problem
 
 Floats32 = npt.NDArray[np.float32]

@@ -8,13 +8,12 @@ from typing import Any, ClassVar, final
 import numpy as np
 import numpy.typing as npt
 
+from selector.documents.arrays import Arrays
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selector.strategies.problem import Decisions, Outcomes, Problem, canonical_order, readable, whole_numbers
 from selector.strategies.streams import Keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
-
-Arrays = dict[str, npt.NDArray[Any]]
 
 
 class NoParameters(Closed):

@@ -32,15 +32,13 @@ from typing import Annotated, Any, Generic, TypeVar, cast, get_args, get_origin,
 
 import numpy as np
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, register_jitable
 
 from selforg.arrays import Ints
+from selforg.compiler.llvm import LLVM, Compiler
 from selforg.compiler.switches import CHECKED, COMPILED, PLAIN
 
 Record = TypeVar("Record", bound=tuple[Any, ...])
-Compiler = Any  # Numba and LLVM have no types
-LLVM: Compiler = cgutils
 
 NUMBERS: dict[type, Compiler] = {float: types.float64, int: types.int64}
 

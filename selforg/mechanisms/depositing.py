@@ -11,7 +11,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.store import columns as c
 from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import chemotaxis_ge, follow_least_reach, patrol, wander
+from selforg.mechanisms.kernels.rules import chemotaxis_ge, follow_least_reach, wander
 from selforg.mechanisms.options import SpeedOptions
 from selforg.mechanisms.registry import MECHANISMS
 
@@ -57,24 +57,6 @@ class DepositingMechanism(RuleMechanism):
         """
         rows = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         self.buffer.deposit(rows, self._message, self._tag, float(now))
-
-
-@MECHANISMS.register
-class Patrol(DepositingMechanism):
-    """Moves away from all gradients of its channels and leaves a repulsive pheromone with each command.
-
-    Where the repulsions are zero or cancel out, the direction is random, at `max_speed` (deviation Q7: the original
-    replaces every vector that needs no limiting). Inactive where no gradient is in view.
-    """
-
-    rule = patrol
-
-    def __init__(
-        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
-    ) -> None:
-        pheromone = pheromone or Pheromone(attraction=-1, evaporation_period=30.0)
-        options = {"min_speed": 0.7, **options}
-        super().__init__(buffer, pheromone=pheromone, **options)
 
 
 class TrailMechanism(DepositingMechanism):

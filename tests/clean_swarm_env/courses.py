@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import load_mission, with_changes
+from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.robot import GOAL

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from selforg.network.explain.inspection import goal_wishes
+from selforg.network.explain.wishes import goal_wishes
 from selforg.network.model.behaviours import Goal, Sensor
 from selforg.network.model.conditions import leaves
 from selforg.network.model.model import NetworkModel

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from selforg.network.explain.inspection import behaviour_wishes, goal_wishes
+from selforg.network.explain.wishes import behaviour_wishes, goal_wishes
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.memory import PlanMemory

@@ -57,8 +57,8 @@ def _common(
 @app.command("list")
 def list_experiments(configs: Configs = None) -> None:
     """List the experiments with their conditions, and the families of scenarios."""
-    from clean_swarm_env.config.files import load_experiment, load_family
-    from selector.documents.files import files_of
+    from clean_swarm_env.config.load import load_experiment, load_family
+    from selector.documents.find import files_of
 
     for name in files_of("experiments", configs or ()):
         experiment = load_experiment(name, configs or ())

@@ -49,7 +49,7 @@ def draw_command(
 
 def _found(name: str, directories: list[Path]) -> Path:
     """Return the file of a robot or configuration by its name, the robot's first, or by its path."""
-    from selector.documents.files import files_of, find_file
+    from selector.documents.find import files_of, find_file
     from selforg.registry import unknown
 
     robots, configurations = files_of("robots", directories), files_of("mechanisms", directories)

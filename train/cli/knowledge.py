@@ -77,7 +77,7 @@ def export_file(
         raise ConfigurationError(f"{output}: expected a name that ends in .yaml or .json")
     with closing(opened(store, create=False)) as kept:
         contents = kept.contents()
-    text = document.text_of(contents, as_json=output.suffix == ".json")
+    text = document.document_text(contents, as_json=output.suffix == ".json")
     if str(output) == "-":
         typer.echo(text, nl=False)
         return

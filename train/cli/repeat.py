@@ -43,12 +43,12 @@ def record_command(
     condition: ConditionOption = None,
 ) -> None:
     """Repeat a run and keep every step of every robot's networks, and the options held, in an NPZ file."""
-    from train.evaluation import record as recording  # imports Numba
+    from train.evaluation.record_run import record_run  # imports Numba
     from train.evaluation.repeat import task_of
 
     task = task_of(run, scenario, condition)
     with _repeating(run):
-        steps = recording.record_run(task, output)
+        steps = record_run(task, output)
     typer.echo(f"{steps} steps of {task.mission.robots.count} robots in {output}")
 
 

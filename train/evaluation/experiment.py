@@ -8,7 +8,7 @@ from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.files import load_experiment
+from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
@@ -17,7 +17,8 @@ from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
 from train.analysis.reference import Measured
 from train.analysis.report import report_of, summary_json
-from train.evaluation.pipeline import Evaluation, Publication
+from train.evaluation.pipeline import Evaluation
+from train.evaluation.publish import Publication
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.running.provenance import fingerprints, versions

@@ -11,14 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
 from train.evaluation.entrants import Entrant, entrants_of, identified, member_pilot
-from train.evaluation.pipeline import Evaluation, Publication
+from train.evaluation.pipeline import Evaluation
+from train.evaluation.publish import Publication
 from train.reports.family_tables import family_tables
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import Pilot

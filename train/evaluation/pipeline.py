@@ -16,27 +16,13 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from train.reports.text_table import Grid, markdown, on_terminal
+from train.evaluation.publish import Publication, publish
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
+from train.running.finished_runs import Results
 from train.running.processes import each_done
-from train.running.results import Results
 from train.running.run_folder import RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord, Task
 from train.running.warm_up import compile_first, compiled_before
-
-
-@dataclass(frozen=True)
-class Publication:
-    """What an evaluation writes and prints."""
-
-    heading: str
-    """First lines of `table.md`."""
-    grids: Sequence[Grid]
-    """The tables of `table.md` and of the terminal."""
-    summary: str
-    """Content of `summary.json`."""
-    figure: bytes | None = None
-    """Content of `figure.png`."""
 
 
 class Evaluation(ABC):
@@ -96,7 +82,7 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
         _say_how_to_resume(evaluation, results, "a worker process was killed" if broken else "interrupted")
         return FAILED if broken else INTERRUPTED
     results.close()
-    _publish(evaluation.publication(results.records), folder, execution.console)
+    publish(evaluation.publication(results.records), folder, execution.console)
     return FINISHED
 
 
@@ -118,18 +104,6 @@ def _progress(total: int, done: int) -> Iterator[Callable[[], None]]:
     columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
     with Progress(*columns, TimeRemainingColumn(elapsed_when_finished=False), console=Console(stderr=True)) as bar:
         yield partial(bar.advance, bar.add_task("runs", total=total, completed=done))
-
-
-def _publish(publication: Publication, folder: RunFolder, console: Console) -> None:
-    """Write the files that are made of the finished runs, and print the tables."""
-    folder.write("summary.json", publication.summary)
-    folder.write("table.md", publication.heading + "\n".join(markdown(grid) for grid in publication.grids))
-    if publication.figure is not None:
-        folder.write("figure.png", publication.figure)
-    for grid in publication.grids:
-        console.print(on_terminal(grid), soft_wrap=True)
-        console.print()
-    console.print(f"results in {folder.path}", soft_wrap=True, highlight=False)
 
 
 def _say_how_to_resume(evaluation: Evaluation, results: Results, what: str) -> None:

@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.types import Count
-from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name, NonNegative, Positive, Share
-from selector.documents.files import load_file
+from selector.documents.find import load_file
 from selector.strategies.registry import StrategySpec
 
 

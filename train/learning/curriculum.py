@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.joined import family_batches

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.arrays import write_whole
+from selector.documents.writing import write_whole
 
 MANIFEST = "manifest.json"
 

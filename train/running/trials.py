@@ -14,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.frames import grouped
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.world.mission import MissionResult
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker

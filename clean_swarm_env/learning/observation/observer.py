@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.searches import find_items, find_neighbours, find_stations, list_present
 from clean_swarm_env.learning.observation.term import Observed
-from clean_swarm_env.learning.observation.terms import ObservationConfig
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints

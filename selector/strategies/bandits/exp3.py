@@ -5,11 +5,12 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative, Number
 from selector.strategies.choosing import chance_of, drawn, even
 from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
-from selector.strategies.strategy import Arrays, DecisionStrategy
+from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 
 

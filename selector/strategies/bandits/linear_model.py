@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative, Positive
 from selector.strategies.problem import Decisions, Outcomes
-from selector.strategies.strategy import Arrays, DecisionStrategy
+from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 

@@ -5,12 +5,13 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from selector.documents.arrays import Arrays
 from selector.documents.fields import NonNegative
 from selector.strategies.bandits.optimism import most_promising
 from selector.strategies.bandits.value_table import PriorParameters, weighted
 from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.registry import STRATEGIES
-from selector.strategies.strategy import Arrays, DecisionStrategy
+from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 
 

@@ -5,9 +5,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative
 from selector.strategies.problem import Outcomes
-from selector.strategies.strategy import Arrays, DecisionStrategy
+from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 
 Pseudocount = Annotated[NonNegative, Field(le=1e12)]

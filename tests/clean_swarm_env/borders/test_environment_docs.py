@@ -5,8 +5,8 @@ from importlib.util import find_spec
 
 import pytest
 
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS
 from clean_swarm_env.learning.reward import RewardConfig
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT

@@ -16,7 +16,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.joined import family_batches
-from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 SHORT = mission(garbage={"count": 2}, time_limit=30.0)

@@ -9,10 +9,10 @@ from pydantic import BaseModel, ValidationError
 from clean_swarm_env.config import mission as config
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.files import load_experiment, load_mission, with_changes
+from clean_swarm_env.config.load import load_experiment, load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
 from selector.documents.fields import Closed
-from selector.documents.files import files_of
+from selector.documents.find import files_of
 
 MODELS = [
     model

@@ -5,12 +5,12 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import SPLITS, seed_of
-from clean_swarm_env.config.files import load_family
 from clean_swarm_env.config.frames import check_frame, grouped
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.files import files_of
+from selector.documents.find import files_of
 from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission
 
 FAMILIES = list(files_of("families"))

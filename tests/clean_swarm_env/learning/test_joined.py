@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import episodes_of
 from clean_swarm_env.learning.joined import Joined, family_batches
-from clean_swarm_env.learning.observation.terms import ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.courses import long_course, mission
 

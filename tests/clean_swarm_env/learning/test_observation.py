@@ -5,11 +5,11 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import load_mission, with_changes
+from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
-from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.phases import PHASES
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission

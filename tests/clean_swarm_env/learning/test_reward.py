@@ -8,17 +8,16 @@ import pytest
 from clean_swarm_env.learning.progress import (
     AVOIDINGS,
     COLLISIONS,
-    COMPLETED,
     CONTACTS,
     DUMPINGS,
     EVENTS,
     PERIOD_RECORD,
     PICKINGS,
     RECYCLINGS,
-    RUNNING,
     Period,
 )
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
+from clean_swarm_env.world.mission_end import COMPLETED, RUNNING
 
 
 def progress(**events):

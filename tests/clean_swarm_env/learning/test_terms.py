@@ -7,8 +7,8 @@ from numpy.testing import assert_array_equal
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.around import open_around
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS, Term
-from clean_swarm_env.learning.observation.terms import DEFAULT_TERMS, ObservationConfig
 from selforg.compiler.decorators import kernel
 from tests.clean_swarm_env.courses import mission, moved
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from clean_swarm_env.world.robot import coordinators_of

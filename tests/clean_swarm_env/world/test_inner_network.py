@@ -12,7 +12,7 @@ from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
 from tests.clean_swarm_env.courses import mission
 from train.evaluation.explain import as_json, explained
-from train.evaluation.record import record_run
+from train.evaluation.record_run import record_run
 from train.running.runs import RunTask
 
 PATROL = {"channels": ["pheromone"], "pheromone": {"channel": "pheromone", "attraction": -1}, "min_speed": 0.5}

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config.files import load_mission, with_changes
+from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.robot import coordinators_of

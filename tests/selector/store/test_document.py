@@ -25,7 +25,7 @@ def test_a_document_holds_a_store_to_the_last_bit(tmp_path_factory, contents):
     directory = tmp_path_factory.mktemp("documents")
     for name in ("store.yaml", "store.json"):
         path = directory / name
-        path.write_text(document.text_of(contents, as_json=name.endswith("json")), encoding="utf-8")
+        path.write_text(document.document_text(contents, as_json=name.endswith("json")), encoding="utf-8")
         assert document.read(path, "unused") == contents
 
 
@@ -35,7 +35,7 @@ def test_equal_contents_give_equal_text(tmp_path):
         dict(reversed([(Key("A", "b", "c", "d"), LearnedEntry(Moments(1, 0, 0), 0)), *SMALL.learned.items()])),
     )
     forwards = StoredKnowledge(SMALL.expert, dict(reversed(backwards.learned.items())))
-    assert document.text_of(backwards, as_json=False) == document.text_of(forwards, as_json=False)
+    assert document.document_text(backwards, as_json=False) == document.document_text(forwards, as_json=False)
 
 
 def changed(**changes):

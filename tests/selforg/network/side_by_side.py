@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from selforg.network.explain.inspection import behaviour_wishes, goal_wishes
+from selforg.network.explain.wishes import behaviour_wishes, goal_wishes
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
 from tests.selforg.network.random_models import Draw

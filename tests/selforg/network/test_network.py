@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from selforg.network.explain.inspection import behaviour_wishes, goal_wishes
+from selforg.network.explain.wishes import behaviour_wishes, goal_wishes
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Interface, NetworkSettings, Sensor
 from selforg.network.model.conditions import Condition, Optional

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from clean_swarm_env.config.files import load_experiment
+from clean_swarm_env.config.load import load_experiment
 from tests.train.records import record
 from train.analysis.statistics import Ratio, distance_metrics, figures_of, ratio_of_means, summarise
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from selector.documents.files import files_of
+from selector.documents.find import files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
 from train.cli import app as cli

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.config.files import load_family
 from clean_swarm_env.config.frames import grouped
+from clean_swarm_env.config.load import load_family
 from selector.knowledge import load_knowledge
 from selector.strategies.learned_file import find_strategy, save_strategy, spec_of
 from selector.strategies.policy_file import find_policy, load_policy, save_policy

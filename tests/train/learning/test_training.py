@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from clean_swarm_env.config.files import load_family
+from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore
 from selector.strategies.policy import Network

@@ -7,7 +7,7 @@ import pytest
 from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models
 from selector.coordination.robot_document import coordinated_goals
-from selector.documents.files import find_file
+from selector.documents.find import find_file
 from selector.knowledge import Knowledge, load_knowledge
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.families import FamilyConfig
-from clean_swarm_env.config.files import load_mission
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from train.evaluation.entrants import member_pilot

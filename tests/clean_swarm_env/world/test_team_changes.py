@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.files import with_changes
+from clean_swarm_env.config.load import with_changes
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
@@ -254,7 +254,7 @@ def test_robots_join_at_random_places_without_touching_anybody():
 )
 def test_impossible_events_are_named(event, message, tmp_path):
     from clean_swarm_env.config.errors import ConfigurationError
-    from clean_swarm_env.config.files import load_mission
+    from clean_swarm_env.config.load import load_mission
 
     path = tmp_path / "own.yaml"
     path.write_text(f"events: [{ {'at': 3.0, **event} }]".replace("'", ""))

@@ -1,4 +1,4 @@
-"""Read missions, families and experiments from YAML files, by name or by path; see `selector.documents.files`.
+"""Read missions, families and experiments from YAML files, by name or by path; see `selector.documents.find`.
 
 Whatever is wrong raises ConfigurationError: one line with file, key, expected and given.
 """
@@ -12,7 +12,7 @@ from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import shown, validated
-from selector.documents.files import find_file, load_file
+from selector.documents.find import find_file, load_file
 from selector.documents.reading import read_mapping
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.inner_network import at_any_depth
-from selector.documents.arrays import Arrays, write_whole
+from selector.documents.arrays import Arrays
+from selector.documents.writing import write_whole
 from selforg.arrays import Ints
 from selforg.network.explain.recording import Recorder, stacked
 from selforg.network.model.model import NetworkModel

@@ -6,7 +6,7 @@ import pytest
 
 import configs
 from selector.documents.errors import DocumentError
-from selector.documents.files import KINDS, files_of, find_file
+from selector.documents.find import KINDS, files_of, find_file
 
 pytestmark = pytest.mark.parametrize("kind", list(KINDS))
 

@@ -7,7 +7,7 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from tests.train.records import record
-from train.running.results import Results, natural_order
+from train.running.finished_runs import Results, natural_order
 from train.running.run_folder import RunFolder
 from train.running.runs import RUN_COLUMNS
 

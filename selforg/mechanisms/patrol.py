@@ -1,0 +1,27 @@
+"""Patrol: robots move away from the trails of others, and so go where nobody has been lately."""
+
+from typing import Unpack
+
+from selforg.gradients.buffer import SoBuffer
+from selforg.mechanisms.depositing import DepositingMechanism, Pheromone
+from selforg.mechanisms.kernels.rules import patrol
+from selforg.mechanisms.options import SpeedOptions
+from selforg.mechanisms.registry import MECHANISMS
+
+
+@MECHANISMS.register
+class Patrol(DepositingMechanism):
+    """Moves away from all gradients of its channels and leaves a repulsive pheromone with each command.
+
+    Where the repulsions are zero or cancel out, the direction is random, at `max_speed` (deviation Q7: the original
+    replaces every vector that needs no limiting). Inactive where no gradient is in view.
+    """
+
+    rule = patrol
+
+    def __init__(
+        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
+    ) -> None:
+        pheromone = pheromone or Pheromone(attraction=-1, evaporation_period=30.0)
+        options = {"min_speed": 0.7, **options}
+        super().__init__(buffer, pheromone=pheromone, **options)

@@ -1,0 +1,57 @@
+"""The house stays a house: no circles, folders that can be overlooked, names with one meaning, short signatures."""
+
+import pytest
+
+from tests import house
+from tests.house import MOST_COMPILED, MOST_MODULES, MOST_PLAIN
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    assert house.circles() == []
+
+
+def test_a_folder_holds_no_more_modules_than_can_be_overlooked():
+    assert {folder: n for folder, n in house.modules_in_folders().items() if n > MOST_MODULES} == {}
+
+
+def test_a_public_name_has_one_meaning_across_the_packages():
+    assert house.names_defined_twice(across_packages=True) == {}
+
+
+def test_signatures_are_short():
+    assert house.long_signatures() == []
+
+
+def test_the_formatter_is_hardly_ever_switched_off():
+    assert house.skips() <= 20
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("import b", ["a", "b"]),
+        ("def f():\n    from pkg import b\n", ["a", "b"]),
+        ("from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import b\n", ["a", "b"]),
+        ("import os", []),
+    ],
+)
+def test_hidden_circles_are_found(tmp_path, text, found):
+    package = tmp_path / "selforg"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "a.py").write_text(
+        text.replace("import b", "import selforg.b").replace("from pkg import selforg.b", "from selforg import b")
+    )
+    (package / "b.py").write_text("import selforg.a\n")
+    assert house.circles(tmp_path) == ([[f"selforg.{name}" for name in found]] if found else [])
+
+
+def test_long_signatures_are_found(tmp_path):
+    package = tmp_path / "selforg"
+    package.mkdir()
+    names = ", ".join(f"a{k}" for k in range(MOST_PLAIN + 1))
+    more = ", ".join(f"a{k}" for k in range(MOST_COMPILED + 1))
+    (package / "a.py").write_text(
+        f"def plain({names}): ...\n@part\ndef fits({names}): ...\n@part\ndef long({more}): ...\n"
+    )
+    assert {name for name, _ in house.long_signatures(tmp_path)} == {"selforg.a.plain", "selforg.a.long"}
