@@ -68,7 +68,7 @@ def test_the_nearest_directory_wins_and_names_are_listed(tmp_path):
     assert "AvoidCollision" in load_knowledge("cleaning", [tmp_path]).goals
     with pytest.raises(
         DocumentError,
-        match=r"unknown expert knowledge 'mien' \(known: .*cleaning, .*mine; did you mean 'mine'",
+        match=r"unknown expert knowledge 'mien' \(known: .*cleaning, .*mine, .*; did you mean 'mine'",
     ):
         load_knowledge("mien", [tmp_path])
     with pytest.raises(DocumentError, match="nowhere: no such directory"):
