@@ -1,1 +1,1 @@
-"""Speed, beside what it is to be compared with; `make bench` runs all of them."""
+"""Benchmarks of speed, each beside a reference; `make bench` runs all of them."""

@@ -1,10 +1,10 @@
-"""What each term of the activation is worth: mission time without it, on the same random start configurations.
+"""The effect of each term of the activation: mission time without the term, on the same random starts.
 
     python -m benchmarks.ablation [STARTS] [SEED]
 
 prints the tables and puts them into docs/ablation.md, below its marker. The network lacks one term at a time (its
-weight is 0), or its planner; robots pass through each other, or are solid. A mission that is not completed counts with
-the time limit. With 20 starts it takes 11 minutes on one core.
+weight is 0), or its planner. Robots pass through each other, or are solid. A mission that is not completed counts with
+the time limit. 20 starts take 11 minutes on one core.
 """
 
 import sys
@@ -26,7 +26,7 @@ from train.analysis.statistics import ratio_of_means, summarise
 OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
 TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")
 ALL, OFF = "all terms", "planner off"
-TIME_LIMIT = 6000.0  # [s], twice that of the missions: what is slow without a term shall show how slow
+TIME_LIMIT = 6000.0  # [s], twice that of the missions, so that slow variants are measured and not cut off
 STARTS, SEED = 20, 1
 DOCUMENT = Path(__file__).parents[1] / "docs" / "ablation.md"
 MARKER = "<!-- from here on written by python -m benchmarks.ablation -->\n"
@@ -83,7 +83,7 @@ def cells(durations: Floats, completed: Floats, whole: Floats) -> str:
 
 
 def table(section: Section, starts: int, seed: int) -> Iterator[str]:
-    """Yield the lines of a table, each as soon as it is known."""
+    """Yield the lines of a table, each as soon as its runs are done."""
     yield "| | " + " | ".join(f"{name}: time s | x {ALL} | completed" for name in section.options) + " |"
     yield "|---|" + "---|---|---|" * len(section.options)
     mission = load_mission(section.mission)

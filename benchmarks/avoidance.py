@@ -1,10 +1,10 @@
-"""What each way of avoiding costs in missions of few and many robots, beside a rule on what the observation shows.
+"""Costs of the ways of avoiding in missions of few and many robots, beside a rule on the observation.
 
     python -m benchmarks.avoidance [SCENARIOS]
 
-Solid robots on 11 m x 11 m, 10 items, time limit 600 s, the options of `knowledge/avoidance.yaml`; same scenarios for
-all. The rule knows the situation alone: with cargo or without, within 2 m of a station or not. The interval is that of
-the paired difference to the best single option (Student's, 95 %).
+Solid robots on 11 m x 11 m, 10 items, time limit 600 s, the options of `knowledge/avoidance.yaml`; the scenarios
+are the same for all. The rule uses only the situation: with cargo or without, within 2 m of a station or not. The
+interval is that of the paired difference to the best single option (Student's, 95 %).
 """
 
 import sys
@@ -39,7 +39,7 @@ def mission_of(robots: int) -> MissionConfig:
 
 
 def ends_of(choose: Choice, robots: int, scenarios: int) -> list[Finished]:
-    """Return how missions end in which options (R,) are chosen by the situations (R, 4) that robots see."""
+    """Return the ends of missions in which `choose` gives options (R,) by the situations (R, 4) of the robots."""
     batch = Batch(mission_of(robots), scenarios, begin_anew=False)
     batch.reset(list(range(SEED, SEED + scenarios)))
     columns = [batch.observer.names.index(name) for name in TERMS.find("situation").components]

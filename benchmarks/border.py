@@ -1,9 +1,9 @@
-"""What PettingZoo costs beyond the tick, and steps a second beside mpe2's `simple_spread` with as many agents.
+"""The cost of PettingZoo beyond the tick, and steps a second beside mpe2's `simple_spread` with as many agents.
 
     python -m benchmarks.border
 
 One process, CPU time, by turns. A decision a tick (decision period 0.2 s). mpe2 comes with the extra `bench`; without
-it its line is left out.
+that extra the line of mpe2 is left out.
 """
 
 from collections.abc import Callable
@@ -48,7 +48,7 @@ def stepping(env: Any, choices: int) -> Callable[[], float]:
 
 
 def ticking(robots: int) -> Callable[[], float]:
-    """Return a contestant that gives the CPU seconds of a tick whose robots change their options as the steps do."""
+    """Return a contestant that gives the CPU seconds of a tick, with options that change as in `stepping`."""
     worlds = worlds_at_start(decision_a_tick(robots), 1)
     options = len(worlds.minds.coordinator_of(GOAL).model.options)
     drawn = np.random.default_rng(SEED).integers(0, options, (STEPS, worlds.rows))

@@ -1,9 +1,9 @@
-"""What it costs to have a world at all: memory of the first and of each further one, and how long a start takes.
+"""The fixed costs of worlds: memory of the first and of each further one, and the time of a start.
 
     python -m benchmarks.costs
 
-Every figure is taken in a process of its own. `first start` compiles into an empty cache, `second start` loads from
-it; both end after the first second of a mission.
+Every figure is taken in a process of its own. `first start` compiles into an empty cache, `second start` loads that
+cache. Both end after the first second of a mission.
 """
 
 import json
@@ -40,7 +40,7 @@ print(json.dumps({"now": now, "peak": resource.getrusage(resource.RUSAGE_SELF).r
 """
 
 
-def told_by(program: str, **environment: str) -> dict[str, float]:
+def figures_of(program: str, **environment: str) -> dict[str, float]:
     """Return the figures that a Python program prints."""
     done = subprocess.run(
         [sys.executable, "-c", program], env={**os.environ, **environment}, check=True, capture_output=True, text=True
@@ -50,10 +50,10 @@ def told_by(program: str, **environment: str) -> dict[str, float]:
 
 
 def starts() -> dict[str, float]:
-    """Return CPU seconds of the very first start and of later ones."""
+    """Return CPU seconds of the first start and of later ones."""
     with tempfile.TemporaryDirectory() as cache:
-        first = told_by(START, NUMBA_CACHE_DIR=cache)
-        later = [told_by(START, NUMBA_CACHE_DIR=cache) for _ in range(STARTS)]
+        first = figures_of(START, NUMBA_CACHE_DIR=cache)
+        later = [figures_of(START, NUMBA_CACHE_DIR=cache) for _ in range(STARTS)]
     second: Callable[[str], float] = lambda clock: middle([figures[clock] for figures in later])  # noqa: E731
     return {
         "first start, CPU [s]": first["cpu"],
@@ -65,7 +65,7 @@ def starts() -> dict[str, float]:
 
 def memory() -> dict[str, float]:
     """Return megabytes of a process with one world, and of each further world."""
-    one, many = (told_by(MEMORY.replace("COUNT", str(count))) for count in (1, 1 + MORE))
+    one, many = (figures_of(MEMORY.replace("COUNT", str(count))) for count in (1, 1 + MORE))
     return {
         "first world [MB]": one["now"],
         "peak of the first world [MB]": one["peak"],

@@ -56,7 +56,7 @@ def ages(results: Any) -> list[str]:
 
 
 def others(results: Any) -> list[str]:
-    """Return the table of border, memory and start, a line each."""
+    """Return the table of border, memory and start, one line for each figure."""
     parts = {
         "PettingZoo, 5 agents, a decision a tick": results["border"]["5 agents"],
         "memory": results["costs"]["memory"],
@@ -74,7 +74,7 @@ def _order(size: str) -> tuple[int, int]:
 
 
 def draw_parts(results: Any) -> None:
-    """Draw where the time of a tick goes, by size."""
+    """Draw the time of the parts of a tick, by size."""
     import matplotlib.pyplot as plt
 
     parts = {size: figures for size, figures in results["parts [us]"].items() if " x " in size}

@@ -1,9 +1,9 @@
-"""The floor: what pymunk alone costs for the same robots, seams and substeps, and what our physics costs beside it.
+"""The floor: the cost of pymunk alone for the same robots, seams and substeps, and that of our physics beside it.
 
-The floor asks pymunk in every substep, over the cheapest path there is: one compiled call for the forces of all
-worlds, one C call each to write the forces of a world, to step it and to read it back, and seam copies only where a
-body is near a seam, looked at once a tick. It does nothing else: no headings, no collision counts, no mission. In the
-column `all copies` every body has all its copies all the time instead.
+The floor calls pymunk in every substep, by the cheapest path: one compiled call for the forces of all worlds, and one C
+call each to write the forces of a world, to step the world and to read it back. Bodies near a seam get copies, checked
+once a tick. There are no headings, no collision counts and no mission. In the column `all copies` every body has all
+its copies all the time.
 
     python -m benchmarks.floor
 
@@ -35,7 +35,7 @@ SIZES = ((1, 5, 11.0), (64, 5, 11.0), (1, 50, 34.8), (1, 200, 69.6), (1, 1000, 1
 def floor_seconds_per_tick(
     worlds: int, robots: int, width: float, ticks: int, everywhere: bool = False, seed: int = 0
 ) -> float:
-    """CPU seconds that pymunk alone takes for a tick of four substeps of all worlds; robots walk at random at 5 Hz."""
+    """Return the CPU seconds of pymunk alone for a tick of four substeps of all worlds, robots walking at random."""
     floor = floor_at_start(worlds, robots, width, everywhere, seed)
     for _ in range(WARM_UP):
         floor.walk()
@@ -53,7 +53,7 @@ def floor_at_start(worlds: int, robots: int, width: float, everywhere: bool = Fa
 
 
 class Floor:
-    """Pymunk driven the shortest way: rows as in Physics; with `everywhere`, all copies of all bodies all the time."""
+    """Pymunk alone, with rows as in Physics; with `everywhere`, bodies always have all copies."""
 
     def __init__(
         self, settings: PhysicsSettings, places: NDArray[np.float64], everywhere: bool, rng: np.random.Generator
@@ -64,9 +64,9 @@ class Floor:
         self._settings = settings
         rows = len(places)
         bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
-        # A body moves by up to 0.2 m until the copies are looked at again; everywhere is as far as the world goes.
+        # A body moves by up to 0.2 m until the copies are checked again; `everywhere` takes the whole world.
         zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
-        # One world of all rows, and no time: to land is only to wrap the places.
+        # One world of all rows and a timestep of 0: then `land` only wraps the places.
         self._motion = ROBOT_MOTION.pack(
             RobotMotion(
                 positions=places,
@@ -100,12 +100,12 @@ class Floor:
             space.load()
 
     def walk(self) -> None:
-        """One tick of a walk at random, straight on or round again from the beginning."""
+        """Run one tick of a random walk, which begins again at its end."""
         self.tick(self._wanted[self._walked % WALK])
         self._walked += 1
 
     def tick(self, wanted: NDArray[np.float64]) -> None:
-        """Four substeps with the wanted velocities (R, 2) [m/s], after a look at the seams."""
+        """Run four substeps with the wanted velocities (R, 2) [m/s], after the copies are checked."""
         motion = self._motion
         crossed = land(0, motion.words)
         np.copyto(motion.record.wanted, wanted)
@@ -122,7 +122,7 @@ class Floor:
 
 
 def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Places (R, 2) [m] of robots that do not touch at first."""
+    """Return places (R, 2) [m] of robots that do not touch at first."""
     side = ceil(sqrt(settings.robots))
     pitch = settings.width / side
     spots = np.stack(np.divmod(np.arange(settings.robots), side), axis=1) * pitch
@@ -133,7 +133,7 @@ def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.f
 def physics_seconds_per_tick(
     worlds: int, robots: int, width: float, ticks: int, counting: bool, seed: int = 0
 ) -> float:
-    """CPU seconds that our physics takes for the same, with headings, and with collision counts if asked."""
+    """Return the CPU seconds of our physics for the same, with headings, and with collision counts if asked."""
     physics = Physics(PhysicsSettings(worlds, robots, width, width))
     counter = CollisionCounter(worlds, robots, width, width)
     rng = np.random.default_rng(seed)
@@ -153,7 +153,7 @@ def physics_seconds_per_tick(
 
 
 def measure(worlds: int, robots: int, width: float) -> list[float]:
-    """Median CPU seconds per tick of the four contestants, in alternating repeats."""
+    """Return the median CPU seconds per tick of the four contestants, in alternating repeats."""
     ticks = max(20, 10_000 // (worlds * robots))
     contestants: list[Callable[[int], float]] = [
         lambda ticks: floor_seconds_per_tick(worlds, robots, width, ticks),

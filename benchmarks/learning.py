@@ -1,4 +1,4 @@
-"""Throughput of PPO on the full stack: robot decisions for each CPU-hour, and who takes the time.
+"""Throughput of PPO on the full stack: robot decisions for each CPU-hour, and the time of each part.
 
     python -m benchmarks.learning
 
@@ -8,7 +8,6 @@ Exit code 1 below REQUIRED decisions an hour.
 """
 
 import sys
-from collections.abc import Callable
 from statistics import median
 from time import process_time
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO
 
+from benchmarks.parts import Stopwatch, borders_of
 from benchmarks.record import record
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.batch import Batch
@@ -35,54 +35,19 @@ PPO_SETTINGS: dict[str, Any] = {
 }
 
 
-class Clock:
-    """CPU seconds inside some methods, which may call each other: of each without those inside it."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-        self._inside: list[float] = []
-
-    def watch(self, owner: object, method: str, name: str) -> None:
-        """Count what `owner.method` takes under `name` from now on."""
-        call: Callable[..., Any] = getattr(owner, method)
-        self.seconds.setdefault(name, 0.0)
-
-        def timed(*arguments: object, **named: object) -> object:
-            self._inside.append(0.0)
-            begin = process_time()
-            result = call(*arguments, **named)
-            whole = process_time() - begin
-            self.seconds[name] += whole - self._inside.pop()
-            if self._inside:
-                self._inside[-1] += whole
-            return result
-
-        setattr(owner, method, timed)
-
-
-def watched(model: PPO, envs: RobotVecEnv) -> Clock:
-    """Return a clock on the parts of the stack."""
+def watched(model: PPO, envs: RobotVecEnv) -> Stopwatch:
+    """Return a stopwatch of CPU time on the parts of the stack."""
     (batch,) = envs.batches
-    clock, worlds = Clock(), batch.worlds
-    clock.watch(model, "train", "SB3: update")
-    clock.watch(model, "collect_rollouts", "SB3: rollout")
-    clock.watch(envs, "step_wait", "border")
-    clock.watch(batch, "step", "batch: observation, reward, progress")
-    clock.watch(batch, "_begin", "batch: new episodes")
-    clock.watch(worlds, "tick", "tick: sensors, cargo, poses")
-    clock.watch(worlds.network, "step", "network")
-    for name in ("poses", "pheromones", "items"):
-        for method in ("update", "store_static", "extinguish"):
-            if hasattr(getattr(worlds, name), method):
-                clock.watch(getattr(worlds, name), method, "buffer")
-    for mechanism in (worlds.minds.patrol, worlds.minds.to_garbage):
-        clock.watch(mechanism, "move_into", "mechanisms and coordinators")
-    clock.watch(worlds.minds.patrol, "deposit", "buffer")
-    for coordinator in worlds.coordinators:
-        for method in ("sense", "act", "leave", "hold"):
-            clock.watch(coordinator, method, "mechanisms and coordinators")
-    clock.watch(worlds, "_move", "physics, drives and collisions")
-    return clock
+    watch = Stopwatch(process_time)
+    watch.watch(model, "train", "SB3: update")
+    watch.watch(model, "collect_rollouts", "SB3: rollout")
+    watch.watch(envs, "step_wait", "border")
+    watch.watch(batch, "step", "batch: observation, reward, progress")
+    watch.watch(batch, "_begin", "batch: new episodes")
+    watch.watch(batch.worlds, "hold", "selector")
+    for owner, method, part in borders_of(batch.worlds):
+        watch.watch(owner, method, part)
+    return watch
 
 
 def batch_alone(batch: Batch, actions: np.ndarray) -> float:
@@ -109,7 +74,7 @@ def main() -> int:
         model.learn(decisions, reset_num_timesteps=False)
         rates["PPO"].append(decisions / (process_time() - begin))
         rates["batch alone"].append(batch_alone(alone, actions))
-    clock = watched(model, envs)
+    watch = watched(model, envs)
     begin = process_time()
     model.learn(2 * decisions, reset_num_timesteps=False)
     total = process_time() - begin
@@ -117,7 +82,7 @@ def main() -> int:
     for name, rate in hourly.items():
         print(f"{name:14}{rate / 1e6:8.1f} million robot decisions for each CPU-hour ({rate / 3600:.0f} a second)")
     print(f"required      {REQUIRED / 1e6:8.1f}  {'reached' if hourly['PPO'] >= REQUIRED else 'MISSED'}")
-    shares = {name: seconds / total for name, seconds in clock.seconds.items()}
+    shares = {name: seconds / total for name, seconds in watch.seconds.items()}
     shares["other"] = 1.0 - sum(shares.values())
     for name, share in sorted(shares.items(), key=lambda item: -item[1]):
         print(f"  {name:40}{share:6.1%}{1e6 * share * total / (2 * decisions):8.1f} us a decision")

@@ -1,4 +1,4 @@
-"""How things are measured: CPU time, contestants by turns, medians, and how a cost grows with size."""
+"""Ways to measure: CPU time, contestants by turns, medians, and the growth of a cost with size."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ def seconds_per_call(call: Callable[[], object], calls: int) -> float:
 
 
 def ratio(repeats: Sequence[float], floor: Sequence[float]) -> Figure:
-    """Return how many times the floor something costs, round by round: what slows the machine slows both."""
+    """Return the ratio of a cost to the floor, round by round: a busy machine slows both."""
     return Figure.of([one / other for one, other in zip(repeats, floor, strict=True)])
 
 

@@ -78,7 +78,7 @@ def seconds_per_step(network: BehaviourNetwork, readings: NDArray[np.float64], r
 
 
 def against_the_original() -> list[Result]:
-    """Return the figures of the issue: networks of 10 and 20 behaviours without a planner."""
+    """Return the figures of networks of 10 and 20 behaviours without a planner."""
     told = []
     for behaviours, rows, factor in ((5, 1, 50), (10, 1, 50), (20, 1, 50), (10, 320, 500), (20, 1000, 500)):
         model = random_model(behaviours)
@@ -97,7 +97,7 @@ def against_the_original() -> list[Result]:
 
 
 def by_rows() -> Result:
-    """Return how the cost per robot grows with the number of robots."""
+    """Return the growth of the cost per robot with the number of robots."""
     model = random_model(10)
     sizes = (10, 100, 1000, 10_000)
     costs = [seconds_per_step(BehaviourNetwork(model, n), changing_readings(model, n)) / n for n in sizes]
@@ -107,7 +107,7 @@ def by_rows() -> Result:
 
 
 def recording() -> Result:
-    """Return what it costs to record everything; what is not recorded costs nothing."""
+    """Return the cost of recording everything."""
     model, rows = random_model(10), 320
     readings = changing_readings(model, rows)
     off = seconds_per_step(BehaviourNetwork(model, rows), readings) / rows

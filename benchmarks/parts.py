@@ -1,5 +1,6 @@
-"""Where the time of a tick goes: each part timed at its border, without what it asks of the other parts."""
+"""The time of each part of a tick, measured at its border, without the calls that it makes to other parts."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from time import perf_counter
 from typing import Any
@@ -14,10 +15,11 @@ ROUNDS = 41
 
 
 class Stopwatch:
-    """Wall time by part; a part that is asked by another one stops the clock of that one."""
+    """Time by part, wall time unless another clock is given; a call from one part to another stops the first one's."""
 
-    def __init__(self) -> None:
-        self.seconds = dict.fromkeys(PARTS, 0.0)
+    def __init__(self, clock: Callable[[], float] = perf_counter) -> None:
+        self.seconds: dict[str, float] = defaultdict(float)
+        self._clock = clock
         self._asked: list[str] = []
         self._since = 0.0
 
@@ -35,14 +37,14 @@ class Stopwatch:
         setattr(owner, method, watched)
 
     def _switch(self, part: str | None) -> None:
-        now = perf_counter()
+        now = self._clock()
         if self._asked:
             self.seconds[self._asked[-1]] += now - self._since
         if part is None:
             self._asked.pop()
         else:
             self._asked.append(part)
-        self._since = perf_counter()
+        self._since = self._clock()
 
 
 def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
@@ -68,9 +70,8 @@ def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
 def parts_of_a_tick(worlds: Worlds, ticks: int) -> dict[str, float]:
     """Return the wall microseconds of each part of a tick, from ROUNDS rounds of `ticks` ticks.
 
-    Wall time, because reading the CPU clock costs more than some parts; rounds are short and the lower quartile
-    counts, so that rounds in which somebody else had the core drop out. The worlds are not as fast as before
-    afterwards: the watches stay.
+    Wall time, because reading the CPU clock costs more than some parts. Rounds are short and the lower quartile counts,
+    so that rounds in which another process had the core drop out. The watches stay on the worlds and slow them.
     """
     watch = Stopwatch()
     for owner, method, part in borders_of(worlds):

@@ -1,8 +1,8 @@
-"""What the stack must reach, and whether a change made it worse: `python -m benchmarks.required [BASELINE.json]`.
+"""Requirements on the stack, and the effect of a change on them: `python -m benchmarks.required [BASELINE.json]`.
 
-Compares `results.json` with what is committed (or with BASELINE), figure by figure, ratios only: they hold on another
-machine and on a busy one. Exit code 1 if a figure became worse by more than its noise. A requirement that is missed is
-shown, but fails nothing by itself.
+Compares `results.json` with the committed one (or with BASELINE), figure by figure. Only ratios are compared, because
+they hold on another machine and on a busy one. Exit code 1 if a figure became worse by more than its noise. A missed
+requirement is shown, but does not change the exit code.
 """
 
 import json
@@ -16,18 +16,18 @@ from typing import Any
 from benchmarks.record import RESULTS
 
 NOISE = 0.2
-"""Share by which any figure may be worse without an alarm; four times its spread if that is more."""
+"""Share by which a figure may be worse without an alarm; four times its spread if that is larger."""
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """One figure in the results, and what it must reach.
+    """One figure in the results, and the value that it must reach.
 
     Attributes:
         what: name for people.
-        path: where it lies in the results.
-        limit: what it must reach.
-        spread: where its spread lies.
+        path: keys of the figure in the results.
+        limit: value to reach.
+        spread: keys of its spread.
         most: whether `limit` is the largest value allowed (else the smallest).
         absolute: whether it is a time of this machine, which is shown but not compared.
 
@@ -45,7 +45,7 @@ class Requirement:
         return value <= self.limit if self.most else value >= self.limit
 
     def worse(self, value: float, before: float) -> float:
-        """Return by what share a value is worse than one before (negative: better)."""
+        """Return the share by which a value is worse than the one before (negative: better)."""
         return value / before - 1.0 if self.most else before / value - 1.0
 
 
@@ -83,7 +83,7 @@ REQUIREMENTS = (
 
 
 def value_at(results: Any, path: tuple[str, ...]) -> float | None:
-    """Return what lies at a path, None if nothing does."""
+    """Return the value at a path of keys, None if there is none."""
     for key in path:
         if not isinstance(results, dict) or key not in results:
             return None

@@ -1,4 +1,4 @@
-"""What the benchmarks run: the default mission with any number of robots at the default density, in many worlds."""
+"""Missions of the benchmarks: the default one with any number of robots at the default density, in many worlds."""
 
 from math import sqrt
 

@@ -94,14 +94,14 @@ def compare_with_original() -> list[Result]:
 
 
 def growth(rounds: int = 15, views: int = 50) -> list[Result]:
-    """Return how the cost of one view grows from 10^3 to 10^5 stored gradients at constant density.
+    """Return the growth of the cost of one view from 10^3 to 10^5 stored gradients at constant density.
 
-    The sizes take turns, so that what else the machine does falls on all of them; medians over `rounds`.
+    The sizes take turns, so that other work of the machine falls on all of them. The figures are medians over `rounds`.
     """
     look = Filter(moving=False)
     stores = [Queries(field_of(stored, 8.0, rows=64)[0]) for stored in (1_000, 10_000, 100_000)]
     times = np.zeros((rounds, len(stores)))  # [s]
-    for turn in range(-1, rounds):  # the first is not counted: its place is taken by the last
+    for turn in range(-1, rounds):  # turn -1 does not count: the last turn overwrites its place
         for size, queries in enumerate(stores):
             start = time.process_time()
             for _ in range(views):
@@ -124,7 +124,7 @@ def memory() -> list[Result]:
 
 
 def ticks() -> list[Result]:
-    """Return what one call costs for 5 robots and for 64 worlds of 5."""
+    """Return the cost of one call for 5 robots and for 64 worlds of 5."""
     lines: list[Result] = []
     for worlds in (1, 64):
         rows = 5 * worlds

@@ -4,7 +4,7 @@
 
 One process, CPU time; the contestants take turns, and the median of the repeats counts. Exit code 1 if one world of
 five solid robots does less than REQUIRED simulated seconds for a CPU second over whole missions. The figures go to
-`results.json`. `benchmarks.tick` says what a tick costs at which size, and where.
+`results.json`. `benchmarks.tick` measures ticks by size and by part.
 """
 
 import sys

@@ -23,7 +23,7 @@ LIMIT = 8e-6
 
 
 def seconds_a_row(name: str, parameters: dict[str, Any], problem: Problem, own: bool) -> tuple[float, float]:
-    """Return what a decision and an update cost for each row [s]; `own`: each row learns for itself."""
+    """Return the cost of a decision and of an update for each row [s]; `own`: each row learns by itself."""
     generator = np.random.default_rng(0)
     groups = np.arange(ROWS) if own else np.zeros(ROWS, dtype=np.int64)
     strategy = create(name, problem, row_keys(np.random.SeedSequence(0), ROWS), parameters, groups=groups)

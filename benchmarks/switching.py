@@ -1,11 +1,11 @@
-"""What switching options costs: robots that draw their options anew in every decision period, beside robots that keep.
+"""The cost of switching options: robots that draw an option in every decision period, beside robots that keep theirs.
 
     python -m benchmarks.switching
 
-One process, CPU time. The same worlds switch and keep by turns of TURN decision periods, so that what lies around, what
-is stored and which options are mixed is alike in both; who keeps holds what was drawn last. A turn holds what follows
-from a switch too: new plans, contents that begin anew. Exit code 1 if a switch in every decision period costs LIMIT of
-the tick or more. The figures go to `results.json`.
+One process, CPU time. The same worlds switch and keep by turns of TURN decision periods, so that garbage, buffers and
+the mix of options are alike in both. In a turn of keeping robots hold the options drawn last. A turn includes the
+consequences of a switch: new plans, and configurations that begin anew. Exit code 1 if a switch in every decision period costs
+LIMIT of the tick or more. The figures go to `results.json`.
 """
 
 import sys
@@ -43,7 +43,7 @@ def worlds_of(mission: MissionConfig, worlds: int) -> Worlds:
 
 
 class Swarm:
-    """Worlds whose robots switch at random, or keep what they hold."""
+    """Worlds whose robots switch options at random, or keep them."""
 
     def __init__(self, mission: MissionConfig, worlds: int) -> None:
         self.worlds = worlds_of(mission, worlds)
@@ -59,7 +59,7 @@ class Swarm:
 
     def turn(self, switching: bool) -> float:
         """Return CPU seconds of a tick, over a turn."""
-        drawn = [self.draw() for _ in range(TURN)]  # drawing is the strategy's, not the switch's
+        drawn = [self.draw() for _ in range(TURN)]  # drawn before the clock starts: a strategy draws, not the switch
         begin = process_time()
         for options in drawn:
             if switching:
@@ -78,7 +78,7 @@ class Swarm:
 
 
 def cost_of(name: str, worlds: int) -> dict[str, float]:
-    """Return microseconds of a tick of a world, kept and switched, and what switching costs as a share of the tick."""
+    """Return microseconds of a tick of a world, kept and switched, and the cost of switching by that of the tick."""
     swarm = Swarm(load_mission(name), worlds)
     told = by_turns({"kept": lambda: swarm.turn(False), "switched": lambda: swarm.turn(True)}, REPEATS[worlds])
     return {

@@ -2,9 +2,9 @@
 
     python -m benchmarks.tick
 
-One process, CPU time. Tick and floor take turns, and the ratio is that of each round, so that a busy machine slows
-both. `late` is the tick after 3,000 simulated seconds without garbage, when all robots patrol and pheromones have
-piled up. Figures go to `results.json`.
+One process, CPU time. Tick and floor take turns, and ratios are taken in each round, because a busy machine slows both.
+`late` is the tick after 3,000 simulated seconds without garbage, when all robots patrol and many pheromones are stored.
+Figures go to `results.json`.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ LATE_SIZES = ((1, 5), (64, 5))
 
 
 def name_of(worlds: int, robots: int) -> str:
-    """Return how a size is called in the results."""
+    """Return the name of a size in the results."""
     return f"{worlds} x {robots}"
 
 
@@ -106,7 +106,7 @@ def all_sizes() -> None:
 
 
 def all_parts() -> None:
-    """Measure where the time goes."""
+    """Measure the parts of a tick."""
     parts = {}
     for worlds, robots in SIZES:
         made = run_until(worlds_at_start(mission_of(robots), worlds), WARM_UP)
@@ -118,7 +118,7 @@ def all_parts() -> None:
 
 
 def all_ages() -> None:
-    """Measure early and late in a mission."""
+    """Measure ticks early and late in a mission."""
     ages = {}
     for worlds, robots in LATE_SIZES:
         ages[name_of(worlds, robots)] = early_and_late(worlds, robots)

@@ -8,9 +8,9 @@
         actions = {agent: env.action_space(agent).sample() for agent in env.agents}
         observations, rewards, terminations, truncations, infos = env.step(actions)
 
-An action is the option that serves AvoidCollision in that robot for the next decision period (with several coordinated
-goals one option for each); all else the robot decides itself. `ActionConfig(mode="velocity")` makes it a movement
-vector. Observations are described in `learning.observation`, rewards in `reward.RewardConfig`.
+An action is the option that serves AvoidCollision in that robot for the next decision period; with several coordinated
+goals it is one option for each. The robot's network decides the rest. With `ActionConfig(mode="velocity")` an action is
+a movement vector. `learning.observation` describes the observations, `learning.reward` the rewards.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         render_mode: None or "rgb_array".
         settings: further arguments of `Batch`, such as `family` and `knowledge`.
 
-    Without `options={"start": StartConfiguration}` each reset draws a new start: episode k after `reset(seed=S)` is
+    Without `options={"start": StartConfiguration}` each reset draws a new start; episode k after `reset(seed=S)` is
     always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit. The
-    agents are the robots at work: one that fails or is taken away terminates and stays gone, one that joins during the
-    mission is among the possible agents from the beginning and among the agents from the end of the step in which it
-    joins. Infos hold the time, what happened in the period, and the `action_mask` of options that can serve next.
+    agents are the robots at work. A robot that fails or is taken away terminates and does not come back. A robot that
+    joins during the mission is a possible agent from the beginning, and an agent from the end of the step in which it
+    joins. Infos hold the time, the counts of the period, and the `action_mask` of options that can serve next.
 
     Attributes:
         options: coordinated goal -> names of its options.
@@ -127,7 +127,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
 
     def _infos(self, agents: list[str]) -> AgentInfos:
-        """Return for `agents` what happened in the period, to the team and to each, and what can be done next."""
+        """Return the counts of the period, of the team and of each agent, and the options that can serve next."""
         progress, worlds = self._batch.progress, self._batch.worlds
         team = {
             "time_s": int(progress.elapsed[0]) * worlds.period,
@@ -163,7 +163,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         return self._batch.observations.ravel().copy()
 
     def _of(self, agents: list[str], rows: Iterable[Any]) -> dict[str, Any]:
-        """Return what `rows` (N,) say of `agents`."""
+        """Return the values of `agents` among `rows` (N,)."""
         every = dict(zip(self.possible_agents, rows, strict=True))
         return every if len(agents) == len(every) else {agent: every[agent] for agent in agents}
 
@@ -175,7 +175,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         choices = self._choices
         for agent, action in actions.items():
             if choices and isinstance(action, int | np.integer) and 0 <= action < choices:
-                continue  # as `contains` answers, in a tenth of the time
+                continue  # the answer of `contains`, in a tenth of its time
             space = self.action_spaces[agent]
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)

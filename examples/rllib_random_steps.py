@@ -1,6 +1,6 @@
 """1,000 random steps and one PPO iteration through RLlib's PettingZoo wrapper.
 
-RLlib pins other versions than this project, so that it gets an environment of its own:
+RLlib pins other versions than this project and so needs an environment of its own:
 
     python3 -m venv rllib && rllib/bin/pip install 'ray[rllib]' torch && rllib/bin/pip install --no-deps clean-swarm
     rllib/bin/pip install numba pymunk 'pettingzoo>=1.27' pydantic pyyaml typer rich scipy matplotlib sqlalchemy

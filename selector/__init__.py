@@ -1,1 +1,1 @@
-"""Which mechanism serves a self-organisation goal now (knows selforg)."""
+"""Selection of the mechanism that serves a self-organisation goal; imports selforg."""

@@ -1,4 +1,4 @@
-"""Expert knowledge: which options serve a goal, and how well an expert thinks they do."""
+"""Expert knowledge: the options that can serve each goal, with scores by an expert."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,16 +17,16 @@ from selforg.registry import unknown
 
 
 class Option(Closed):
-    """One way to serve a goal: a configuration with parameters laid over it."""
+    """One way to serve a goal: a configuration, and values for its parameters."""
 
     configuration: Name
     """Key of the configuration in the library."""
     score: Number
-    """How well it serves the goal, by the expert [-]; the highest is taken."""
+    """How well the option serves the goal, by the expert [-]; the option of the highest score is taken."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
-    """Values laid over the parameters of the configuration."""
+    """Values that override the parameters of the configuration."""
     name: Name = ""
-    """Unique among the options of a goal; the configuration's key unless given."""
+    """Name, unique among the options of a goal; the key of the configuration unless given."""
 
     @model_validator(mode="before")
     @classmethod
@@ -37,7 +37,7 @@ class Option(Closed):
 
 
 class _KnowledgeFile(Closed):
-    """What a knowledge file holds."""
+    """The content of a knowledge file."""
 
     description: str = ""
     """What the knowledge is for."""
@@ -56,11 +56,11 @@ class _KnowledgeFile(Closed):
 
 @dataclass(frozen=True)
 class Knowledge:
-    """Goal -> options, in the order of the file.
+    """The options of each goal, in the order of the file.
 
     Attributes:
         table: options by goal, each goal with at least one.
-        source: the file it was read from, for error messages.
+        source: the file that the knowledge was read from, for error messages.
 
     """
 
@@ -83,10 +83,10 @@ class Knowledge:
         return np.array([option.score for option in self.options(goal)], dtype=np.float64)
 
     def with_scores(self, scores: Mapping[str, Mapping[str, float]]) -> "Knowledge":
-        """Return the knowledge with other scores laid over it: goal -> option name -> score.
+        """Return the knowledge with some scores replaced: goal -> option name -> score.
 
         Raises:
-            DocumentError: an unknown goal or option, or a score that is not a finite number.
+            DocumentError: a goal or an option is unknown, or a score is not a finite number.
 
         """
         table = dict(self.table)
@@ -105,7 +105,7 @@ class Knowledge:
 
 
 def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
-    """Return the knowledge that a mapping of the form of a knowledge file holds."""
+    """Return the knowledge in a mapping that has the form of a knowledge file."""
     return Knowledge(validated(_KnowledgeFile, content, source).goals, source)
 
 
@@ -113,7 +113,7 @@ def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:
     """Return the knowledge of a name, from the first directory that holds `knowledge/NAME.yaml`, or of a path.
 
     Raises:
-        DocumentError: no such file, or a mistake in it.
+        DocumentError: there is no such file, or it has a mistake.
 
     """
     path = find_file("knowledge", name, directories)

@@ -1,4 +1,4 @@
-"""Parameters of classes: what a constructor takes, as documents and contract tests read it from the class itself."""
+"""Parameters of classes, read from their constructors for documents and contract tests."""
 
 import inspect
 from functools import cache
@@ -23,7 +23,7 @@ class Parameter(NamedTuple):
 
 @cache
 def parameters_of(cls: type) -> dict[str, Parameter]:
-    """Return the parameters of a constructor by name, those of unpacked options (a TypedDict) too."""
+    """Return the parameters of a constructor by name, including those of unpacked options (a TypedDict)."""
     found: dict[str, Parameter] = {}
     for name, parameter in inspect.signature(cls.__init__, eval_str=True).parameters.items():  # type: ignore[misc]
         if parameter.kind is inspect.Parameter.VAR_KEYWORD:

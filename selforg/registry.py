@@ -1,4 +1,4 @@
-"""Registries: classes of one kind, found by name. All registries of the project are made of this class."""
+"""Registries, which find classes of one kind by name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Class = TypeVar("Class")
 
 
 class UnknownNameError(KeyError):
-    """Nothing is registered under a name; the text lists what is, and the nearest of it."""
+    """Nothing is registered under a name; the text lists the known names and the most similar one."""
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -30,7 +30,7 @@ class Registry(Generic[Base]):
         >>> MECHANISMS.find("Mine")
 
     Args:
-        kind: what messages call an entry, such as "mechanism".
+        kind: word for an entry in messages, such as "mechanism".
         name_of: returns the name of a class; the name of the class itself by default.
 
     """
@@ -72,13 +72,13 @@ class Registry(Generic[Base]):
 
 
 def import_modules(package: str) -> None:
-    """Import every module of a package, so that the classes in them are registered; for its `__init__` to call."""
+    """Import every module of a package to register the classes in them; the `__init__` of the package calls this."""
     for module in iter_modules(sys.modules[package].__path__, f"{package}."):
         import_module(module.name)
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
-    """Return the message for an unknown `name`: what there is, and the nearest of it."""
+    """Return the message for an unknown `name`, with the known names and the most similar one."""
     near = difflib.get_close_matches(name, known, n=1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     return f"unknown {what} {name!r} (known: {', '.join(known) or 'none'}{hint})"

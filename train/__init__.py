@@ -1,1 +1,1 @@
-"""Command line, evaluation, training and reports ; imports all other packages."""
+"""Command line, evaluation, training and reports; imports all other packages."""

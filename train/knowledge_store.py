@@ -1,4 +1,4 @@
-"""Open the knowledge store of a command, and read what a user names to import."""
+"""The knowledge store of a command, and the files that a user names for import."""
 
 import os
 from collections.abc import Sequence
@@ -12,18 +12,18 @@ from selector.store import KnowledgeStore, StoredKnowledge, StoreError, document
 from selector.store.stored_knowledge import stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
-"""Environment variable that names the store unless `--store` does."""
+"""Environment variable with the URL of the store, used without `--store`."""
 
 
 def default_path() -> Path:
-    """Return the store in the user's data directory."""
+    """Return the path of the store in the user's data directory."""
     return platformdirs.user_data_path("clean-swarm", appauthor=False) / "knowledge.sqlite"
 
 
 def opened(url: str | None, *, create: bool) -> KnowledgeStore:
-    """Return the store of a URL, else the one that the environment names, else the user's own.
+    """Return the store of a URL if given, else that of the environment variable, else that in the data directory.
 
-    With `create`, the directory of the user's own store is made if there is none.
+    With `create`, a missing store is made, and for the data directory also the directory.
     """
     named = url or os.environ.get(VARIABLE)
     if named:
@@ -38,12 +38,12 @@ def opened(url: str | None, *, create: bool) -> KnowledgeStore:
 
 
 def contents_named(given: str, source: str, directories: Sequence[Path] = ()) -> StoredKnowledge:
-    """Return what a file holds, expert knowledge or an exported store, or the expert knowledge of a name.
+    """Return the contents of a file, which is expert knowledge or an exported store, or the expert knowledge of a name.
 
     Args:
         given: path of the file, or name of expert knowledge.
-        source: whom expert knowledge comes from.
-        directories: searched for expert knowledge before the shipped one.
+        source: source of expert knowledge.
+        directories: searched for expert knowledge before the shipped directory.
 
     """
     path = Path(given)

@@ -1,1 +1,1 @@
-"""The environment as Gymnasium and Stable-Baselines3 want it."""
+"""The environment by the interfaces of Gymnasium and Stable-Baselines3."""

@@ -16,8 +16,8 @@ from clean_swarm_env.learning.observation.observer import Observations
 class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     """One world of cleaning robots; the agent decides for all of them.
 
-    The observation is what all robots see, one after the other; the action one option for each robot and goal
-    (MultiDiscrete), or one option for all robots (Discrete); the reward the mean over the robots.
+    The observation holds those of all robots, one after the other. The action is one option for each robot and goal
+    (MultiDiscrete), or one option for all robots (Discrete). The reward is the mean over the robots.
 
     Args:
         mission: a mission, or the name of one in `configs/missions`.
@@ -74,5 +74,5 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
 
 
 def _first(infos: dict[str, Any]) -> dict[str, Any]:
-    """Return what infos say of the first environment."""
+    """Return the infos of the first environment."""
     return {name: values[0] for name, values in infos.items() if not name.startswith(("_", "final_")) and len(values)}

@@ -4,9 +4,9 @@
     observations, infos = envs.reset(seed=1)
     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
 
-A world whose mission is over begins anew in the same step (`AutoresetMode.SAME_STEP`): the observation returned is the
-first of the new episode, the last of the old one is in `infos["final_obs"]`, the figures of the mission in
-`infos["final_info"]`. World w of `reset(seed=S)` has the seed S + w.
+A world whose mission is over begins anew in the same step (`AutoresetMode.SAME_STEP`). The observation returned is the
+first of the new episode. `infos["final_obs"]` holds the last one of the old episode, `infos["final_info"]` the figures
+of the mission. World w of `reset(seed=S)` has the seed S + w.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Infos = dict[str, Any]
 
 
 class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
-    """What both kinds share: E environments of `together` rows each, E * together = R.
+    """The base class of both kinds: E environments of `together` rows each, E * together = R.
 
     Args:
         batch: the worlds.

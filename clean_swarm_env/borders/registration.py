@@ -1,4 +1,4 @@
-"""The environments by their ids.
+"""Registration of the environments by their ids.
 
     import gymnasium, pettingzoo
     import clean_swarm_env.registration
@@ -8,7 +8,7 @@
     robots = gymnasium.make_vec("CleanSwarmRobots-v0", num_envs=320)
     env = pettingzoo.make("parallel", "CleanSwarm-v0")
 
-Importing this module registers them; `gymnasium.make("clean_swarm_env.registration:CleanSwarm-v0")` does so too.
+Importing this module registers the ids; `gymnasium.make("clean_swarm_env.registration:CleanSwarm-v0")` does so too.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What all borders share: spaces of a batch, masks in the form that `sample` takes, a start among options."""
+"""Helpers of all borders: spaces of a batch, masks in the form that `sample` takes, a start among options."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
 
 
 def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:
-    """Return the space of what `robots` robots see, one after the other."""
+    """Return the space of the observations of `robots` robots, one after the other."""
     bounds = np.tile(batch.observer.bounds, robots)
     return spaces.Box(-bounds, bounds, dtype=np.float32)
 
 
 def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
-    """Return the space of what is decided for `robots` robots, one after the other.
+    """Return the space of the actions of `robots` robots, one after the other.
 
-    One option of one goal is Discrete, several are MultiDiscrete, vectors a Box.
+    A single option is Discrete, several options are MultiDiscrete, vectors are a Box.
     """
     if batch.action.mode == "velocity":
         return spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
@@ -33,14 +33,14 @@ def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
 
 
 def masks_of(batch: Batch) -> Iterable[Mask]:
-    """Return for each row which options can serve next, as `sample` of the action space of one robot takes it."""
+    """Return the options that can serve next in each row, in the form that `sample` of one robot's space takes."""
     whole = batch.masks().astype(np.int8)
     counts = batch.choices.counts
     return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
 
 
 def start_of(options: Mapping[str, Any] | None) -> StartConfiguration | None:
-    """Return the start that the options of a reset give; other keys are ignored."""
+    """Return the start in the options of a reset, None without one; other keys are ignored."""
     start = (options or {}).get("start")
     if start is not None and not isinstance(start, StartConfiguration):
         raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")

@@ -6,14 +6,15 @@
     mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
 
 Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
-mission is over begins anew in the same step. Infos are empty but for rows where something happened:
+mission is over begins anew in the same step. Infos hold:
 
-- in the period: `own_picked`, `own_recycled`, `own_dumped`, `own_collision`, where they are not 0;
-- at the end of a mission: `terminal_observation`, `TimeLimit.truncated` (the time was over, garbage left), `episode`
-  (return, length and time, as `VecMonitor` writes them), and the figures of the mission: `duration_s`, `garbage_done`,
-  `mission_collision_events`, `completed`, which `VecMonitor` keeps by `info_keywords`.
+- in every period: `own_picked`, `own_recycled`, `own_dumped`, `own_collision`, where they are not 0;
+- at the end of a mission: `terminal_observation`, `TimeLimit.truncated` (the time was over and garbage was left),
+  `episode` (return, length and time, as `VecMonitor` writes them), and the figures of the mission: `duration_s`,
+  `garbage_done`, `mission_collision_events`, `completed`, which `VecMonitor` keeps by `info_keywords`.
 
-World w of `seed(S)` has the seed S + w. Options of `set_options` may give a `start`; a world's first robot counts.
+World w of `seed(S)` has the seed S + w. Options of `set_options` may hold a `start`, in the row of the first robot of a
+world.
 """
 
 from __future__ import annotations
@@ -37,12 +38,12 @@ Info = dict[str, Any]
 
 
 class Robot:
-    """A row as others see it: what `get_attr`, `set_attr` and `env_method` of the environment reach.
+    """One row, for `get_attr`, `set_attr` and `env_method` of the environment.
 
     Attributes:
-        row: its number among all rows.
-        world: its world, numbered over all batches.
-        robot: its number within the world.
+        row: number of the row among all rows.
+        world: number of the robot's world, over all batches.
+        robot: number of the robot within the world.
 
     """
 
@@ -50,13 +51,13 @@ class Robot:
     render_mode = None
 
     def __init__(self, row: int, world: int, batch: Batch, own_row: int) -> None:
-        """`own_row` is the number of the row within its batch."""
+        """`own_row`: number of the row within its batch."""
         self.row, self.world, self.robot = row, world, own_row % batch.robots
         self._batch, self._own_row = batch, own_row
 
     @property
     def batch(self) -> Batch:
-        """The batch that its world belongs to."""
+        """The batch of the robot's world."""
         return self._batch
 
     @property
@@ -75,7 +76,7 @@ class Robot:
         return action_space(self._batch)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Return which options (O,) can serve next, those of all goals one after the other, as sb3-contrib asks."""
+        """Return which options (O,) of all goals, one goal after the other, can serve next (for sb3-contrib)."""
         masks: NDArray[np.bool_] = self._batch.masks()[self._own_row]
         return masks
 
@@ -84,8 +85,8 @@ class RobotVecEnv(VecEnv):
     """The robots of many worlds.
 
     Args:
-        worlds: W worlds of one mission or family, or ...
-        batches: ... the worlds of these batches, whose settings count; see `clean_swarm_env.learning.joined`.
+        worlds: W, for worlds of one mission or family.
+        batches: batches that are used in place of `worlds` and `settings`; see `clean_swarm_env.learning.joined`.
         settings: further arguments of `Batch`.
 
     Attributes:
@@ -160,7 +161,7 @@ class RobotVecEnv(VecEnv):
         return infos
 
     def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
-        """Add the figures of a mission and begin the sums of the next one."""
+        """Add the figures of a mission to the infos, and set the sums of its world to 0."""
         elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
             infos[row] |= end.statistics
@@ -171,14 +172,14 @@ class RobotVecEnv(VecEnv):
         self._lengths[end.world] = 0
 
     def close(self) -> None:
-        """Nothing has to be closed."""
+        """Do nothing: there is nothing to close."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return an attribute of the rows; one that a row does not have raises AttributeError."""
+        """Return an attribute of the rows; AttributeError if the rows do not have it."""
         return [getattr(robot, attr_name) for robot in self._chosen(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:  # noqa: ANN401
-        """Set an attribute of the rows; those that follow from the batch cannot be set."""
+        """Set an attribute of the rows; attributes that follow from the batch cannot be set."""
         for robot in self._chosen(indices):
             setattr(robot, attr_name, value)
 
@@ -195,7 +196,7 @@ class RobotVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
     ) -> list[bool]:
-        """Return that no row is wrapped by itself."""
+        """Return False for each row: rows are not wrapped one by one."""
         return [False for _ in self._chosen(indices)]
 
     def _chosen(self, indices: VecEnvIndices) -> list[Robot]:

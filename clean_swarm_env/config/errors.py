@@ -1,4 +1,4 @@
-"""The one error of all configuration files, under the name by which this package and its users know it."""
+"""The error of all configuration files, by the name that this package and its users import."""
 
 from selector.documents.errors import DocumentError
 

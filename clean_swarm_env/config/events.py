@@ -1,6 +1,6 @@
-"""Typed configuration of what changes during a mission: the team, the garbage, the stations and the delivery.
+"""Typed configuration of the events of a mission: changes of team, garbage, stations and delivery.
 
-An event happens at the beginning of the first control period that begins at its time or later; events of one time
+An event happens at the beginning of the first control period that begins at its time or later. Events of the same time
 happen in the order in which they are listed.
 """
 
@@ -17,7 +17,7 @@ EVERYWHERE = 1e9
 
 
 class DeliveryConfig(Closed):
-    """How well the messages of robots, their poses and pheromones, reach the others."""
+    """Range and losses of the robots' messages: their poses and pheromones."""
 
     reach: Positive = EVERYWHERE
     """Farthest receiver of a message [m]."""
@@ -35,21 +35,21 @@ class DeliveryConfig(Closed):
 
 
 class At(Closed):
-    """What all events have: their time."""
+    """The base class of events: their time."""
 
     at: NonNegative
     """Time of the event in the mission [s]."""
 
 
 class Join(At):
-    """Robots join the team; they are numbered on, in the order in which they join."""
+    """Robots join the team; their numbers follow the last one, in the order in which they join."""
 
     do: Literal["join"]
     """What happens."""
     robots: Count = 1
     """Number of robots that join."""
     places: tuple[Pose, ...] = ()
-    """x [m], y [m] and heading [rad] of the first of them; the others begin at random free places."""
+    """x [m], y [m] and heading [rad] of the first robots; the others begin at random free places."""
 
     @model_validator(mode="after")
     def _no_more_places_than_robots(self) -> Self:
@@ -59,7 +59,7 @@ class Join(At):
 
 
 class Remove(At):
-    """Robots are taken away; what they carried lies where they were."""
+    """Robots are taken away; their cargo lies where they were."""
 
     do: Literal["remove"]
     """What happens."""
@@ -68,7 +68,7 @@ class Remove(At):
 
 
 class Fail(At):
-    """Robots fail for good: their bodies stay, do nothing and can be pushed; what they carried lies beside them."""
+    """Robots fail for good: their bodies stay, do nothing and can be pushed; their cargo lies there."""
 
     do: Literal["fail"]
     """What happens."""
@@ -125,9 +125,9 @@ def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:
 
 
 def check_team(events: tuple[Event, ...], robots: int, fitting: int, room: str) -> None:
-    """Raise the error for the first event that the team, `robots` at the start, makes impossible.
+    """Raise the error for the first event that is impossible for a team of `robots` at the start.
 
-    fitting: the largest number of robots that find room at a time, in the `room` that the message names.
+    fitting: the largest number of robots for which there is room at a time, in the `room` that the message names.
     """
     working, bodies, numbers = set(range(robots)), robots, robots
     for place, event in in_order(events):

@@ -15,14 +15,14 @@ ConditionScores = dict[str, dict[str, Number]]
 
 
 class ConditionConfig(Closed):
-    """One way of running the missions of an experiment."""
+    """One condition: the scores and the strategy of missions of an experiment."""
 
     name: str
     """Name of the condition in all results."""
     scores: ConditionScores = Field(default={})
-    """Goal -> option -> score, laid over the expert knowledge (this is how a mechanism is forced)."""
+    """Goal -> option -> score, in place of those of the expert knowledge (so a mechanism can be forced)."""
     strategy: StrategySpec = BY_SCORE
-    """What decides in every decision period which options serve the goals."""
+    """Strategy that decides in every decision period which options serve the goals."""
     measured: str | None = None
     """Name under which a file of start configurations holds the figures measured for this condition."""
 
@@ -31,7 +31,7 @@ class PublishedFigures(Closed):
     """Figures published for the scenarios of an experiment, printed beside ours."""
 
     source: str
-    """Where they come from."""
+    """Source of the figures."""
     figures: dict[str, dict[str, tuple[Number, ...]]]
     """Condition -> metric -> one figure per scenario, in the order of the start configurations."""
 
@@ -48,7 +48,7 @@ class ExperimentConfig(Closed):
     conditions: Annotated[tuple[ConditionConfig, ...], Field(min_length=1)]
     """The conditions; each one runs on every start configuration."""
     starts: tuple[StartConfiguration, ...] = ()
-    """The start configurations; empty: random ones."""
+    """The start configurations; random ones if empty."""
     scenarios: Count = 30
     """Number of random start configurations when there are no given ones."""
     reference: PublishedFigures | None = None

@@ -1,8 +1,8 @@
 """Families of scenarios: from a seed, a split and a number to a mission, its start and its events.
 
-Everything of a scenario is drawn from one whole number, its seed. The seeds of the split "train" are even, those of
-"test" odd: no scenario of one split is ever one of the other, whatever the seeds and numbers. All scenarios of one
-family with the same torus have one frame (`frames`), so that one batch of worlds can hold them.
+A scenario is drawn from one whole number, its seed. The seeds of the split "train" are even, those of "test" odd: no
+scenario belongs to both splits. All scenarios of one family with the same torus have one frame (`frames`), so that one
+batch of worlds can hold them.
 """
 
 import zlib
@@ -23,7 +23,7 @@ from selector.documents.fields import Closed, Positive
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")
 SCENARIO: Final = 0xFFFFFFFE
-"""Spawn key of what is drawn for the scenario itself; the world draws from other keys of the same seed."""
+"""Spawn key of the draws of the scenario itself; the world draws from other keys of the same seed."""
 
 
 @dataclass(frozen=True)
@@ -50,16 +50,16 @@ class Scenario:
 
 
 class FamilyConfig(Closed):
-    """A family of scenarios: a mission, and what is drawn anew for each scenario."""
+    """A family of scenarios: a mission, and the ranges of the draws for each scenario."""
 
     name: str
     """Name of the family."""
     description: str
-    """What is particular about its scenarios, in one sentence."""
+    """Particulars of its scenarios, in one sentence."""
     mission: MissionConfig = MissionConfig()
-    """The mission of which every scenario is a variety."""
+    """The mission; a scenario changes what is drawn."""
     sizes: tuple[tuple[Positive, Positive], ...] = ()
-    """Width and height of the torus, one of which is drawn; none: that of the mission [m]."""
+    """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
     robots: tuple[Count, Count] = (5, 5)
     """Least and largest number of robots at the start."""
     items: tuple[Index, Index] = (10, 10)
@@ -71,7 +71,7 @@ class FamilyConfig(Closed):
     changes: ChangesConfig = ChangesConfig()
     """The events that are drawn."""
     starts: tuple[StartConfiguration, ...] = ()
-    """Start configurations of the split "test", taken in turn; none: random ones, as in the split "train"."""
+    """Start configurations of the split "test", taken in turn; random ones if empty, as in the split "train"."""
     scenarios: Annotated[int, Field(strict=True, ge=1)] = 100
     """Number of scenarios of an evaluation."""
 

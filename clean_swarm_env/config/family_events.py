@@ -1,4 +1,4 @@
-"""Events that a family of scenarios draws: when what changes, and how."""
+"""Random events of a family of scenarios."""
 
 from typing import Any, Literal, Self
 
@@ -19,12 +19,12 @@ STATION_GAP = 2.0
 
 
 class ChangesConfig(Closed):
-    """How many events a scenario has, of which kinds, and what they bring."""
+    """Number, kinds and sizes of the events of a scenario."""
 
     number: tuple[Index, Index] = (0, 0)
     """Least and largest number of events."""
     kinds: tuple[Change, ...] = ()
-    """What can happen; each event is one of these, all equally likely."""
+    """Kinds of events, all equally likely."""
     items: tuple[Index, Index] = (5, 5)
     """Least and largest number of items that land at a time."""
     respawn: Span = (0.0, 6.0)
@@ -80,7 +80,7 @@ def draw_events(
 
 
 def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np.random.Generator) -> dict[str, Any]:
-    """Return what an event brings that does not concern the team."""
+    """Return the fields of an event that does not change the team."""
     if kind == "land":
         return {"items": int(rng.integers(changes.items[0], changes.items[1] + 1))}
     if kind == "respawn":

@@ -1,4 +1,4 @@
-"""Frames: what the missions of one batch of worlds have in common, and what each world may have of its own.
+"""Frames: the parts of a mission that all worlds of one batch share.
 
 Worlds of one batch share the torus, the bodies, the network, the patrol and the numbers of rows; stations, events,
 garbage, delivery and the time limit may differ. Rows that a mission does not use are absent, so that missions of
@@ -15,7 +15,7 @@ NOWHERE: Point = (0.0, 0.0)
 
 
 def frame_of(mission: MissionConfig) -> MissionConfig:
-    """Return the mission without what worlds of one batch may have of their own; equal frames fit together."""
+    """Return the mission without the parts that may differ in a batch; missions with equal frames fit together."""
     robots = mission.robots.model_copy(update={"count": 1, "capacity": mission.rows})
     garbage = mission.garbage.model_copy(update={"count": 0, "respawn": 0.0, "capacity": mission.item_rows})
     stations = mission.stations.model_copy(update={"recycling": NOWHERE, "dump": NOWHERE})
@@ -36,7 +36,7 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
 
 
 def grouped(missions: Sequence[MissionConfig]) -> list[list[int]]:
-    """Return the numbers of the missions by frames: those of one group fit into one batch of worlds."""
+    """Return groups of numbers of missions; those of one group have one frame and fit into one batch of worlds."""
     frames: list[MissionConfig] = []
     groups: list[list[int]] = []
     for number, mission in enumerate(missions):

@@ -1,6 +1,6 @@
 """Read missions, families and experiments from YAML files, by name or by path; see `selector.documents.find`.
 
-Whatever is wrong raises ConfigurationError: one line with file, key, expected and given.
+Every mistake raises ConfigurationError: one line with file, key, expected and given.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str
 
 
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with `changes` in its place, mapping by mapping."""
+    """Return `base` with the values of `changes` in place of its own; mappings are merged."""
     merged = dict(base)
     for key, value in changes.items():
         below = merged.get(key)
@@ -43,7 +43,7 @@ def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 
 
 def _resolved(path: Path, directories: Sequence[Path]) -> dict[str, Any]:
-    """Return the content of an experiment or a family, what it names as its mission and its starts in their places."""
+    """Return the content of an experiment or a family, with the named mission and starts read into it."""
     content = read_mapping(path)
     content["mission"] = _mission_of(content.get("mission", {}), path, directories)
     if isinstance(content.get("starts"), str):

@@ -1,8 +1,8 @@
 """Typed, closed and frozen configuration of a mission: one sentence and a unit per field.
 
-Every value that is impossible is refused here with the key, what was expected and what was given; unknown keys are
-errors. `clean_swarm_env.config.load` reads these models from YAML and adds the name of the file. The defaults are the
-settings of the reference experiment (see `configs/missions`), with solid robots.
+An impossible value raises an error with the key, the expected and the given value. Unknown keys are errors.
+`clean_swarm_env.config.load` reads these models from YAML and adds the name of the file. The defaults are the settings
+of the reference experiment (see `configs/missions`), with solid robots.
 """
 
 import math
@@ -29,7 +29,7 @@ from selector.documents.errors import impossible
 from selector.documents.fields import Closed, NonNegative, Positive, Share
 
 RANDOM_ITEMS = 40
-"""Items that find room in a world in which garbage keeps coming, unless told otherwise."""
+"""Default number of rows for items in a world in which garbage keeps coming."""
 
 
 class RobotConfig(Closed):
@@ -67,9 +67,9 @@ class GarbageConfig(Closed):
     count: Annotated[int, Field(strict=True, ge=0)] = 10
     """Number of items at the start."""
     respawn: NonNegative = 0.0
-    """Items that arrive in a minute, at random times and places; with any, a mission lasts its time limit [1/min]."""
+    """Items that arrive in a minute, at random times and places; above 0 a mission lasts its time limit [1/min]."""
     capacity: Index = 0
-    """Most items that lie or are carried at a time, further ones are lost; 0: as needed, with respawn at least 40."""
+    """Most items lying or carried at a time, further ones are lost; 0: as needed, at least 40 with respawn."""
     diffusion: NonNegative = 1.0
     """Diffusion of an item's attractive gradient [m]."""
     goal_radius: NonNegative = 0.0
@@ -110,7 +110,7 @@ class PatrolConfig(Closed):
 
 
 class StartConfiguration(Closed):
-    """Where robots and items are when a mission starts."""
+    """Places of robots and items at the start of a mission."""
 
     id: str
     """Name of the scenario, unique among those of an experiment."""
@@ -145,7 +145,7 @@ class MissionConfig(Closed):
     delivery: DeliveryConfig = DeliveryConfig()
     """The delivery of messages among the robots."""
     events: tuple[Event, ...] = ()
-    """What changes during the mission."""
+    """The events of the mission."""
     time_limit: Positive = 3000.0
     """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
     collision_cost: NonNegative = 2.0
@@ -214,6 +214,6 @@ class MissionConfig(Closed):
 
     @property
     def own_contents(self) -> bool:
-        """Whether each robot stores by itself what it receives, because delivery is or becomes less than ideal."""
+        """Whether each robot stores what it receives by itself, because delivery is not ideal or may change."""
         changes = any(isinstance(event, SetDelivery) for event in self.events)
         return self.delivery.own_contents or not self.delivery.ideal or changes

@@ -15,7 +15,7 @@ def _planner(given: object) -> object:
 
 
 class NetworkConfig(SettingsSpec):
-    """The behaviour network of each robot: how it decides, what it is made of, and who plans."""
+    """The behaviour network of each robot: its document, its settings and its planner."""
 
     robot: Annotated[str, Field(strict=True, min_length=1)] = "cleaning"
     """Name of the robot's document in `configs/robots`."""
@@ -24,6 +24,6 @@ class NetworkConfig(SettingsSpec):
     max_parallel: Count = 1
     """Number of behaviours of one robot that may run at the same time."""
     planner: Annotated[str, BeforeValidator(_planner), Field(strict=True, min_length=1)] = "built-in"
-    """Whose plan adds to the activation of its next behaviours: "built-in", "off", or an engine of unified-planning."""
+    """Planner whose plans add activation: "built-in", "off", or an engine of unified-planning."""
     transport_full_range: Positive = 1.0
     """Distance to a station from which its linear condition is fully satisfied [m]."""

@@ -1,7 +1,7 @@
 """Start configurations: random ones by seed, and files of given ones with the figures measured on them.
 
-Randomness: scenario k of seed S draws from `SeedSequence(S, spawn_key=(k,))`, with one child for the robots and one for
-the items. So a scenario does not depend on the number of scenarios or workers, nor its items on the number of robots.
+Scenario k of seed S draws from `SeedSequence(S, spawn_key=(k,))`, with one child for the robots and one for the items.
+So a scenario does not depend on the number of scenarios or workers, nor do its items depend on the number of robots.
 """
 
 import zlib
@@ -23,7 +23,7 @@ from selforg.space import Torus
 START_GAP = 0.01
 """Clearance between solid robots at the start [m]."""
 START_TRIES = 20_000
-"""Draws for the place of one robot before the placement is given up."""
+"""Draws for the place of one robot before the placement fails."""
 
 
 def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfiguration:
@@ -35,7 +35,7 @@ def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfigur
 
 
 def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: str) -> StartConfiguration:
-    """Return a start by the name of `name`, drawn from two children of `sequence`; see `random_start`."""
+    """Return a start with the id `name`, drawn from two children of `sequence`; see `random_start`."""
     for_robots, for_items = sequence.spawn(2)
     size = np.array([mission.world.width, mission.world.height])
     apart = 2.0 * mission.robots.radius + START_GAP if mission.world.contacts == "solid" else 0.0
@@ -85,7 +85,7 @@ class StartsCase(StartConfiguration, extra="ignore"):
 
 
 class StartsFile(Closed, extra="ignore"):
-    """A file of start configurations with its torus and stations (data of others: further keys are ignored)."""
+    """A file of start configurations with its torus and stations; further keys are ignored, for the files of others."""
 
     torus_m: tuple[Positive, Positive]
     """Lengths of the torus along x and y [m]."""
@@ -94,7 +94,7 @@ class StartsFile(Closed, extra="ignore"):
     dump: Point
     """Position of the dump station [m]."""
     cases: Annotated[tuple[StartsCase, ...], Field(min_length=1)]
-    """The start configurations, each with what was measured on it."""
+    """The start configurations, each with the figures measured on it."""
 
     @model_validator(mode="after")
     def _unique_ids(self) -> Self:

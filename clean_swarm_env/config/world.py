@@ -9,7 +9,7 @@ from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Positive
 
 MAX_COVERED_SHARE = 0.45
-"""Largest share of the torus that solid discs may cover [-]: random sequential placement jams at 0.547."""
+"""Largest share of the torus that solid discs may cover [-]; random sequential placement ends at 0.547."""
 
 
 class WorldConfig(Closed):
@@ -20,7 +20,7 @@ class WorldConfig(Closed):
     height: Positive = 11.0
     """Length of the torus along y [m]."""
     contacts: Literal["solid", "pass_through"] = "solid"
-    """Whether robots bump into each other or drive through each other, as in the paper's simulator."""
+    """Whether robots are solid, or drive through each other as in the paper's simulator."""
     physics_rate: Positive = 20.0
     """Physics steps per second, which is also the sampling rate of collisions [Hz]."""
     control_rate: Positive = 5.0
@@ -41,7 +41,7 @@ class WorldConfig(Closed):
 
 
 def robots_that_fit(world: WorldConfig, radius: float) -> int:
-    """Return how many solid discs of `radius` [m] random sequential placement still finds room for."""
+    """Return the number of solid discs of `radius` [m] for which random placement finds room."""
     if min(world.width, world.height) < 4.0 * radius:  # a disc would touch its own image across the seam
         return 0
     return int(MAX_COVERED_SHARE * world.width * world.height / (math.pi * radius**2))

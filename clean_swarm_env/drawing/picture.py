@@ -1,7 +1,7 @@
 """A picture of the world: robots with their gradients, garbage, stations and the pheromone trail, on the torus.
 
-Plain arrays in, a Matplotlib figure out; nothing here knows the mission. Colours are those of Okabe and Ito, which
-colour-blind readers can tell apart; shapes differ too.
+The functions take plain arrays and return a Matplotlib figure; they do not depend on the mission. The colours are those
+of Okabe and Ito, which colour-blind readers can tell apart; shapes differ too.
 Shapes: N robots, G items of garbage, M pheromones.
 """
 
@@ -18,9 +18,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Wedge
 from numpy.typing import NDArray
 
-SEARCHING: Final = 0  # what a robot carries, `Canvas.cargo`: nothing,
-GARBAGE: Final = 1  # an item on its way to the recycling station,
-LEFTOVERS: Final = 2  # or what is left of it, on its way to the dump station
+SEARCHING: Final = 0  # values of `Canvas.cargo`: the robot carries nothing,
+GARBAGE: Final = 1  # an item to the recycling station,
+LEFTOVERS: Final = 2  # or its leftovers to the dump station
 
 INK, PAPER = "#2b2b2b", "#fbfaf7"
 ROBOT_COLOURS: Final = {SEARCHING: "#0072B2", GARBAGE: "#D55E00", LEFTOVERS: "#7B4B94"}
@@ -37,7 +37,7 @@ def no_places() -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class Canvas:
-    """What there is to see. Arrays of another shape than stated raise ValueError."""
+    """The data of a picture. Arrays of another shape than stated raise ValueError."""
 
     positions: NDArray[np.float64]  # (N, 2) [m] of the robots
     headings: NDArray[np.float64]  # (N,) [rad]
@@ -50,7 +50,7 @@ class Canvas:
     diffusion: float = 1.0  # [m] of a robot's pose gradient
     station_radius: float = 0.5  # [m] within which a robot is at a station
     cargo: NDArray[np.int64] | None = None  # (N,) SEARCHING, GARBAGE or LEFTOVERS; None: all are searching
-    garbage: NDArray[np.float64] = field(default_factory=no_places)  # (G, 2) [m] of items that lie about
+    garbage: NDArray[np.float64] = field(default_factory=no_places)  # (G, 2) [m] of items that lie
     pheromones: NDArray[np.float64] = field(default_factory=no_places)  # (M, 2) [m]
     pheromone_diffusions: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
 
@@ -104,10 +104,10 @@ def draw_world(canvas: Canvas, title: str = "", inches: float = 7.0) -> Figure:
 
 
 def trail_strength(canvas: Canvas) -> NDArray[np.float64]:
-    """Return how strong the pheromones are on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
+    """Return the strength of the pheromones on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
 
-    In each cell the strongest one counts, by the linear fall of Balch and Hybinette's repulsion from 1 at its
-    centre to 0 at its diffusion radius.
+    In each cell the strongest pheromone counts. Its strength falls linearly from 1 at its centre to 0 at its diffusion
+    radius, as Balch and Hybinette's repulsion does.
     """
     lines, columns = round(canvas.height / TRAIL_PITCH), round(canvas.width / TRAIL_PITCH)
     pitch = np.array([canvas.width / columns, canvas.height / lines])
@@ -179,7 +179,7 @@ def draw_ruler(axes: Axes, canvas: Canvas) -> None:
 
 
 def draw_legend(figure: Figure, canvas: Canvas) -> None:
-    """Explain the signs under the world, those that can occur in this canvas."""
+    """Draw the legend under the world, with the signs that can occur in this canvas."""
     entries = [sign("o", ROBOT_COLOURS[SEARCHING], "white", "robot, searching")]
     if canvas.cargo is not None:
         entries.append(sign("o", ROBOT_COLOURS[GARBAGE], "white", "carrying garbage"))
@@ -202,7 +202,7 @@ def sign(marker: str, colour: str, edge: str, label: str) -> Line2D:
 
 
 def appearances(canvas: Canvas, place: NDArray[np.float64], extent: float) -> Iterator[tuple[float, float]]:
-    """Yield the places [m] at which something of this half size [m] shows on the map: more than one at a seam."""
+    """Yield the places [m] at which a thing of half size `extent` [m] shows on the map: several at a seam."""
     for right, up in product((-1, 0, 1), repeat=2):
         x, y = float(place[0]) + right * canvas.width, float(place[1]) + up * canvas.height
         if -extent < x < canvas.width + extent and -extent < y < canvas.height + extent:

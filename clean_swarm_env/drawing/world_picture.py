@@ -14,7 +14,7 @@ from selforg.gradients.queries import Filter, Queries
 
 
 def canvas_of(worlds: Worlds, world: int) -> Canvas:
-    """Return what is to be drawn of a world now."""
+    """Return the canvas of a world as it is now."""
     garbage, mission = worlds.garbage, worlds.mission
     rows = worlds.rows_of(world)
     rows = rows[worlds.physics.present[rows]]
@@ -49,7 +49,7 @@ def _trail(worlds: Worlds, world: int) -> tuple[NDArray[np.float64], NDArray[np.
 
 
 def portrait(worlds: Worlds, world: int) -> NDArray[np.uint8]:
-    """Return a picture (height, width, 3) of a world now."""
+    """Return a picture (height, width, 3) of a world as it is now."""
     figure = draw_world(canvas_of(worlds, world), title=f"{worlds.ticks[world] * worlds.period:.0f} s")
     agg = FigureCanvasAgg(figure)
     agg.draw()  # type: ignore[no-untyped-call]

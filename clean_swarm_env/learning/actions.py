@@ -1,4 +1,4 @@
-"""What a learner decides: the option that serves each goal, or the robot's movement itself.
+"""Actions of a learner: the option that serves each goal, or the robot's movement vector.
 
 Shapes: R rows (robots), C coordinated goals, O options of all goals one after the other.
 """
@@ -21,12 +21,12 @@ from selforg.registry import unknown
 
 
 class ActionConfig(Closed):
-    """What a learner decides once a decision period."""
+    """The actions of a learner, one in each decision period."""
 
     mode: Literal["option", "velocity"] = "option"
-    """The option that serves each goal; or the movement vector in the robot's frame, in place of the network."""
+    """Whether an action is the option that serves each goal, or the movement vector in the robot's frame."""
     serves: dict[Name, tuple[Phase, ...]] = Field(default={})
-    """Option -> phases in which alone it can serve; the others serve always."""
+    """Option -> the only phases in which it can serve; an option that is not named can always serve."""
 
 
 class OptionActions:
@@ -94,8 +94,8 @@ class OptionActions:
 class VelocityActions:
     """Movement vectors as actions: ahead and left in the robot's frame, in shares of the largest speed.
 
-    The vector keeps its direction in the world through the decision period, and the drive follows it as it follows the
-    vectors of behaviours. The robot's network decides nothing; the robot picks, recycles and dumps wherever it can.
+    The vector keeps its direction in the world through the decision period. The drive follows the vector in place of
+    those of behaviours. The robot's network decides nothing. The robot picks, recycles and dumps wherever it can.
     """
 
     def __init__(self, worlds: Worlds) -> None:
@@ -104,7 +104,7 @@ class VelocityActions:
         self._max_speed = worlds.mission.robots.max_speed
 
     def steer(self, actions: NDArray[Any]) -> None:
-        """Set what the robots follow: vectors `actions` (R, 2), components within [-1, 1] (beyond: the bound)."""
+        """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
         given, expected = np.asarray(actions), (self._worlds.rows, 2)
         if given.shape != expected or not np.isfinite(given).all():
             raise ValueError(f"actions: expected finite numbers of shape {expected}, got {given.shape}")

@@ -1,7 +1,7 @@
-"""The core of all learning borders: W worlds with one frame, decision period by decision period.
+"""The core of all learning borders: W worlds with one frame, stepped by decision periods.
 
-Each world begins its next episode by itself when its mission is over. Rows are robots, R = W * N (world w has the rows
-w*N .. (w+1)*N - 1); a world of a batch takes, bit for bit, the course it takes alone with the same seed.
+A world whose mission is over begins its next episode in the same step. Rows are robots, R = W * N (world w has the rows
+w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has alone with the same seed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from selforg.arrays import Flags, Floats
 
 
 class BatchStep(NamedTuple):
-    """What one decision period brought; the arrays are the batch's own, valid until the next call."""
+    """The result of one decision period; the arrays belong to the batch and are valid until the next call."""
 
     observations: Observations
     """(R, F) float32; of worlds that have begun anew, the first observations of the new episode."""
@@ -41,9 +41,9 @@ class BatchStep(NamedTuple):
     terminated: Flags
     """(W,) whether all garbage of the world was dumped in this period."""
     truncated: Flags
-    """(W,) whether the time of the world was over with this period, garbage left."""
+    """(W,) whether the time of the world was over with this period and garbage was left."""
     final_observations: Observations
-    """(R, F) float32; what the robots saw when their mission ended, in rows of worlds that ended."""
+    """(R, F) float32; the observations at the end of the mission, in rows of worlds whose missions ended."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,13 @@ class Finished:
     """A mission that ended in the last period."""
 
     world: int
-    """Which world of the batch."""
+    """Number of the world in the batch."""
     scenario: Scenario
-    """What the world did."""
+    """The scenario of the mission."""
     result: MissionResult
-    """Its figures."""
+    """The figures of the mission."""
     collision_events: int
-    """How often a pair came closer than the first collision distance."""
+    """Number of times that a pair came closer than the first collision distance."""
 
     @property
     def statistics(self) -> dict[str, float | int | bool]:
@@ -74,12 +74,12 @@ class BatchSettings(EpisodeSettings, total=False):
     """Further settings of a batch, as keyword arguments."""
 
     source: EpisodeSource | None
-    """What each world does next, in place of episodes that follow from seeds; the mission, or a scenario of the family,
-    then shows the frame that all have (`frames`). A world without a next scenario stays as it is, and counts no more,
-    until `reset`."""
+    """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
+    frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and
+    counts no more."""
     begin_anew: bool
-    """Whether a world whose mission is over begins its next episode at the end of that period, by default
-    yes. If not, the world stays as it is, and counts no more, until `reset`."""
+    """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
+    the world stays as it is until `reset`, and counts no more."""
 
 
 class Batch:
@@ -98,11 +98,11 @@ class Batch:
 
     Attributes:
         options: coordinated goal -> names of its options.
-        observer: knows the names of the components of an observation.
+        observer: has the names of the components of an observation.
         choices: the options as actions.
         progress: what happened in the last period.
         observations: (R, F) float32, the last ones, always the same array.
-        doing: (W,) what each world does or did last; None where a source has given nothing yet.
+        doing: (W,) present or last scenario of each world; None where a source has given none yet.
 
     >>> batch = Batch("table1", worlds=2)
     >>> observations = batch.reset([5, 6])
@@ -153,10 +153,10 @@ class Batch:
     def reset(
         self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
     ) -> Observations:
-        """Begin an episode in every world and return the observations (R, F); they are valid until the next call.
+        """Begin an episode in every world and return the observations (R, F), valid until the next call.
 
-        `seeds` (W,) begin the series of episodes anew; a world without one (None) goes on with its series, or begins
-        one of a seed drawn from the system. `starts` (W,) take the place of random starts.
+        `seeds` (W,) begin the series of episodes anew. A world without a seed (None) continues its series, or begins
+        one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
         """
         nothing = [None] * self.worlds.worlds
         for name, given in (("seeds", seeds), ("starts", starts)):
@@ -200,7 +200,7 @@ class Batch:
         self.progress.reset(world)
 
     def masks(self) -> Flags:
-        """Return which options (R, O) can serve in the coming period, those of all goals one after the other."""
+        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period."""
         return self.choices.masks(self.observer.phases)
 
     def step(self, actions: NDArray[Any]) -> BatchStep:

@@ -1,6 +1,6 @@
-"""What worlds do, episode after episode: a mission from random starts, scenarios of a family, or what a source gives.
+"""Sources of episodes for worlds: a mission from random starts, or scenarios of a family.
 
-Every episode is a `Scenario`. Those of a series follow from a seed and their number.
+Every episode is a `Scenario`. An episode of a series follows from a seed and its number.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from clean_swarm_env.config.starts import random_start, run_seed
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
 EpisodeSource = Callable[[int], Scenario | None]
-"""From a world of a batch to what it does next, None if there is nothing left for it."""
+"""Function from the number of a world to its next scenario, None if there is none left."""
 Episodes = Callable[[int, int, int], Iterator[Scenario]]
-"""From a seed, the number of an episode and a step to that episode and every one a step further, without end."""
+"""Function from a seed, a first number and a step to the episodes of these numbers, without end."""
 
 
 class Series:
@@ -52,7 +52,7 @@ class Series:
     def begin(self, seeds: Sequence[int | None]) -> None:
         """Give each world (W,) the episodes 0, 1, ... of its seed.
 
-        A world without one (None) goes on with its episodes, or begins those of a seed drawn from the system.
+        A world without a seed (None) continues its episodes, or begins those of a seed drawn from the system.
         """
         for world, seed in enumerate(seeds):
             if seed is not None or self._running[world] is None:
@@ -66,13 +66,13 @@ class Series:
 
 
 class EpisodeSettings(TypedDict, total=False):
-    """What the episodes of a mission are; without settings the mission from random starts."""
+    """The choice of episodes; without settings the mission from random starts."""
 
     family: FamilyConfig | str | None
     """A family of scenarios, or the name of one in `configs/families`, in place of the mission: its scenarios are the
     episodes."""
     split: Split
-    """Which scenarios of the family, "train" unless given."""
+    """Split of the family, "train" unless given."""
     size: Size | None
     """Torus of a family that draws from several: its scenarios on that torus."""
     knowledge: str | None

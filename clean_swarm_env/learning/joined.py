@@ -1,6 +1,6 @@
-"""Batches side by side: worlds of different missions, families and sizes, whose robots one learner decides for.
+"""Batches side by side: one learner decides for worlds of different missions, families and sizes.
 
-Rows are those of all batches, one after the other, and so are worlds.
+Rows are those of all batches, one batch after the other. The same holds for worlds.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from selforg.arrays import Flags, Ints
 
 
 class Joined:
-    """Several batches used as one. Arrays that are returned belong to the caller.
+    """Several batches used as one. The caller owns the arrays that are returned.
 
     Args:
         batches: B batches, at least one, with the same options, actions and observations.
@@ -93,7 +93,7 @@ class Joined:
 
     @property
     def events(self) -> Ints:
-        """(E, R) what happened in the last period; see `Period.events`."""
+        """(E, R) counts of the events of the last period; see `Period.events`."""
         return np.concatenate([batch.progress.events for batch in self.batches], axis=1)
 
     def masks(self) -> Flags:
@@ -109,9 +109,9 @@ def family_batches(
     directories: tuple[Path, ...] = (),
     **settings: Any,  # noqa: ANN401  (those of Batch)
 ) -> list[Batch]:
-    """Return batches for the scenarios of a family, one for each torus that they have, with `worlds` worlds together.
+    """Return batches for the scenarios of a family, one for each torus, with `worlds` worlds altogether.
 
-    World w gets torus w modulo their number; `sizes` say which tori and in which order, all of the family unless given.
+    The worlds are dealt out to the tori in turn. `sizes` are these tori in their order, all of the family unless given.
     """
     known = load_family(family, directories) if isinstance(family, str) else family
     tori = tuple(sizes) or known.tori
@@ -124,7 +124,7 @@ def family_batches(
 
 
 def _check_alike(batches: Sequence[Batch]) -> None:
-    """Raise an error unless there are batches, and one learner can decide for all of them."""
+    """Raise an error if there are no batches, or if one learner cannot decide for all of them."""
     if not batches:
         raise ValueError("batches: expected at least one, got none")
     if len({id(batch) for batch in batches}) < len(batches):
@@ -138,7 +138,7 @@ def _check_alike(batches: Sequence[Batch]) -> None:
 
 
 def _compared(batch: Batch) -> dict[str, Any]:
-    """Return what must be equal in batches that are joined."""
+    """Return the settings that must be equal in batches that are joined."""
     return {
         "options": dict(batch.options),
         "action": batch.action.model_dump(),

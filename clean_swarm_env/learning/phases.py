@@ -1,4 +1,4 @@
-"""Phases: what a robot is about, by names and by numbers."""
+"""Phases of a robot's task, by names and by numbers."""
 
 from typing import Literal, get_args
 

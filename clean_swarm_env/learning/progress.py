@@ -1,4 +1,4 @@
-"""What happened in the present decision period, counted tick by tick, and how long each robot has achieved nothing.
+"""Counts of the events in a decision period, tick by tick, and the time since each robot last achieved something.
 
 Shapes: W worlds, N robots a world, R = W * N rows, E kinds of events.
 """
@@ -24,7 +24,7 @@ PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
 
 
 class Period(NamedTuple):
-    """What happened in a decision period."""
+    """The counts of a decision period."""
 
     events: Annotated[Ints, "E R"]  # in the order of EVENTS
     ticks: Annotated[Ints, "W"]  # ticks that counted
@@ -34,7 +34,7 @@ class Period(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """What is followed from tick to tick: arrays of the worlds, and how they were at the tick before."""
+    """Arrays of the worlds, and their values at the tick before, from which events are counted."""
 
     working: Annotated[Flags, "R"]  # robots at work
     in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
@@ -56,7 +56,7 @@ open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
 
 
 class MissionProgress:
-    """Counts of a batch of worlds; what a world does after its mission is over does not count.
+    """Counts of a batch of worlds. A world whose mission is over counts no more.
 
     Attributes:
         period: the record `Period`, with its words; its arrays are attributes here too: `events` (E, R), `ticks` (W,),
@@ -98,7 +98,7 @@ class MissionProgress:
         )
 
     def reset(self, world: int) -> None:
-        """Begin anew with a world that has just been reset."""
+        """Begin the counts of a world that has just been reset."""
         mission, rows, followed = self._worlds.missions[world], self._worlds.rows_of(world), self._followed.record
         self.limits[world] = tick_limit(mission)
         self.outcome[world] = RUNNING
@@ -108,7 +108,7 @@ class MissionProgress:
         followed.had_done[world] = followed.done[world]
 
     def stay(self, world: int) -> None:
-        """Count a world that has nothing to do no more until it is reset; how its last mission ended remains."""
+        """Stop counting a world without a next scenario until it is reset; its last outcome remains."""
         if self.outcome[world] == RUNNING:
             self.outcome[world] = TIME_OVER
 
@@ -119,9 +119,9 @@ class MissionProgress:
         np.copyto(self.took_part, self._worlds.team.working)
 
     def note(self, entered: Ints) -> bool:
-        """Count what the last tick brought, `entered` (R,) being its collision events; return whether missions ended.
+        """Count the last tick, whose collision events are `entered` (R,); return whether missions ended.
 
-        A mission that ended stays ended, and counts no more, until its world is reset.
+        A mission that ended counts no more until its world is reset.
         """
         worlds, executing = self._worlds, self._worlds.network.executing
         avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)

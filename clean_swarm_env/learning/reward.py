@@ -1,7 +1,7 @@
-"""What a selector is rewarded for: the mission's cost, in parts that are named and weighted, and shaping terms.
+"""The reward of a selector: the mission's cost, in parts that are named and weighted, and shaping terms.
 
-The shaping terms are plain counts. They are not differences of a potential, so that they may change which behaviour is
-best: a robot paid for picking could carry things about. They are 0 unless asked for.
+The shaping terms are plain counts, not differences of a potential. So they may change which behaviour is best: a robot
+paid for picking could carry items about. Their weights are 0 unless given.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class RewardConfig(Closed):
 
 
 class Prices(NamedTuple):
-    """What is paid, for ticks in place of seconds; see `RewardConfig`."""
+    """Weights of the reward by ticks in place of seconds; see `RewardConfig`."""
 
     own: Annotated[Floats, "E"]  # for each event of a robot, in the order of EVENTS
     dumped: float
@@ -61,12 +61,12 @@ class Rewards:
     """Rewards (R,) of a batch of worlds, from what its progress counted in a period.
 
     Attributes:
-        prices: what is paid, `Prices` with its words.
+        prices: the record `Prices`, with its words.
 
     """
 
     def __init__(self, config: RewardConfig, period: float) -> None:
-        """`period` [s]: of one tick."""
+        """`period`: length of a tick [s]."""
         self.config = config
         own = {
             "picked": config.own_picked,

@@ -1,6 +1,6 @@
-"""A grid of cells over the points of one world, so that near points are found without looking at all (compiled).
+"""A grid of cells over the points of one world: searches for near points look at nine cells only (compiled).
 
-Cells pay in worlds with many points only. A cell is at least as wide as the distance that is asked for, so that
+Cells save time only in worlds with many points. A cell is at least as wide as the distance that is asked for, so that
 everything within that distance lies in the same cell or in one of the eight around it.
 """
 
@@ -13,12 +13,12 @@ from selforg.compiler.decorators import inlined, kernel, part
 from selforg.space import nearest_image, wrapped
 
 FEW: Final = 40  # points of a world up to which looking at all of them is cheaper
-NOBODY: Final = -1  # end of the list of a cell
+NOBODY: Final = -1  # marks the end of the list of a cell
 
 
 @kernel
 def cells_along(points: int, reach: float, extent: Floats) -> tuple[int, int]:
-    """Return lines and columns of cells at least `reach` [m] wide, about one a point; (0, 0) if cells do not pay."""
+    """Return lines and columns of cells at least `reach` [m] wide, about one a point; (0, 0) if cells save no time."""
     side = int(np.ceil(np.sqrt(points)))
     lines, columns = min(int(extent[1] // reach), side), min(int(extent[0] // reach), side)
     return (0, 0) if points <= FEW or lines < 3 or columns < 3 else (lines, columns)
@@ -34,7 +34,7 @@ def cell_at(place: float, cells: int, size: float) -> int:
 def fill_cells(positions: Floats, first: int, there: Flags, extent: Floats, cells: Ints, links: Ints) -> None:
     """Put the points that are `there` (M,) into `cells` (lines, columns); point m lies at positions[first + m] [m].
 
-    cells gets the first point of each cell, links (M,) the next one in the same cell; lists rise.
+    `cells` gets the first point of each cell, `links` (M,) the next one in the same cell, in rising order.
     """
     lines, columns = cells.shape
     if lines == 0:
@@ -64,8 +64,8 @@ def nearest_point(
 ) -> tuple[int, float]:
     """Return the nearest point that is `there` (M,) within `reach` [m] of a place, and its distance [m].
 
-    Of several equally near points the first one counts; (NOBODY, inf) where none is in reach. Without cells all points
-    are looked at.
+    Of several equally near points the first one counts. Returns (NOBODY, inf) where none is in reach. Without cells the
+    search looks at all points.
     """
     lines, columns = cells.shape
     line, column, walks = 0, 0, 1
@@ -73,7 +73,7 @@ def nearest_point(
         line, column, walks = cell_at(y, lines, extent[1]), cell_at(x, columns, extent[0]), 9
     best, shortest = NOBODY, np.inf
     for walk in range(walks):
-        point = cell_beside(line, column, walk, cells) if lines > 0 else 0
+        point = cell_beside(line, column, walk, cells) if lines > 0 else (0 if there.shape[0] > 0 else NOBODY)
         while point != NOBODY:
             if there[point]:
                 length = distance(x, y, positions[point, 0], positions[point, 1], extent)

@@ -1,7 +1,7 @@
 """Calls of Chipmunk's C functions from compiled code, by their addresses: what a substep in contact needs.
 
-A call from Python costs about as much as the work of a small space. The addresses come from `contact_space.py`, world
-by world, as a table of handles; a world without handles is not for compiled code.
+A call from Python costs about as much as the work of a small space. The addresses come from `contact_space.py` as a
+table of handles, one row for each world. Compiled code leaves a world without handles to Python.
 """
 
 from numba import types
@@ -75,7 +75,7 @@ each_instruction: Compiler = intrinsic(typed_each)
 
 @overload(step_space, inline="always")
 def compiled_step(function: Compiler, space: Compiler, timestep: Compiler) -> Compiler:
-    """Return what `step_space` is in compiled code."""
+    """Return the implementation of `step_space` in compiled code."""
 
     def compiled(function: Compiler, space: Compiler, timestep: Compiler) -> None:
         step_instruction(function, space, timestep)
@@ -85,7 +85,7 @@ def compiled_step(function: Compiler, space: Compiler, timestep: Compiler) -> Co
 
 @overload(each_body, inline="always")
 def compiled_each(function: Compiler, space: Compiler, visitor: Compiler, data: Compiler, done: Compiler) -> Compiler:
-    """Return what `each_body` is in compiled code."""
+    """Return the implementation of `each_body` in compiled code."""
 
     def compiled(function: Compiler, space: Compiler, visitor: Compiler, data: Compiler, done: Compiler) -> None:
         each_instruction(function, space, visitor, data, done)
@@ -95,7 +95,7 @@ def compiled_each(function: Compiler, space: Compiler, visitor: Compiler, data: 
 
 @inlined
 def touch(world: int, handles: Ints, current: bool, timestep: float) -> None:
-    """Have Chipmunk do a substep of a world: bodies are loaded unless `current`, forces written, bodies read back."""
+    """Run a substep of a world in Chipmunk: load bodies unless `current`, write forces, step, read bodies back."""
     space, each = handles[world, SPACE], handles[world, EACH]
     if not current:
         each_body(each, space, handles[world, WRITE_BODY], handles[world, BODIES], handles[world, BODIES_DONE])

@@ -22,11 +22,11 @@ PAIRS_A_ROBOT: Final = 8  # room in the list; a world with more pairs walks its 
 
 
 class Counts(NamedTuple):
-    """What is counted, and what finding close pairs needs."""
+    """The counts, and what the search for close pairs needs."""
 
     samples: Annotated[Ints, "W K"]  # pairs closer than each distance, summed over the counts
     events: Annotated[Ints, "W K"]  # pairs that came closer than each distance
-    in_contact: Annotated[Flags, "R"]  # somebody is closer than the first distance
+    in_contact: Annotated[Flags, "R"]  # another robot is closer than the first distance
     entered: Annotated[Ints, "R"]  # events of the first distance at the last count
     entered_in_tick: Annotated[Ints, "R"]  # the same, summed over a tick
     squares: Annotated[Floats, "K"]  # of the distances [m^2]
@@ -34,9 +34,9 @@ class Counts(NamedTuple):
     width: float  # of the torus [m]
     height: float  # [m]
     extent: Annotated[Floats, "2"]  # both, as `physics.cells` takes them
-    before: Annotated[Floats, "R 2"]  # positions at the last count [m], of no meaning before the first
+    before: Annotated[Floats, "R 2"]  # positions at the last count [m], undefined before the first
     counted: Annotated[Flags, "R"]  # the robot was there at the last count
-    cells: Annotated[Ints, "lines columns"]  # scratch: see `cells`; of no size where all pairs are looked at
+    cells: Annotated[Ints, "lines columns"]  # scratch: see `cells`; empty where all pairs are looked at
     links: Annotated[Ints, "N"]  # scratch: see `cells`
     listed: Annotated[Ints, "W"]  # number of listed pairs, or UNLISTED
     pairs: Annotated[Ints, "W P 2"]  # rows of the pairs that can be close
@@ -51,8 +51,8 @@ class CollisionCounter:
     """Collision samples and events of W worlds of N robots, for K distances at once.
 
     samples: (W, K) int64, pairs closer than distance k, summed over all counts since the reset.
-    events: (W, K) int64, pairs closer than distance k that were not closer at the count before, summed likewise.
-    in_contact: (R,) bool, of the last count: somebody closer than the first distance.
+    events: (W, K) int64, pairs closer than distance k that were not closer at the count before, summed in the same way.
+    in_contact: (R,) bool, of the last count: another robot is closer than the first distance.
     entered: (R,) int64, of the last count: events of the first distance in which the robot took part.
     entered_in_tick: (R,) int64, the same, summed over the counts of the last tick of the physics.
     All five are the same arrays all the time.
@@ -87,8 +87,8 @@ class CollisionCounter:
         self.entered_in_tick: Ints = np.zeros(rows, np.int64)
         self._robots = robots
         self._everybody: Flags = np.ones(rows, np.bool_)
-        # Cells are at least two reaches wide: pairs up to two reaches apart are listed, and the list holds until
-        # somebody has moved by half a reach.
+        # Cells are at least two reaches wide. So pairs up to two reaches apart are listed, and the list is valid until
+        # a robot has moved by half a reach.
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
         room = robots if shape[0] else 0
         squares = np.square(self.distances)
@@ -139,7 +139,7 @@ def square_distance(positions: Floats, first: int, second: int, width: float, he
 
 @inlined
 def list_holds(world: int, positions: Floats, present: Flags, c: Counts) -> bool:
-    """Tell whether every pair that can be close by now is in the list of a world, and nobody came or went."""
+    """Return whether the list of a world has every pair that can be close now, and no robot came or went."""
     if c.listed[world] == UNLISTED:
         return False
     robots = positions.shape[0] // c.listed.shape[0]
@@ -166,7 +166,7 @@ def list_pairs(world: int, positions: Floats, present: Flags, counts: Words[Coun
         line, column = cell_at(positions[row, 1], lines, c.extent[1]), cell_at(positions[row, 0], columns, c.extent[0])
         for walk in range(9):
             point = cell_beside(line, column, walk, c.cells)
-            while point != NOBODY and first + point < row:  # lists rise
+            while point != NOBODY and first + point < row:  # numbers in a cell rise
                 if square_distance(positions, row, first + point, c.width, c.height) < 4.0 * c.furthest:
                     if count < c.pairs.shape[1]:
                         c.pairs[world, count, 0], c.pairs[world, count, 1] = row, first + point
@@ -177,7 +177,7 @@ def list_pairs(world: int, positions: Floats, present: Flags, counts: Words[Coun
 
 @inlined
 def count_pair(world: int, row: int, other: int, positions: Floats, c: Counts) -> None:
-    """Count one pair of robots that are present. The counts are sums: the order of pairs does not matter."""
+    """Count one pair of robots that are present. The counts are sums, so the order of pairs does not matter."""
     now = square_distance(positions, row, other, c.width, c.height)
     if now >= c.furthest:
         return
@@ -229,7 +229,7 @@ def count_world(world: int, positions: Floats, present: Flags, counts: Words[Cou
             for other in range(first, row):
                 if present[row] and present[other]:
                     count_pair(world, row, other, positions, c)
-    # One by one: assigning whole slices costs more than the pairs of a small world.
+    # Element by element: assigning whole slices costs more than counting the pairs of a small world.
     for row in range(first, end):
         c.before[row, 0] = positions[row, 0]
         c.before[row, 1] = positions[row, 1]

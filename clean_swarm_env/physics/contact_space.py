@@ -14,14 +14,14 @@ from clean_swarm_env.physics.uncopied import Uncopied
 from selforg.arrays import Floats
 from selforg.compiler.switches import COMPILED, PLAIN
 
-try:  # Pymunk's C calls; `pymunk.batch` makes the same ones, but allocates at every call.
+try:  # Pymunk's C calls; `pymunk.batch` makes the same calls, but allocates at every call.
     from pymunk._chipmunk_cffi import ffi, lib
-except ImportError:  # A pymunk without them: same bits by its public interface, slower.
+except ImportError:  # A pymunk without them: its public interface gives the same bits, but is slower.
     ffi = lib = None
 
 SHARED_MEMORY: Final = hasattr(lib, "pmSpaceBodySetIteratorFuncBatched")
 COLLISION_SLOP: Final = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25 m sink in visibly
-SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch, whatever the last bit says
+SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch in spite of rounding
 PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
 ORIGINALS: Final = pymunk.ShapeFilter(categories=0b01, mask=0b11)
 UNTOUCHED: Final = pymunk.ShapeFilter(categories=0, mask=0)
@@ -36,9 +36,9 @@ COPY_OFFSETS: Final = {
 class ContactSpace(Uncopied):
     """One world in pymunk: N discs without rotation, and their seam copies.
 
-    `bodies` (N, 4) float64 x, y, vx, vy [m, m/s] goes to pymunk by `load` and comes back by `step`, which drives with
-    `forces` (N, 2) float64 [N]; both C-contiguous and kept. With `shared_memory` pymunk reads and writes the arrays
-    itself; without, each attribute goes through its public interface: the same bits, slower.
+    `load` writes `bodies` (N, 4) float64 x, y, vx, vy [m, m/s] to pymunk. `step` applies `forces` (N, 2) float64 [N]
+    and reads `bodies` back. Both arrays are C-contiguous and stay the same objects. With `shared_memory` pymunk reads
+    and writes the arrays itself. Without it each attribute goes through the public interface: same bits, but slower.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class ContactSpace(Uncopied):
             self._bodies[row] = (*disc.position, *disc.velocity)
 
     def let_touch(self, row: int, wanted: bool) -> None:
-        """Let a disc touch others, or not; it stays in the space, so that what others do is computed as before."""
+        """Make a disc touch others, or not. It stays in the space, so that the others are computed as before."""
         self._circles[row].filter = ORIGINALS if wanted else UNTOUCHED
 
     def set_copies(self, copies: NDArray[np.uint8]) -> None:
@@ -133,10 +133,10 @@ class ContactSpace(Uncopied):
 
 
 def _channel(array: Floats, fields: int) -> tuple[Any, Any]:
-    """View of a C-contiguous float64 array as pymunk's batch buffer, and the request that names its fields."""
+    """Return a C-contiguous float64 array as pymunk's batch buffer, and the request that names its fields."""
     buffer = ffi.new("pmFloatArray *")
     buffer.arr = ffi.cast("cpFloat *", array.ctypes.data)
-    # Room beyond the end, which is never written: a full buffer would be reallocated, and NumPy owns this one.
+    # The buffer has room beyond the end, never written: pymunk reallocates a full buffer, but NumPy owns this one.
     buffer.max = array.size + 16
     request = ffi.new("pmBatchedData *")
     request.fields, request.floatArray, request.intArray = fields, buffer, ffi.NULL

@@ -16,7 +16,7 @@ TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole sec
 
 @dataclass(frozen=True)
 class DriveSettings:
-    """Limits and gain of the drive; values that make no sense raise ValueError."""
+    """Limits and gain of the drive; impossible values raise ValueError."""
 
     max_speed: float = 1.0  # [m/s]
     max_turn_rate: float = 2.0  # [rad/s]
@@ -31,11 +31,11 @@ class DriveSettings:
 
 
 class DriveState(NamedTuple):
-    """What the drives do now, and their settings."""
+    """Speeds and turn rates of the drives, and their settings."""
 
     speed: Annotated[Floats, "R"]  # along the heading [m/s]
     turn_rate: Annotated[Floats, "R"]  # [rad/s]
-    commanded_at: Annotated[Floats, "R"]  # time of the last command [s]; of no meaning for a robot at rest
+    commanded_at: Annotated[Floats, "R"]  # time of the last command [s]; undefined for a robot at rest
     max_speed: float  # from here on: fields of DriveSettings
     max_turn_rate: float
     turn_gain: float
@@ -48,10 +48,10 @@ open_drive = DRIVE.open
 
 
 class Orders(NamedTuple):
-    """What the robots are told to do in one control period."""
+    """Commands to the robots for one control period."""
 
     vectors: Annotated[Floats, "R 2"]  # where to move and how fast [m/s]
-    commanded: Annotated[Flags, "R"]  # there is a command; a zero vector is one to stand still
+    commanded: Annotated[Flags, "R"]  # there is a command; a zero vector commands the robot to stand still
     in_place: Annotated[Flags, "R"]  # the robot turns without driving
 
 
@@ -60,7 +60,7 @@ open_orders = ORDERS.open
 
 
 class DifferentialDrive:
-    """Drives of R robots; a command holds until the next one, or until the robot has waited too long for it.
+    """Drives of R robots; a command holds until the next one, or until `command_timeout` has passed.
 
     speed: (R,) float64 [m/s] along the heading; the same array all the time, as Physics.substep takes it.
     turn_rate: (R,) float64 [rad/s]; the same array all the time.
@@ -99,7 +99,7 @@ class DifferentialDrive:
         steer(vectors, has_command, turning, headings, now, self.packed.words)
 
     def reset(self, rows: Ints | slice) -> None:
-        """Stop these rows, as at the beginning."""
+        """Stop the robots in `rows`, as at the beginning."""
         self.speed[rows] = 0.0
         self.turn_rate[rows] = 0.0
         self._commanded_at[rows] = 0.0
@@ -117,7 +117,7 @@ def steer(
 def steer_rows(
     vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Words[DriveState]
 ) -> None:
-    """Do what `steer` does, in a kernel that does more."""
+    """Update what the drives do, for kernels that call it among other things; see `steer`."""
     d = open_drive(drive)
     for row in range(d.speed.shape[0]):
         if commanded[row]:

@@ -1,4 +1,4 @@
-"""Free motion on the torus: what robots do as long as nobody touches (compiled, all worlds at once).
+"""Free motion on the torus: how robots move as long as none touches another (compiled, all worlds at once).
 
 Shapes: W worlds, N robots a world, R = W * N rows; world w has the rows w*N .. (w+1)*N - 1.
 """
@@ -13,9 +13,9 @@ from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 from selforg.space import nearest_image, wrapped
 
-NOBODY_TOUCHES: Final = 0  # search for contacts: nobody ever touches
+NOBODY_TOUCHES: Final = 0  # search for contacts: robots never touch
 SEARCH_PAIRS: Final = 1  # look at every pair of a world
-ALWAYS_TOUCHING: Final = 2  # take every world to be in contact
+ALWAYS_TOUCHING: Final = 2  # treat every world as in contact
 
 COPY_RIGHT: Final = 1  # seam copies of a body, one bit each: at (+width, 0),
 COPY_ABOVE: Final = 2  # at (0, +height),
@@ -36,7 +36,7 @@ class RobotMotion(NamedTuple):
     copied: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that pymunk has
     patience: Annotated[Ints, "W"]  # substeps until a world is free of contacts
     handles: Annotated[Ints, "W HANDLES"]  # see `chipmunk_calls`
-    current: Annotated[Flags, "W"]  # pymunk holds `bodies` as they are
+    current: Annotated[Flags, "W"]  # pymunk has the present values of `bodies`
     left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
     search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
@@ -63,7 +63,7 @@ def wrapped_angle(angle: float) -> float:
 
 @inlined
 def touching(first: int, end: int, m: RobotMotion) -> bool:
-    """Tell whether any pair of the rows first .. end - 1 that are present touches."""
+    """Return whether any two robots present in the rows first .. end - 1 touch."""
     for i in range(first, end):
         if not m.present[i]:
             continue
@@ -80,10 +80,10 @@ def touching(first: int, end: int, m: RobotMotion) -> bool:
 
 @inlined
 def move(row: int, m: RobotMotion) -> bool:
-    """Move a body on for one timestep; return whether it crossed a seam.
+    """Move a body for one timestep; return whether it crossed a seam.
 
-    Where the place wraps, the start of the substep is shifted along, so that start + velocity * timestep is the new
-    place without another wrap.
+    Where the new place is wrapped, the start of the substep is shifted by the same world size. So start + velocity *
+    timestep is the new place without another wrap.
     """
     x = m.bodies[row, 0] + m.bodies[row, 2] * m.timestep
     y = m.bodies[row, 1] + m.bodies[row, 3] * m.timestep
@@ -126,10 +126,10 @@ def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Rob
 
 @lean_kernel
 def fly(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion]) -> int:
-    """Do one substep of every world that is free of contacts; return the number of the others.
+    """Run one substep of every world that is free of contacts; return the number of the others.
 
     speed (R,) [m/s] along the heading at the beginning of the substep, turn_rate (R,) [rad/s]. A world is free when
-    its patience, which counts down from `settling` since the last contact, is 0; headings turn in all worlds.
+    its patience is 0; patience counts down from `settling` after the last contact. Headings turn in all worlds.
     """
     m = open_robot_motion(motion)
     engaged = 0
@@ -144,8 +144,7 @@ def fly(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion]) -> int:
 def push(world: int, motion: Words[RobotMotion]) -> None:
     """Set forces and seam copies of a world in contact.
 
-    The force is the one that gives the wanted velocity in one timestep. A body within `zone` of a seam needs copies,
-    if it is present at all.
+    The force gives the wanted velocity in one timestep. A present body within `zone` of a seam needs copies.
     """
     m = open_robot_motion(motion)
     robots = m.positions.shape[0] // m.patience.shape[0]
@@ -169,7 +168,7 @@ def push(world: int, motion: Words[RobotMotion]) -> None:
 
 @lean_kernel
 def land(world: int, motion: Words[RobotMotion]) -> bool:
-    """Move the robots of a world with the velocities that the contacts left; return whether any crossed a seam."""
+    """Move the robots of a world by their velocities after the contacts; return whether any crossed a seam."""
     m = open_robot_motion(motion)
     robots, crossed = m.positions.shape[0] // m.patience.shape[0], False
     for row in range(world * robots, (world + 1) * robots):

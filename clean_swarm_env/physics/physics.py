@@ -1,14 +1,13 @@
 """Robots as discs on a torus: W worlds of N robots, driven by speed and turn rate.
 
-Pymunk decides what happens while robots touch; a world in which nobody touches needs no solver and moves by
-position += velocity * timestep, in compiled code (motion.py). Both are one integrator, read at one point:
-Chipmunk's step moves by the velocity of the step before, finds contacts, then lets forces and contacts change the
-velocity; here a substep finds contacts, changes velocities and then moves by them. So a world may change between the
-two at any substep, and a command shows at once. A world is given back to free motion when its last contact is so
-long gone that Chipmunk has forgotten it.
+Pymunk computes the motion while robots touch. A world without contacts needs no solver: compiled code (motion.py) moves
+its robots by position += velocity * timestep. Both are the same integrator, cut at different points. Chipmunk's step
+moves by the velocity of the step before, finds contacts, then forces and contacts change the velocity. Here a substep
+finds contacts, changes velocities and then moves by them. So a world may change between the two at any substep, and a
+command acts at once. A world returns to free motion when Chipmunk no longer remembers its last contact.
 
-The seams are closed by copies of a disc on the same body, one world size away, for the bodies near the left and the
-lower seam; copies meet originals only, so each pair meets exactly once. Bodies do not rotate: headings are ours.
+Bodies near the left and the lower seam have copies of their disc, one world size away, so that discs meet across the
+seams. Copies meet originals only, so each pair meets exactly once. Pymunk's bodies do not rotate: `headings` does.
 """
 
 from typing import Final
@@ -36,21 +35,22 @@ from selforg.arrays import Flags, Floats
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
-PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds somebody touches nearly always, and all pairs cost more
+PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds two robots touch nearly always, and the search costs more
 
 
 class Physics(Uncopied):
     """W worlds of N robots; rows w*N .. (w+1)*N - 1 of every array are the robots of world w (R = W * N rows).
 
-    Starts with all robots at the origin: `place` each world first. Same calls, same bits; a world of a batch has the
-    bits it would have alone.
+    All robots start at the origin: call `place` for each world first. The same calls give the same bits. A world of a
+    batch has the bits that it has alone.
 
     settings: sizes of worlds and robots.
     positions: (R, 2) float64 [m] in [0, width) x [0, height); the same C-contiguous array all the time.
     headings: (R,) float64 [rad] in (-pi, pi]; the same array all the time.
-    velocities: (R, 2) float64 [m/s] of the last substep, after contacts (a strided view).
-    present: (R,) bool, read only: robots that are not there touch nobody and do not move. `place` makes all robots of a
-        world present, `add` and `remove` change one.
+    bodies: (R, 4) float64, x and y where the last substep began [m], and the velocity after contacts [m/s].
+    velocities: (R, 2) float64 [m/s], those columns of `bodies` (a strided view).
+    present: (R,) bool, read only: absent robots touch none and do not move. `place` makes all robots of a world
+        present, `add` and `remove` change one.
 
     >>> physics = Physics(PhysicsSettings(worlds=1, robots=2))
     >>> physics.place(0, np.array([[1.0, 5.0], [9.0, 5.0]]), np.zeros(2))
@@ -67,8 +67,8 @@ class Physics(Uncopied):
         self.positions: Floats = np.zeros((rows, 2))
         self.headings: Floats = np.zeros(rows)
         self.present: Flags = np.ones(rows, np.bool_)
-        self._bodies: Floats = np.zeros((rows, 4))
-        self.velocities = self._bodies[:, 2:]
+        self.bodies: Floats = np.zeros((rows, 4))
+        self.velocities = self.bodies[:, 2:]
         self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
         self._blocks = [slice(world * robots, (world + 1) * robots) for world in range(worlds)]
         search = NOBODY_TOUCHES
@@ -78,7 +78,7 @@ class Physics(Uncopied):
             RobotMotion(
                 positions=self.positions,
                 headings=self.headings,
-                bodies=self._bodies,
+                bodies=self.bodies,
                 wanted=np.zeros((rows, 2)),
                 forces=np.zeros((rows, 2)),
                 present=self.present,
@@ -100,7 +100,7 @@ class Physics(Uncopied):
         )
 
     def place(self, world: int, positions: Floats, headings: Floats) -> None:
-        """Put the robots of one world, at rest; nothing of what was before is left.
+        """Put the robots of one world at places, at rest; nothing of their past is left.
 
         positions (N, 2) [m] and headings (N,) [rad] are wrapped. Raises ValueError for a world that does not exist,
         another shape or a value that is not finite.
@@ -118,8 +118,8 @@ class Physics(Uncopied):
             self.positions[row, 1] = wrapped(float(positions[offset, 1]), settings.height)
             self.headings[row] = wrapped_angle(float(headings[offset]))
         rows = self._blocks[world]
-        self._bodies[rows, :2] = self.positions[rows]
-        self._bodies[rows, 2:] = 0.0
+        self.bodies[rows, :2] = self.positions[rows]
+        self.bodies[rows, 2:] = 0.0
         self.present[rows] = True
         self._spaces[world] = None
         motion = self._motion.record
@@ -129,18 +129,18 @@ class Physics(Uncopied):
         motion.current[world] = False
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
-        """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others go on undisturbed."""
+        """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others are not affected."""
         world = row // self.settings.robots
         self.positions[row, 0] = wrapped(x, self.settings.width)
         self.positions[row, 1] = wrapped(y, self.settings.height)
         self.headings[row] = wrapped_angle(heading)
-        self._bodies[row, :2] = self.positions[row]
-        self._bodies[row, 2:] = 0.0
+        self.bodies[row, :2] = self.positions[row]
+        self.bodies[row, 2:] = 0.0
         self._set_present(world, row, True)
 
     def remove(self, row: int) -> None:
-        """Take a robot away: it touches nobody any more; the others go on undisturbed."""
-        self._bodies[row, 2:] = 0.0
+        """Take a robot away: it touches no robot any more; the others are not affected."""
+        self.bodies[row, 2:] = 0.0
         self._motion.record.wanted[row] = 0.0
         self._set_present(row // self.settings.robots, row, False)
 
@@ -168,7 +168,7 @@ class Physics(Uncopied):
     ) -> None:
         """Give `drive` its orders at `now` [s], advance all worlds by `substeps` timesteps and count after each.
 
-        The same as `DifferentialDrive.command` and then `substep` and `CollisionCounter.count` by turns.
+        This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn.
         """
         motion, counts = self._motion, counter.packed
         if not ticking.begin_tick(now, substeps, orders.words, drive.packed.words, motion.words, counts.words):
@@ -180,10 +180,10 @@ class Physics(Uncopied):
                 left = ticking.settle_and_go_on(world, left, drive.packed.words, motion.words, counts.words)
 
     def _touch(self, world: int) -> None:
-        """Have pymunk do a substep of a world whose forces and copies are set."""
+        """Run a substep of pymunk in a world whose forces and copies are set."""
         space, rows, motion = self._spaces[world], self._blocks[world], self._motion.record
         if space is None:
-            space = ContactSpace(self.settings, self._bodies[rows], motion.forces[rows])
+            space = ContactSpace(self.settings, self.bodies[rows], motion.forces[rows])
             for robot in np.flatnonzero(~self.present[rows]).tolist():
                 space.let_touch(robot, False)
             self._spaces[world] = space

@@ -1,9 +1,9 @@
 """A whole control period of the physics with its collision counts, in as few calls as contacts allow (compiled).
 
-A world runs through its substeps by itself; while robots touch, Chipmunk is called from here. Only where bodies need
-other seam copies, or the world has no space yet, the world is handed back: Python tells pymunk and does one substep,
-and `settle_and_go_on` takes the world up again. These are the same substeps and counts, in the same order within each
-world, as `Physics.substep` and `CollisionCounter.count` by turns.
+`go_on` runs a world through its substeps and calls Chipmunk while robots touch. It stops where bodies need other seam
+copies, or where the world has no space yet. Then Python updates pymunk and runs one substep, and `settle_and_go_on`
+continues. Substeps and counts are those of `Physics.substep` and `CollisionCounter.count` in turn, in the same order
+within each world.
 
 Shapes: W worlds, N robots a world, R = W * N rows.
 """
@@ -28,7 +28,7 @@ def count(world: int, motion: Words[RobotMotion], counts: Words[Counts]) -> None
 
 @inlined
 def can_touch(world: int, m: RobotMotion) -> bool:
-    """Tell whether Chipmunk can be called for the next substep of a world: it has a space, with the right copies."""
+    """Return whether Chipmunk can be called for the next substep of a world: it has a space with the right copies."""
     robots = m.copies.shape[0] // m.handles.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         if m.copies[row] != m.copied[row]:
@@ -38,16 +38,16 @@ def can_touch(world: int, m: RobotMotion) -> bool:
 
 @lean_kernel
 def settle(world: int, motion: Words[RobotMotion]) -> None:
-    """Take over the velocities that a substep of pymunk came to."""
+    """Move the robots of a world by the velocities after a substep of pymunk."""
     m = open_robot_motion(motion)
     crossed = land(world, motion)
-    # A seam crossed moves the body by a world size; and in free motion pymunk is not asked at all.
+    # Crossing a seam moves the body by a world size, and free motion moves it without pymunk: load it anew then.
     m.current[world] = not crossed and m.patience[world] > 1
 
 
 @lean_kernel
 def go_on(world: int, left: int, drive: Words[DriveState], motion: Words[RobotMotion], counts: Words[Counts]) -> int:
-    """Run a world through its `left` substeps; return the substeps left if the next one is for Python to do."""
+    """Run a world through its `left` substeps; return those left, of which Python has to run the first."""
     m, d = open_robot_motion(motion), open_drive(drive)
     while left > 0:
         contact = search_contacts(world, m)
@@ -72,7 +72,7 @@ def begin_tick(
     motion: Words[RobotMotion],
     counts: Words[Counts],
 ) -> int:
-    """Give the drives their orders at `now` [s] and run every world as far as it goes by itself.
+    """Give the drives their orders at `now` [s] and run every world as far as compiled code can.
 
     Returns how many worlds have substeps left.
     """
@@ -91,7 +91,7 @@ def begin_tick(
 def settle_and_go_on(
     world: int, left: int, drive: Words[DriveState], motion: Words[RobotMotion], counts: Words[Counts]
 ) -> int:
-    """Run a world on after a substep that Python has had pymunk do; see `go_on`."""
+    """Continue a world after a substep that Python ran in pymunk; see `go_on`."""
     settle(world, motion)
     count(world, motion, counts)
     return go_on(world, left - 1, drive, motion, counts)

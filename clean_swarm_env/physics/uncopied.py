@@ -4,7 +4,7 @@ from typing import NoReturn, SupportsIndex
 
 
 class Uncopied:
-    """Refuses copies and pickles of whatever holds robots that may touch.
+    """The base class of objects that hold robots that may touch: it refuses copies and pickles.
 
     Chipmunk keeps contacts in memory of its own. Pymunk copies them, but not the order in which they are solved: of 40
     crowded spaces that pymunk 7.3.1 copied, 33 took another course than their originals within 200 steps.

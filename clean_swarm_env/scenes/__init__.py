@@ -1,4 +1,4 @@
-"""Scenes: for every goal of the library an arena in which it is to be reached, and the measure by which it is.
+"""Scenes: for every goal of the library an arena in which robots have to reach it, and the measures of success.
 
 Importing this package registers them; `find(goal)` returns the scene of a goal, `goals()` lists them all.
 """

@@ -1,4 +1,4 @@
-"""FindBarycenter and MaxValue: robots stand and decide by what they hear of the others."""
+"""FindBarycenter and MaxValue: robots stand still and decide by the messages of the others."""
 
 from typing import ClassVar
 
@@ -15,7 +15,7 @@ from clean_swarm_env.scenes.served import ServedTeam
 from selforg.arrays import Floats, Ints
 
 EARSHOT = 3.0
-"""How far a robot is heard [m], the range of the configurations."""
+"""Distance up to which a robot is heard [m], the range of the configurations."""
 NETWORK_TRIES = 1000
 """Draws of places until the robots form one network."""
 CENTER = 1
@@ -23,7 +23,7 @@ CENTER = 1
 
 
 class StandingRobots(Scene):
-    """Robots that stand where they are."""
+    """Robots that stand still."""
 
     def _baseline(self) -> Controller:
         return StandStill(self.arena)
@@ -37,7 +37,7 @@ class StandingRobots(Scene):
 
 @SCENES.register
 class FindBarycenter(StandingRobots):
-    """The robot nearest to the middle of the team is to be found by itself."""
+    """The robot nearest to the middle of the team has to elect itself."""
 
     goal = "FindBarycenter"
     story = "9 robots on 10 m x 10 m find out which of them stands in the middle"
@@ -68,13 +68,13 @@ class FindBarycenter(StandingRobots):
         elected = self._decisions()[1] == CENTER
         count = elected.sum(axis=1)
         mean = (away * elected).sum(axis=1) / np.maximum(count, 1)
-        error = np.where(count > 0, mean, away.max(axis=1))  # nobody elected: as if it were the farthest
+        error = np.where(count > 0, mean, away.max(axis=1))  # no robot elected: counts as the farthest one
         return {self.measures[0].name: error, self.measures[1].name: count.astype(np.float64)}
 
 
 @SCENES.register
 class MaxValue(StandingRobots):
-    """Each robot has measured something; all are to know the largest value."""
+    """Each robot has measured a value; all robots have to learn the largest one."""
 
     goal = "MaxValue"
     story = "20 robots on 9 m x 9 m, each heard 3 m far, agree on the largest of their values"
@@ -98,7 +98,7 @@ class MaxValue(StandingRobots):
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         self._values = np.stack([rng.uniform(0.0, 100.0, size=self.chosen.robots) for rng in chances])
         self._hears = in_earshot(self.positions, EARSHOT, self.ground)
-        self._agreed = np.full(self.arena.worlds, float(self.chosen.ticks))  # rounds; the last one if never
+        self._agreed = np.full(self.arena.worlds, float(self.chosen.ticks))  # rounds; the last one if they never agree
 
     def _known(self) -> dict[str, Floats | float]:
         return {"measured": self._values.reshape(-1)}
@@ -107,7 +107,7 @@ class MaxValue(StandingRobots):
         if not self.served:
             return
         agreed = (self._decisions()[0] == self._values.max(axis=1, keepdims=True)).all(axis=1)
-        rounds = self.arena.ticks - 1  # in the first period every robot tells its own value only
+        rounds = self.arena.ticks - 1  # in the first period robots send their own values only
         self._agreed = np.where(agreed, np.minimum(self._agreed, rounds), self._agreed)
 
     def _result(self) -> dict[str, Floats]:

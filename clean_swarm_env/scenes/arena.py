@@ -1,6 +1,6 @@
 """W worlds of N robots on one ground, without networks: bodies, drives, poses, clock and random draws.
 
-Rows are robots, R = W * N; a world depends on its own seed only, alone or in a batch.
+Rows are robots, R = W * N. A world depends on its own seed only, alone or in a batch.
 """
 
 from collections.abc import Sequence
@@ -26,20 +26,20 @@ DriveKind = Literal["differential", "holonomic"]
 
 SUBSTEPS: Final = 4  # physics steps in a control period
 TIMESTEP: Final = 0.05  # [s] of physics
-CONTROL_PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Worlds)
+CONTROL_PERIOD: Final = ceil(0.2 * 2**30) / 2**30  # [s] of control, on a grid that floats hold exactly (see Clock)
 CLOSE: Final = 0.55  # [m] between centres below which a pair counts as colliding, as in the mission
 PLACES, THINGS, STREAMS, DRAWS, BASELINES = range(5)  # kinds of random draws, each with a seed of its own
 
 
 @dataclass(frozen=True)
 class Body:
-    """What all robots of a scene are.
+    """The body of all robots of a scene.
 
     Attributes:
         radius: of the disc [m].
         max_speed: [m/s].
-        drive: differential robots turn towards where they go, holonomic ones go there at once.
-        contacts: whether robots bump into each other.
+        drive: differential robots turn into their direction, holonomic ones move in it at once.
+        contacts: whether robots are solid.
         pose_goal_radius, pose_diffusion: of the repulsive gradient that each robot carries [m].
 
     """
@@ -57,9 +57,9 @@ class Arena:
 
     Attributes:
         positions, headings: (R, 2) [m] and (R,) [rad]; the same arrays all the time.
-        poses: the pose gradients, up to date after `announce`.
+        poses: the pose gradients as of the last `announce`.
         directions: random directions of each row.
-        collisions: of all pairs closer than CLOSE.
+        collisions: counts of pairs closer than CLOSE.
         now: [s] since the start.
 
     """

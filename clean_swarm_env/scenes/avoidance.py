@@ -1,7 +1,7 @@
-"""CollisionAvoidance and AgentCollisionAvoidance: go straight across, without running into things or each other.
+"""CollisionAvoidance and AgentCollisionAvoidance: go straight across without touching obstacles or each other.
 
-Robots pass through each other and through obstacles, so that a collision is counted and the traffic goes on; solid
-ones would push against each other for ever, which would count as one.
+Robots pass through each other and through obstacles, so that a collision is counted and the traffic goes on. Solid
+robots would push against each other for ever, which would count as one collision.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ PROGRESS = Measure(
 
 
 class Crossing(Scene):
-    """Everybody wants to go straight on for ever, in the direction in which it looks at the start."""
+    """Robots that go straight on for ever, in their headings at the start."""
 
     baseline = "everybody goes straight on and avoids nothing"
     body = Body(contacts="pass_through")
@@ -38,7 +38,7 @@ class Crossing(Scene):
         return Together(controller, GoStraight(self.arena, self._directions))
 
     def _baseline(self) -> Controller:
-        return StandStill(self.arena)  # in place of the mechanism: only the errand is left
+        return StandStill(self.arena)  # without the mechanism only the errand is left
 
     def _look(self) -> None:
         steps = self.ground.offsets(self._before, self.arena.positions)
@@ -58,7 +58,7 @@ class Crossing(Scene):
 
 @SCENES.register
 class CrossingObstacles(Crossing):
-    """Obstacles stand in the way; robots do too."""
+    """Obstacles and other robots are in the way."""
 
     goal = "CollisionAvoidance"
     story = "5 robots cross a torus of 225 m2 with 12 obstacles for 120 s"
@@ -100,7 +100,7 @@ class CrossingObstacles(Crossing):
 
 @SCENES.register
 class CrossingRobots(Crossing):
-    """Nothing but robots."""
+    """Only other robots are in the way."""
 
     goal = "AgentCollisionAvoidance"
     story = "10 robots cross a torus of 121 m2 for 120 s"

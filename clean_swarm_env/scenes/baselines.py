@@ -1,4 +1,4 @@
-"""What robots do without the mechanism: the baselines, and the errands that a mechanism is combined with."""
+"""Controllers without a mechanism: the baselines, and the errands that a mechanism is combined with."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -11,9 +11,9 @@ from selforg.components import Commands
 
 
 class Controller(ABC):
-    """Blueprint of what commands robots: `command` is called once a control period, after poses are announced.
+    """The base class of controllers: `command` is called once a control period, after poses are announced.
 
-    Subclasses implement `_command`, which fills in the commands of all rows; they come in with nothing commanded.
+    Subclasses implement `_command`, which writes the commands of all rows into cleared commands.
     """
 
     def __init__(self, arena: Arena) -> None:
@@ -34,7 +34,7 @@ class Controller(ABC):
 
 
 class StandStill(Controller):
-    """Nobody moves."""
+    """No robot moves."""
 
     def _command(self, commands: Commands) -> None:
         """Leave all robots without a command."""
@@ -56,7 +56,7 @@ class Wander(Controller):
 
 
 class GoStraight(Controller):
-    """Everybody keeps the direction (R,) [rad] that it is given, at a speed [m/s], the full one unless given."""
+    """Each robot keeps its given direction (R,) [rad], at a speed [m/s], the full one unless given."""
 
     def __init__(self, arena: Arena, directions: Floats, speed: float | None = None) -> None:
         super().__init__(arena)
@@ -67,7 +67,7 @@ class GoStraight(Controller):
 
 
 class GoTo(Controller):
-    """Everybody goes straight to its own place (R, 2) [m] and stops within `near` [m] of it."""
+    """Each robot goes straight to its own place (R, 2) [m] and stops within `near` [m] of it."""
 
     def __init__(self, arena: Arena, places: Floats, near: float) -> None:
         super().__init__(arena)
@@ -82,7 +82,7 @@ class GoTo(Controller):
 
 
 class Instead(Controller):
-    """One controller where it commands, another one where it does not."""
+    """One controller, and another one for robots that the first does not command."""
 
     def __init__(self, first: Controller, otherwise: Controller) -> None:
         super().__init__(first.arena)
@@ -96,7 +96,7 @@ class Instead(Controller):
 
 
 class Together(Controller):
-    """The vectors of two controllers added, as motor schemas are: how avoidance bends the way of an errand.
+    """The sum of the vectors of two controllers, as of motor schemas: avoidance bends the way of an errand.
 
     The drive limits the sum. No robot turns in place.
     """

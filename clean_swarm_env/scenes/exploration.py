@@ -1,4 +1,4 @@
-"""CollectiveExploration and IndividualExploration: see as much of the ground as possible, as a team or alone."""
+"""CollectiveExploration and IndividualExploration: robots see as much ground as possible, as a team or alone."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ class ExploringScene(Scene):
         return places, any_headings(rng, self.chosen.robots)
 
     def _map_of_rows(self) -> Ints:
-        """Return (R,) which map each robot draws on."""
+        """Return the number (R,) of the map on which each robot draws."""
         return self.arena.world_of_row
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
@@ -38,7 +38,7 @@ class ExploringScene(Scene):
 
 @SCENES.register
 class CollectiveExploration(ExploringScene):
-    """The area that the team has seen counts once, whoever saw it."""
+    """The team has one map: an area counts once, whichever robot saw it."""
 
     goal = "CollectiveExploration"
     story = "6 robots that see 0.5 m far look at a torus of 400 m2 for 60 s"
@@ -60,7 +60,7 @@ class CollectiveExploration(ExploringScene):
 
 @SCENES.register
 class IndividualExploration(ExploringScene):
-    """Every robot has a map of its own and does not learn what others have seen."""
+    """Every robot has a map of its own, without the areas that others have seen."""
 
     goal = "IndividualExploration"
     story = "4 robots that see 0.5 m far look at a torus of 256 m2 for 120 s, each for itself"

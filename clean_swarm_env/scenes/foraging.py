@@ -1,4 +1,4 @@
-"""Foraging: find food, bring it to the nest, and let others find it by the trail."""
+"""Foraging: robots find food, bring it to the nest, and lay a trail by which others find it."""
 
 import numpy as np
 
@@ -11,14 +11,14 @@ from selforg.arrays import Floats
 PATCHES, PATCH_RADIUS, NEST_RADIUS = 2, 0.5, 1.5  # [-], [m], [m]
 AWAY = 9.0  # [m] least distance of food from the nest
 AT_NEST = 1.0
-"""Farthest from the edge of the nest [m] at which an item counts as brought: a robot's goal radius and some way on."""
+"""Distance from the edge of the nest within which an item counts as brought [m]: a robot's goal radius and more."""
 RANDOM_SEARCH = "RandomSearch"
 """Option of the knowledge that is the baseline."""
 
 
 @SCENES.register
 class Foraging(Scene):
-    """Patches hold more than can be brought; an item is brought when a robot gets rid of it at the nest."""
+    """Patches hold more than robots can bring. An item counts when a robot puts it down at the nest."""
 
     goal = "Foraging"
     story = "12 robots bring food from 2 patches, 9 m and more away, to a nest on a torus of 900 m2 for 300 s"

@@ -1,4 +1,4 @@
-"""FormationControl and CircleFormation: move as one, or stand in a circle."""
+"""FormationControl and CircleFormation: robots move as a flock, or stand in a circle."""
 
 import numpy as np
 
@@ -14,14 +14,14 @@ SPACING = 1.5
 CIRCLE = 3.5
 """Goal radius of the beacon [m]; robots stand their own one farther away."""
 SET_OUT = 0.4
-"""Speed with which everybody sets out [m/s]."""
+"""Speed of the robots at the start [m/s]."""
 LAST = 10.0
 """Seconds at the end over which the order of a flock is averaged."""
 
 
 @SCENES.register
 class FormationControl(Scene):
-    """A flock forms out of robots that move anywhere; it shares the momentum that they have."""
+    """Robots that move in all directions form a flock, which keeps their mean momentum."""
 
     goal = "FormationControl"
     story = "12 robots on 4 m x 4 m set out in any direction of one half and become a flock within 60 s"
@@ -46,7 +46,7 @@ class FormationControl(Scene):
         self._looks = 0
 
     def _with_errand(self, controller: Controller) -> Controller:
-        # Momentum is what a flock shares: robots that start at rest stay there.
+        # A flock keeps its momentum: robots that start at rest would stay at rest.
         return Instead(controller, GoStraight(self.arena, self._directions, SET_OUT))
 
     def _baseline(self) -> Controller:
@@ -65,7 +65,7 @@ class FormationControl(Scene):
 
 @SCENES.register
 class CircleFormation(Scene):
-    """A ring forms around a beacon."""
+    """Robots form a ring around a beacon."""
 
     goal = "CircleFormation"
     story = "10 robots on 8 m x 8 m form a circle around a beacon in the middle within 90 s"

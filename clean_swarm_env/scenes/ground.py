@@ -1,7 +1,7 @@
-"""Where a scene plays: a torus, or open land. Both have a square field in their middle in which things are placed.
+"""The ground of a scene: a torus, or open land. Both have a square field in their middle in which things are placed.
 
-Open land has no edge for the robots: physics works on a torus so wide that nobody can get round it within the run,
-while all that is sensed and measured uses Euclidean offsets.
+Open land has no edge for the robots. Physics works on a torus so wide that no robot can get round it within the run,
+and all sensors and measures use Euclidean offsets.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from selforg.space import Euclidean, Space, Torus
 
 GroundKind = Literal["torus", "open"]
 SPARE = 2.0
-"""Left free around what robots can reach on open land [m]."""
+"""Margin around the places that robots can reach on open land [m]."""
 
 
 @dataclass(frozen=True)
@@ -22,10 +22,10 @@ class Ground:
     """A torus with a field of side `field_side` [m] in its middle, or open land around such a field.
 
     Attributes:
-        range: how far beyond the field robots may get on open land [m].
+        range: farthest distance from the field that robots can reach on open land [m].
         torus_side: side of the torus [m]; that of the field unless given.
-        space: the metric of everything that robots sense and that is measured.
-        side: side of the torus that physics works on [m].
+        space: the metric of sensors and measures.
+        side: side of the torus of the physics [m].
         corner: lower left corner of the field, x and y alike [m].
 
     """

@@ -1,4 +1,4 @@
-"""ExplorationPatrol: see every place again and again."""
+"""ExplorationPatrol: robots see every place again and again."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ SETTLING = 0.5
 
 @SCENES.register
 class ExplorationPatrol(Scene):
-    """Idleness of a place is the time since somebody saw it; its mean over the field and the second half counts."""
+    """The idleness of a place is the time since a robot saw it; its mean over the field and the second half counts."""
 
     goal = "ExplorationPatrol"
     story = "5 robots that see 0.5 m far patrol a torus of 225 m2 for 240 s"

@@ -1,4 +1,4 @@
-"""Places to start from: drawn one after the other, with a least distance."""
+"""Random places at the start, drawn one after the other with a least distance."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Floats
 
 PLACE_TRIES = 10_000
-"""Draws for one place before the placement is given up."""
+"""Draws for one place before the placement fails."""
 
 
 class Taken(NamedTuple):
@@ -35,15 +35,15 @@ def scattered(
     """Return (count, 2) uniform places [m] in a square at least `apart` [m] from each other.
 
     Args:
-        rng: where the places come from.
-        count: how many.
-        ground: whose metric counts.
-        apart: least distance [m].
-        side: of the square in the middle of the field [m]; the whole field unless given.
-        free_of: what else the places keep away from.
+        rng: generator of the draws.
+        count: number of places.
+        ground: ground with its metric.
+        apart: least distance between places [m].
+        side: side of the square in the middle of the field [m]; the whole field unless given.
+        free_of: other places, and the least distance from them.
 
     Raises:
-        ConfigurationError: no room for as many.
+        ConfigurationError: no room for so many places.
 
     """
     side = ground.field_side if side is None else side

@@ -1,4 +1,4 @@
-"""FollowPotentialField and FollowMaxPotential: climb a field of gradients, or find the farthest reaching one."""
+"""FollowPotentialField and FollowMaxPotential: robots climb a field of gradients, or find the widest one."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 
 @SCENES.register
 class FollowPotentialField(Scene):
-    """Height is the potential of which the gradients' forces are the slope; 0 is the top."""
+    """Robots climb a potential whose slope is the forces of the gradients; height 0 is the top."""
 
     goal = "FollowPotentialField"
     story = "6 robots climb a field of one attractive and 5 repulsive gradients for 90 s"
@@ -66,7 +66,7 @@ class FollowPotentialField(Scene):
 
 @SCENES.register
 class FollowMaxPotential(Scene):
-    """Three sources; the one that reaches farthest is to be found, though another one may be nearer."""
+    """Robots have to find the source that reaches farthest of three, though another one may be nearer."""
 
     goal = "FollowMaxPotential"
     story = "6 robots among three sources find the one that reaches farthest within 120 s"

@@ -1,4 +1,4 @@
-"""ReachGoal: get to one place, around obstacles."""
+"""ReachGoal: robots get to one place, around obstacles."""
 
 import numpy as np
 

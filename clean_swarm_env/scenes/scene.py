@@ -1,4 +1,4 @@
-"""The blueprint of a scene: where robots are to reach a goal, what lies around, and how success is measured."""
+"""The base class of scenes: an arena in which robots have to reach a goal, and the measures of success."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from selforg.gradients.settings import BufferSettings
 from selforg.registry import Registry, UnknownNameError
 
 AROUND_SETTINGS = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
-"""Settings of the buffer of everything but pheromones: what lies in one place is one thing."""
+"""Settings of the buffer of all but pheromones: gradients at one place are one thing."""
 TRAIL_SETTINGS = BufferSettings(view_distance=4.0, aggregation_distance=0.1, min_diffusion=0.3)
 """Settings of the buffer of pheromones: those of the cleaning mission."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A figure that tells how well a goal is reached.
+    """A figure of success in reaching a goal.
 
     Attributes:
-        name: what is measured.
+        name: name of the figure.
         unit: "-" for a pure number.
-        better: whether lower or higher values are.
-        target: stated before anything was run, for the scene's own setting.
-        reason: where the target comes from.
-        guard: a price that must not be paid for the others: it has a target, but need not beat the baseline.
+        better: whether lower or higher values are better.
+        target: value to reach in the scene's own setting, stated before anything was run.
+        reason: reason for the target.
+        guard: whether the figure is a price: it has to meet its target, but need not beat the baseline.
 
     """
 
@@ -47,13 +47,13 @@ class Measure:
     guard: bool = False
 
     def met(self, value: float) -> bool:
-        """Tell whether a value reaches the target."""
+        """Return whether a value reaches the target."""
         return value <= self.target if self.better == "lower" else value >= self.target
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What the user may choose: number of robots, seconds to run and the kind of ground."""
+    """The user's choices: number of robots, seconds to run and the kind of ground."""
 
     robots: int
     seconds: float
@@ -67,7 +67,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Gradients:
-    """Static gradients of one channel that lie around: places (W, M, 2) [m]; diffusion and goal radius (M,) or one."""
+    """Static gradients of one channel: places (W, M, 2) [m]; diffusion and goal radius [m], one or (M,)."""
 
     channel: str
     places: Floats
@@ -104,25 +104,25 @@ class Run:
 
 
 class Scene(ABC):
-    """W worlds in which one goal is to be reached.
+    """W worlds in which robots have to reach one goal.
 
-    The class says what the goal is, how success is measured and what the scene's own setting is. An object is good for
-    one `run`. Subclasses implement `_place`, `_baseline` and `_result`, and of the other hooks those that they need.
+    The class declares the goal, the measures and the scene's own setting. An object serves one `run`. Subclasses
+    implement `_place`, `_baseline` and `_result`, and those of the other hooks that they need.
 
     Attributes:
         chosen: the setting of this run.
-        ground, arena: where it plays, and the robots.
-        around: gradients that lie around from the start on.
-        known: what the robots know to begin with: name -> (R,) or one value.
-        served: whether a mechanism serves the goal in this run; otherwise it is the baseline's.
+        ground, arena: the ground, and the robots on it.
+        around: gradients that are there from the start on.
+        known: knowledge of the robots at the start: name -> (R,) or one value.
+        served: whether a mechanism serves the goal in this run; otherwise the baseline runs.
         controller: the mechanism or the baseline, once the run has begun.
 
     """
 
     goal: ClassVar[str]
-    story: ClassVar[str]  # one sentence: who is where and has to do what
+    story: ClassVar[str]  # one sentence: the robots, their place and their task
     measures: ClassVar[tuple[Measure, ...]]
-    baseline: ClassVar[str]  # what the robots do that the mechanism must beat
+    baseline: ClassVar[str]  # behaviour of the robots that the mechanism must beat
     setting: ClassVar[Setting]
     side: ClassVar[float]  # [m] of the field in which all start
     torus_side: ClassVar[float] = 0.0  # [m] of the torus, where the field alone would be too small for one
@@ -148,7 +148,7 @@ class Scene(ABC):
 
     @final
     def run(self, make: Callable[[Scene], Controller] | None = None) -> Run:
-        """Run to the end with the controller that `make` makes for this scene; without one, with the baseline."""
+        """Run to the end with the controller that `make` returns for this scene, or with the baseline."""
         arena = self.arena
         self.served = make is not None
         self.controller = self._baseline() if make is None else make(self)
@@ -162,9 +162,9 @@ class Scene(ABC):
         return Run(self._result(), np.stack(tracks))
 
     def buffers(self) -> dict[str, SoBuffer]:
-        """Return new buffers, by the names that configurations use, with what lies around.
+        """Return new buffers, by the names that configurations use, with the gradients of `around`.
 
-        No other robot finds what a robot puts into `own_pheromones`.
+        In `own_pheromones` each robot finds only its own pheromones.
         """
         space, poses = self.ground.space, self.arena.poses
         gradients = SoBuffer(AROUND_SETTINGS, space, poses)
@@ -196,22 +196,22 @@ class Scene(ABC):
         """Return the value (W,) of each measure by its name, at the end."""
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:  # noqa: B027  (many scenes need nothing)
-        """Set up what lies around and what measures, with one generator for each world; robots are in place."""
+        """Prepare gradients and measures, with one generator for each world; robots are in place."""
 
     def _around(self) -> tuple[Gradients, ...]:
-        """Return the gradients that lie around from the start on; called after `_prepare`."""
+        """Return the gradients that are there from the start on; called after `_prepare`."""
         return ()
 
     def _known(self) -> Mapping[str, Floats | float]:
-        """Return what the robots know to begin with; called after `_prepare`."""
+        """Return the knowledge of the robots at the start; called after `_prepare`."""
         return {}
 
     def _with_errand(self, controller: Controller) -> Controller:
-        """Return what commands the robots in the end: the mechanism or the baseline, and what they do beside it."""
+        """Return the controller of the robots: the mechanism or the baseline, combined with an errand if any."""
         return controller
 
     def _look(self) -> None:  # noqa: B027  (some scenes look at the end only)
-        """Look at the robots after each control period."""
+        """Update the measures after each control period."""
 
 
 SCENES: Registry[Scene] = Registry("goal", lambda scene: scene.goal)

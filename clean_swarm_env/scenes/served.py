@@ -1,4 +1,4 @@
-"""A team served by a coordinator: the options of one goal, at work in the robots of a scene."""
+"""A team served by a coordinator, which runs an option of one goal in the robots of a scene."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from selforg.mechanisms import DecisionMechanism
 from selforg.registry import unknown
 
 KNOWLEDGE = "library"
-"""Name of the expert knowledge in which the goals of the scenes stand."""
+"""Name of the expert knowledge that has the goals of the scenes."""
 
 
 @dataclass(frozen=True)
 class Expertise:
-    """What serves a goal and which option is taken.
+    """The options of a goal, and the one that is taken.
 
     Attributes:
         model: the options with their configurations.
@@ -50,7 +50,7 @@ class Expertise:
 def expertise(
     goal: str, option: str | None = None, directories: Sequence[Path] = (), knowledge: str = KNOWLEDGE
 ) -> Expertise:
-    """Return what serves a goal by some expert knowledge, with the option of a name or that of the highest score.
+    """Return the options of a goal in some expert knowledge, with the named option or that of the highest score taken.
 
     Raises:
         ConfigurationError: no such goal or option, or a mistake in a file.
@@ -66,10 +66,10 @@ def expertise(
 
 
 class ServedTeam(Controller):
-    """Robots that consist of one coordinator; what it commands is what they do.
+    """Robots that consist of one coordinator, which commands them.
 
     Attributes:
-        memory: what every robot knows whatever option it holds, at first what the scene says.
+        memory: knowledge of every robot, shared by all options; at first that of the scene.
 
     """
 

@@ -12,7 +12,7 @@ from selforg.arrays import Floats
 
 @SCENES.register
 class UniformDistribution(Scene):
-    """Distances to the nearest neighbour tell: equal and large on a lattice, unequal and small by chance."""
+    """The measures are distances to the nearest neighbour: equal and large on a lattice, unequal by chance."""
 
     goal = "UniformDistribution"
     story = "24 robots from a square of 5 m x 5 m spread over a torus of 196 m2 within 120 s"

@@ -1,4 +1,4 @@
-"""Time: the ticks of W worlds since their resets, and the one clock of their buffers."""
+"""Time: the ticks of W worlds since their resets, and the clock that their buffers share."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class Clock:
     def __init__(self, worlds: int, period: float) -> None:
         self.period = period
         self.tick = 0
-        # On a grid that floats hold exactly, times are sums without rounding: how long ago something was does not
-        # depend on when its world was reset. Rounded up, so that a period of whole ticks is over with the last one.
+        # Floats hold times on this grid exactly, so sums of them need no rounding and an age does not depend on when
+        # its world was reset. The step is rounded up, so that a period of whole ticks is over with its last tick.
         self._step = float(np.ceil(period / CLOCK_GRID) * CLOCK_GRID)
         self._begun: Ints = np.zeros(worlds, dtype=np.int64)  # (W,) tick at which each world was reset
 
@@ -40,9 +40,9 @@ class Clock:
         return self.tick - self._begun
 
     def begin(self, world: int) -> None:
-        """Count the ticks of a world from now on."""
+        """Count the ticks of a world from 0 again."""
         self._begun[world] = self.tick
 
     def advance(self) -> None:
-        """Go on to the next control period."""
+        """Count one control period."""
         self.tick += 1

@@ -1,6 +1,6 @@
-"""What happens in one world and when: the events of its mission, and the items that arrive.
+"""Events of the worlds: those of their missions, and the items that arrive.
 
-Both depend on the seed of the world only, never on what robots do: all options that are compared get the same.
+Both depend only on the seed of the world, not on what robots do: all options that are compared get the same.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from clean_swarm_env.world.team_changes import Place, Team
 from selforg.arrays import Flags, Floats
 
 OWN_STREAMS: Final = 0xFFFFFFFF
-"""Spawn key of the streams of a world; those of its robots have their numbers."""
+"""Spawn key of the streams of a world; the keys of its robots' streams are their numbers."""
 TOLERANCE: Final = 1e-9
 """Share of a tick by which times of events may be rounded."""
 
 
 class Affected(NamedTuple):
-    """What events change."""
+    """The parts of the worlds that events change."""
 
     floor: Floor
     minds: Minds
@@ -40,9 +40,9 @@ class Affected(NamedTuple):
 
 
 class Agenda:
-    """The future of one world since its reset.
+    """The events to come in one world.
 
-    A robot that wants to join waits until its place is free, and so does whatever is listed after it.
+    A robot that is to join waits until its place is free, and the events listed after it wait, too.
 
     Attributes:
         due: tick at which something happens next; call `run` then.
@@ -63,7 +63,7 @@ class Agenda:
         self._find_due(0)
 
     def run(self, world: int, affected: Affected) -> None:
-        """Apply what is due in `world`."""
+        """Apply the events due in `world`."""
         tick, extent = int(affected.clock.ticks[world]), affected.floor.extent
         for share in self._arrivals.until(tick):
             affected.land(world, share * extent)
@@ -83,7 +83,7 @@ class Agenda:
         self.due = tick + 1 if self._joining else min(next_event, self._arrivals.due)
 
     def _let_join(self, world: int, team: Team) -> bool:
-        """Let robots join that have waited; return whether none has to wait on."""
+        """Add the robots that wait to the team; return whether none has to wait longer."""
         while self._joining:
             place = self._joining[0] or team.free_place(world, self._places)
             if place is None or not team.is_free(world, np.array(place[:2])):

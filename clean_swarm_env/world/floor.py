@@ -1,6 +1,6 @@
-"""What lies and moves on the floor of W worlds of N robots: bodies, drives, items, stations, and collisions.
+"""The floor of W worlds of N robots: bodies, drives, items, stations, and collisions.
 
-Rows are robots, R = W * N. What goes on in the robots' heads is in `minds`.
+Rows are robots, R = W * N. What robots know and decide is in `minds`.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ class Floor(Uncopied):
         worlds, robots: W and N.
         extent: (2,) of each world's torus [m].
         physics: the bodies.
-        drive: what the robots do with their orders.
+        drive: turns orders into speeds and turn rates.
         collisions: counts of robots that are too close to each other.
-        garbage: the items, and who carries what.
+        garbage: the items, and which robot carries which.
         stations: (W, 2, 2) places of recycling and dump [m].
         packed: the record that compiled code takes.
 
@@ -95,7 +95,7 @@ class Floor(Uncopied):
         return np.arange(world * self.robots, (world + 1) * self.robots)
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
-        """Lay out stations and items (M, 2) [m] of a world, and count its collisions anew."""
+        """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""
         self.stations[world] = mission.stations.recycling, mission.stations.dump
         self.garbage.place(world, items % self.extent)
         self.collisions.reset(world)
@@ -107,5 +107,5 @@ class Floor(Uncopied):
         return worlds, self.garbage.positions[worlds, items]
 
     def move(self, orders: Packed[Orders], now: float) -> None:
-        """Let the robots do what they are told for one control period, and count collisions meanwhile."""
+        """Move the robots by their orders for one control period, and count collisions meanwhile."""
         self.physics.tick(now, self._substeps, orders, self.drive, self.collisions)

@@ -1,6 +1,6 @@
-"""Garbage and cargo: which item lies where, who carries what, and what is done with it.
+"""Garbage and cargo: where each item lies, which robot carries it, and whether it is recycled and dumped.
 
-Each item goes: lying -> carried by a robot (to the recycling station, then its leftovers to the dump) -> done. It lies
+An item is lying, then carried by a robot (to the recycling station, then its leftovers to the dump), then done. It lies
 again where its robot is lost. Rows of items that are absent or done are free for items that arrive later.
 """
 
@@ -41,7 +41,7 @@ class Garbage:
         self.arrived: Ints = np.zeros(worlds, dtype=np.int64)
 
     def place(self, world: int, positions: Floats) -> None:
-        """Lay out items of a world at `positions` (up to M, 2), in the first rows; nobody carries anything."""
+        """Put the items of a world at `positions` (up to M, 2) [m], in the first rows; no robot carries anything."""
         self.positions[world] = 0.0
         self.positions[world, : len(positions)] = positions
         self.stage[world] = ABSENT
@@ -65,7 +65,7 @@ class Garbage:
         return True
 
     def drop(self, row: int, position: Floats) -> bool:
-        """Lay what a robot carries, recycled or not, at `position` (2,) [m]; return whether it carried anything."""
+        """Put the cargo of a robot, recycled or not, at `position` (2,) [m]; return whether it carried anything."""
         item, world = int(self.cargo[row]), row // self.robots
         if item == NOTHING:
             return False

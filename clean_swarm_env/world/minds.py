@@ -1,6 +1,6 @@
-"""What goes on in the heads of the robots of W worlds: poses, buffers, messages, networks, coordinators, knowledge.
+"""What the robots of W worlds know and decide: poses, buffers, messages, networks, coordinators, knowledge.
 
-Rows are robots, R = W * N. What lies and moves around them is on the `floor`.
+Rows are robots, R = W * N. Bodies, items and stations are on the `floor`.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from selforg.space import Torus
 ITEMS: Final = "garbage"
 """Channel of the items."""
 PHEROMONES: Final = "pheromone"
-"""Channel of what the robots of the patrol leave behind."""
+"""Channel of the pheromones that patrolling robots deposit."""
 
 
 class Inner(Protocol):
-    """What works inside a behaviour of the robots' network: a coordinator, or a nested network."""
+    """A coordinator or a nested network, inside a behaviour of the robots' network."""
 
     def sense(self, now: float) -> None:
         """Write sensors into the readings of the robots' network."""
@@ -51,7 +51,7 @@ class Inner(Protocol):
         """Decide and act where the robots' network runs this behaviour."""
 
     def leave(self, now: float) -> None:
-        """Leave in the world what others shall find from the next tick on."""
+        """Spread and deposit what other robots perceive from the next tick on."""
 
     def reset(self, rows: Ints) -> None:
         """Begin anew in `rows` (K,)."""
@@ -62,15 +62,15 @@ class Minds(Uncopied):
 
     Attributes:
         poses: the pose gradients of the robots.
-        reception: how well messages reach the others.
+        reception: the delivery of messages.
         items, pheromones, gradients: the buffers: garbage, traces of the patrol, everything else.
         directions: random directions, one stream a row.
         network: the robots' behaviour networks.
-        coordinators: (C,) of the goals that the robot's document coordinates, in its order.
+        coordinators: (C,) one for each goal that the robot's document coordinates, in its order.
         nested: the networks inside other behaviours of the robot's document.
-        to_garbage, patrol: the mechanisms that robots follow by themselves, unless a network inside the behaviour or
-            a coordinator moves them.
-        commands: what the robots are told in this tick; `orders` is the record of the same arrays.
+        to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
+            behaviour moves the robots.
+        commands: the commands to the robots in this tick; `orders` is the record of the same arrays.
         packed: the record that compiled code takes.
 
     """
@@ -170,7 +170,7 @@ class Minds(Uncopied):
         return by_goal[goal]
 
     def reset(self, world: int, mission: MissionConfig, rows: Ints, seed: np.random.SeedSequence) -> None:
-        """Clear the buffers of a world whose robots are `rows` (N,), and set its chance by the seed."""
+        """Clear the buffers of a world whose robots are `rows` (N,), and begin its random draws from `seed`."""
         for buffer in self._buffers.values():
             buffer.clear(world)
         streams = [np.random.default_rng(stream) for stream in seed.spawn(2 * len(rows))]
@@ -202,15 +202,15 @@ class Minds(Uncopied):
         self.items.extinguish(worlds, ITEMS, positions, now)
 
     def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
-        """Let every robot spread its pose: positions (R, 2) [m], headings (R,) [rad]."""
+        """Spread the pose of every robot: positions (R, 2) [m], headings (R,) [rad]."""
         self.poses.update(positions, headings, now)
 
     def receive_poses(self) -> None:
-        """Let robots receive the poses that have just been spread, as the delivery of their mission has it."""
+        """Deliver the poses that have just been spread, by the delivery of each mission."""
         self.reception.listen()
 
     def sense(self, floor: Packed[FloorRecord], now: float) -> None:
-        """Write all sensors into the readings: those of what works inside behaviours, and the robots' own."""
+        """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
         for inner in self._inner:
             inner.sense(now)
         self.sense_floor(floor)
@@ -220,11 +220,11 @@ class Minds(Uncopied):
         read_sensors(floor.words, self.packed.words)
 
     def decide(self, rows: Ints | None) -> None:
-        """Let the networks of `rows` (K,) or all decide which behaviours run."""
+        """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""
         self.network.step(rows)
 
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
-        """Give every robot in which a behaviour runs that moves a vector."""
+        """Write a movement vector for every robot in which a behaviour that moves runs."""
         begin_orders(floor.words, self.packed.words)
         commands, counts = self.commands, self.packed.record.counts.tolist()
         self._moved = [(mechanism, rows[:k]) for (mechanism, rows), k in zip(self._running, counts, strict=True) if k]
@@ -234,7 +234,7 @@ class Minds(Uncopied):
             inner.act(now, commands)
 
     def leave(self, now: float) -> None:
-        """Leave in the world what others shall find from the next tick on: traces of the patrol, and what is spread."""
+        """Deposit and spread what others perceive from the next tick on: pheromones of the patrol, and gradients."""
         for mechanism, rows in self._moved:
             if mechanism is self.patrol:
                 self.patrol.deposit(now, rows)

@@ -1,4 +1,4 @@
-"""One mission from start to end, and what is reported of it."""
+"""One mission from start to end, and its result."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Scores = Mapping[str, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class MissionResult:
-    """What a mission came to: the one declaration of these figures, in the order of `runs.csv`."""
+    """The figures of a mission that is over, in the order of the columns of `runs.csv`."""
 
     completed: bool
     """Whether all garbage was dumped in time."""
@@ -44,15 +44,15 @@ class MissionResult:
 
 @dataclass(frozen=True)
 class MissionRun:
-    """What one mission is run with.
+    """The arguments of one mission.
 
     Attributes:
         mission: the mission.
-        start: where it starts.
-        seed: of everything random in it.
+        start: places of robots and items at the start.
+        seed: seed of everything random in it.
         scores: goal -> option -> score, laid over the expert knowledge.
-        strategy: which decides in every decision period what each robot's coordinators hold.
-        directories: of the user's configurations, knowledge and robots, searched before the shipped one.
+        strategy: decides in every decision period which option each robot's coordinators hold.
+        directories: the user's configurations, knowledge and robots, searched before the shipped ones.
 
     """
 
@@ -102,12 +102,12 @@ class Course:
 
     @property
     def in_progress(self) -> bool:
-        """Whether there is garbage and time left."""
+        """Whether garbage and time are left."""
         worlds = self.worlds
         return mission_state(worlds.cleaned[0], worlds.ticks[0], self._limit) == RUNNING
 
     def tick(self) -> None:
-        """Run one control period; at the first one of a decision period, decide what serves each goal."""
+        """Run one control period; at the first one of a decision period, choose the options first."""
         ticks = self.worlds.ticks[0]
         if ticks > 0 and ticks % self._decision_ticks == 0:
             self.worlds.hold(self._selection.decide())
@@ -115,7 +115,7 @@ class Course:
 
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:
-    """Return the result of a world as it stands."""
+    """Return the result of a world up to now."""
     mission = worlds.missions[world]
     ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
     completed = bool(worlds.cleaned[world])
@@ -139,8 +139,8 @@ def result_of(worlds: Worlds, world: int) -> MissionResult:
 def mission_cost(mission: MissionConfig, duration: float, events: int, done: int) -> float:
     """Return what a mission cost [s]: its `duration` [s] and the price of its collision events at the first distance.
 
-    A mission that was not completed costs as if it had gone on until all items were `done`, so that standing still is
-    never cheap. Where garbage keeps coming every mission lasts equally long: there it is the cost of each item done.
+    The cost of a mission that was not completed is extrapolated until all items are `done`, so that standing still is
+    not cheap. Where garbage keeps coming, all missions last equally long: there the cost is for each item done.
     """
     cost = duration + mission.collision_cost * events
     items = 1 if mission.continuous else max(mission.items_expected, 1)

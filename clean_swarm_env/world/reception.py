@@ -1,8 +1,8 @@
-"""How well the messages of the robots reach the others, world by world: their poses, and the pheromones of the patrol.
+"""Delivery of the robots' messages, world by world: their poses, and the pheromones of the patrol.
 
-Missions with ideal delivery need none of this: all robots of a world share one content. In the others every robot has
-pheromones of its own, and sees the last pose that it received from each other robot for `pose_memory`. Robots sense
-garbage and stations by themselves; what the mechanisms of coordinators spread always arrives.
+With ideal delivery all robots of a world share one content, and nothing here is used. Otherwise every robot stores the
+pheromones that it received, and keeps the last pose of each other robot for `pose_memory`. Robots sense garbage and
+stations by themselves. What the mechanisms of coordinators spread always arrives.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from selforg.gradients.pose_delivery import Hearing
 from selforg.gradients.poses import OwnPoses
 
 LOSSES = 0xFFFFFFFD
-"""Spawn key of the streams by which messages of a world get lost; its other streams have other keys."""
+"""Spawn key of the streams that decide which messages of a world are lost; other streams have other keys."""
 
 
 def pose_history(mission: MissionConfig) -> int:
@@ -42,12 +42,12 @@ class Reception:
         return Delivery(self._reaches, self._losses, 0.0, self._generators) if self.own_contents else Delivery()
 
     def hear(self, poses: OwnPoses) -> None:
-        """Decide from now on who receives the `poses`, too."""
+        """Apply this delivery to the `poses`, too, from now on."""
         if self.own_contents:
             self._hearing = Hearing(poses, self._reaches, self._losses, self._generators)
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
-        """Set range, losses and chance of a world that begins anew."""
+        """Set range, losses and random draws of a world that begins anew."""
         if self.own_contents:
             robots = len(self._generators) // len(self._losses)
             streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, LOSSES)).spawn(robots)
@@ -65,6 +65,6 @@ class Reception:
         self._reaches[world], self._losses[world] = reach, loss
 
     def listen(self) -> None:
-        """Let robots receive the poses that have just been spread."""
+        """Deliver the poses that have just been spread."""
         if self._hearing is not None:
             self._hearing.listen()

@@ -1,4 +1,4 @@
-"""The two records of a tick: what lies and moves on the floor, and what goes on in the robots' heads.
+"""The two records of a tick: the floor with bodies, items and stations, and what the robots know and decide.
 
 Shapes: W worlds, N robots a world, R = W * N rows, M items a world, S sensors, B behaviours of the robots' network.
 """
@@ -21,7 +21,7 @@ class FloorRecord(NamedTuple):
     cargo: Annotated[Ints, "R"]  # the item that a robot carries, or NOTHING
     recycled: Annotated[Ints, "R"]  # 1 once the cargo has been recycled
     done: Annotated[Ints, "W"]  # items dumped
-    nearest: Annotated[Ints, "R"]  # the item that a robot would take, as it last sensed; NOTHING where none is near
+    nearest: Annotated[Ints, "R"]  # the nearest item when the robot last sensed; NOTHING where none is near
     picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones
     lying: Annotated[Flags, "M"]  # scratch: items of one world that lie
     cells: Annotated[Ints, "lines columns"]  # scratch: see `physics.cells`
@@ -33,7 +33,7 @@ class FloorRecord(NamedTuple):
 
 
 class MindsRecord(NamedTuple):
-    """What robots read and decide, and what follows from it without a mechanism; owned by `Minds`."""
+    """What robots read and decide, and the orders that need no mechanism; owned by `Minds`."""
 
     readings: Annotated[Floats, "R S"]  # of the network
     marks: Annotated[Ints, "R LAYERS B"]  # of the network

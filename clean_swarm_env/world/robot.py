@@ -44,13 +44,13 @@ OWN_SENSORS = (
 
 
 BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump")
-"""Behaviours that the world lets act; a document may add others, and `Patrol` may be coordinated."""
+"""Behaviours that the world carries out; a document may add others, and may coordinate `Patrol`."""
 
 
 def coordinators_of(
     config: NetworkConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
 ) -> tuple[CoordinatorModel, ...]:
-    """Return what can serve the goals that the robot's document coordinates, in the order of the document."""
+    """Return the models of the goals that the robot's document coordinates, in the order of the document."""
     return coordinator_models(coordinated_goals(find_file("robots", config.robot, directories)), knowledge, library)
 
 

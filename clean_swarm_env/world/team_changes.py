@@ -1,8 +1,8 @@
-"""Who belongs to the team of each world: robots that join during a mission, are taken away, or fail.
+"""The team of each world: robots that join during a mission, are taken away, or fail.
 
-A robot at work has a row that is `working`. An absent one has no pose, touches nobody, senses nothing and leaves
+A robot at work has a row that is `working`. An absent robot has no pose, touches no robot, senses nothing and deposits
 nothing. A robot that has failed is a body that decides nothing: it stands, can be pushed, counts in collisions and, if
-the mission says so, still carries its pose gradient. No robot comes back: those that join get rows never used before.
+the mission says so, still carries its pose gradient. No robot comes back: robots that join get rows never used before.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from selforg.registry import unknown
 
 Place = tuple[float, float, float]
 MOST_DRAWS: Final = 1_000
-"""Draws for a free place before a robot that wants to join has to wait."""
+"""Draws for a free place before a robot that is to join has to wait."""
 
 
 class Team:
-    """The robots of all worlds of a batch that are there and at work; see `Worlds` for the letters.
+    """The robots of all worlds of a batch that are present and at work; see `Worlds` for the letters.
 
     Attributes:
         working: (R,) bool, robots that sense, decide and act; read only.
@@ -42,7 +42,7 @@ class Team:
         self.at_work: Ints | None = None
 
     def begin(self, world: int, places: Floats) -> None:
-        """Let the first robots of a world begin at `places` (K, 3), x [m], y [m], heading [rad]; others are absent."""
+        """Put the first robots of a world at `places` (K, 3), x [m], y [m], heading [rad]; the others are absent."""
         floor, poses, count = self._floor, self._minds.poses, len(places)
         rows, padded = floor.rows_of(world), np.zeros((floor.robots, 3))
         padded[:count] = places
@@ -56,7 +56,7 @@ class Team:
         self._begin_anew(rows)
 
     def add(self, world: int, place: Place) -> int:
-        """Let the next robot of a world begin at `place` (x [m], y [m], heading [rad]); return its row.
+        """Add the next robot of a world at `place` (x [m], y [m], heading [rad]); return its row.
 
         Raises ValueError if the world has no more rows, or if another body is in the way.
         """
@@ -74,7 +74,7 @@ class Team:
         return row
 
     def remove(self, rows: Ints) -> None:
-        """Take the robots in `rows` (K,) away; what they carry lies where they were. They must be at work."""
+        """Take away the robots in `rows` (K,), which are at work; their cargo lies where they were."""
         self._drop_cargo(rows)
         for row in rows.tolist():
             self._floor.physics.remove(row)
@@ -82,14 +82,14 @@ class Team:
         self._stop_working(rows)
 
     def fail(self, rows: Ints) -> None:
-        """Let the robots in `rows` (K,) fail: their bodies stay, what they carry lies there. They must be at work."""
+        """Stop the robots in `rows` (K,), which are at work, for good; bodies and cargo stay where they are."""
         self._drop_cargo(rows)
         if self._mission.robots.failed_pose == "unseen":
             self._minds.poses.silence(rows)
         self._stop_working(rows)
 
     def is_free(self, world: int, point: Floats) -> bool:
-        """Tell whether a robot finds room at `point` (2,) [m]; robots that drive through each other always do."""
+        """Return whether there is room for a robot at `point` (2,) [m]; robots that pass through others need none."""
         if self._mission.world.contacts != "solid":
             return True
         floor = self._floor

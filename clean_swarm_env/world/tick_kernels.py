@@ -62,7 +62,7 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
 
 @lean_kernel
 def handle_cargo_as_decided(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
-    """Let robots pick, recycle and dump whose behaviours have just started to; see `handle_cargo`."""
+    """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
     m = open_minds(minds)
     for row in range(m.starting.shape[0]):
         for k in range(3):
@@ -72,10 +72,7 @@ def handle_cargo_as_decided(floor: Words[FloorRecord], minds: Words[MindsRecord]
 
 @lean_kernel
 def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], working: Flags) -> int:
-    """Let robots that are `working` (R,) pick, recycle and dump wherever their sensors say that they can.
-
-    See `handle_cargo`.
-    """
+    """Handle the cargo of robots that are `working` (R,) wherever their sensors allow it; see `handle_cargo`."""
     m = open_minds(minds)
     for row in range(m.starting.shape[0]):
         carrying, recycled = m.readings[row, CARRYING] == 1.0, m.readings[row, RECYCLED] == 1.0
@@ -89,8 +86,8 @@ def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], 
 def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
     """Handle the cargo of the robots that start to pick, recycle or dump, in the order of rows.
 
-    A robot picks the item that was the nearest one when it sensed; where another one has just taken that, the nearest
-    one now. Fills `picked` and returns how many items were picked.
+    A robot picks the item that was nearest when it sensed. If another robot has just taken that, it picks the item that
+    is nearest now. Fills `picked` and returns how many items were picked.
     """
     f, starting = open_floor(floor), open_minds(minds).starting
     count = 0
@@ -121,7 +118,7 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
 
 @lean_kernel
 def begin_orders(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
-    """Clear the orders of the tick before, order the ways to stations, and list the rows in which each mover runs."""
+    """Clear the last orders, order the ways to stations, and list the rows in which each mover runs."""
     f, m = open_floor(floor), open_minds(minds)
     per_world = f.robots.shape[0] // f.stations.shape[0]
     for mover in range(m.movers.shape[0]):

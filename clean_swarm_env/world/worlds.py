@@ -1,7 +1,7 @@
-"""W worlds of N cleaning robots each, stepped together: the story of one control period.
+"""W worlds of N cleaning robots each, stepped together; `tick` lists the stages of one control period.
 
-Rows are robots, R = W * N. A world depends on its own start and seed only: alone or in a batch it takes the same
-course.
+Rows are robots, R = W * N. A world depends on its own start and seed only: its course is the same alone and in a
+batch.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ from selforg.arrays import Flags, Floats, Ints
 class Worlds(Uncopied):
     """The batch of worlds of one mission.
 
-    Call `reset` for every world, then `tick` as long as you like; between ticks `hold` says which options serve the
-    coordinated goals in which robot. With `explained` the robots' networks also note why each behaviour runs or does
+    Call `reset` for every world, then `tick` as often as you like. Between ticks `hold` sets the options that serve the
+    coordinated goals in each robot. With `explained` the robots' networks also note why each behaviour runs or does
     not; the course is the same. Worlds cannot be copied (TypeError): make others of the same mission.
 
     Attributes:
-        mission: of the batch; `missions` (W,) is what each world does until its next reset.
+        mission: mission of the batch; `missions` (W,) are those of the worlds until their next resets.
         worlds, robots, rows: W, N and R.
         period: length of a control period [s].
-        floor: what lies and moves; its parts `extent`, `physics`, `drive`, `collisions`, `garbage` and `stations` are
+        floor: bodies, items and stations; its `extent`, `physics`, `drive`, `collisions`, `garbage` and `stations` are
             attributes of the worlds too.
-        minds: what goes on in the robots' heads; so are its `network` and `coordinators`.
-        team: who is there and at work.
+        minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
+        team: which robots are present and at work.
 
     """
 
@@ -90,9 +90,9 @@ class Worlds(Uncopied):
     def reset(
         self, world: int, start: StartConfiguration, seed: int | Sequence[int], mission: MissionConfig | None = None
     ) -> None:
-        """Put a world at its start; `seed` decides everything random that follows in it.
+        """Put a world at its start; everything random in it follows from `seed`.
 
-        `mission`, if given, is what this world does until its next reset; it must have the frame of the batch's.
+        `mission`, if given, is the mission of this world until its next reset; it must have the frame of the batch's.
         """
         mission, stream = mission or self.mission, np.random.SeedSequence(seed)
         check_frame(mission, self.mission)
@@ -109,14 +109,14 @@ class Worlds(Uncopied):
         self._agendas.begin(world, mission, stream)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
-        """Let `options` (K, C), or (K,) for one coordinator, serve the goals in `rows` (K,) or all from now on."""
+        """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""
         hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
     def steer(self, vectors: Floats | None) -> None:
-        """Let robots follow vectors (R, 2) [m/s] from the next tick on; None: their behaviours, as at first.
+        """Make robots follow vectors (R, 2) [m/s] from the next tick on; None: their behaviours again.
 
-        Steered robots decide nothing by themselves but what to do with cargo: they pick, recycle and dump wherever
-        their sensors say that they can.
+        The networks of steered robots decide nothing. The robots pick, recycle and dump wherever their sensors allow
+        it.
         """
         self._steered = vectors
 

@@ -1,1 +1,1 @@
-"""Configurations of the library: documents and what runs of them."""
+"""Mechanism configurations: their documents, and configurations at work in robots."""

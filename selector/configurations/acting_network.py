@@ -1,4 +1,4 @@
-"""A network that senses and acts through components, as documents declare it: what references in it have to mean."""
+"""Document model of a network that senses and acts through components; its references are checked."""
 
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Generic, Literal, Self, TypeVar
@@ -16,10 +16,10 @@ from selforg.registry import unknown
 
 
 class ActingBehaviourSpec(BehaviourSpec):
-    """A behaviour with what it does."""
+    """A behaviour with its actions."""
 
     action: ActionSpecs
-    """What the behaviour does while it runs: one action, or several that happen together."""
+    """What the behaviour does while it runs: one action or several."""
 
 
 AnySensor = TypeVar("AnySensor")
@@ -28,18 +28,18 @@ AnyGoal = TypeVar("AnyGoal", bound=GoalSpec)
 
 
 class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
-    """A network with the components by which it senses and acts; every name that a component holds exists."""
+    """A network with the components by which it senses and acts; every name to which a component refers exists."""
 
     description: str = ""
-    """What it does and where it comes from."""
+    """What the network does and where it comes from."""
     mechanisms: dict[Name, MechanismSpec] = Field(default_factory=dict)
     """Mechanisms by name."""
     targets: dict[Name, TargetSpec] = Field(default_factory=dict)
     """Gradients that queries choose, by name."""
     knowledge: dict[Name, Flag | Number] = Field(default_factory=dict)
-    """What the robot remembers because of this network, with the first value: a fact or a number."""
+    """What robots remember for this network, with the first value, which is a fact or a number."""
     expects: dict[Name, Literal["fact", "number"]] = Field(default_factory=dict)
-    """What the robot must know whatever it holds: names in the host's memory."""
+    """Names in the memory of the host that the network needs."""
     sensors: dict[Name, AnySensor] = Field(default_factory=dict)
     """Sensors by name."""
     behaviours: Annotated[dict[Name, AnyBehaviour], Field(min_length=1)]
@@ -47,7 +47,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
     goals: dict[Name, AnyGoal] = Field(default_factory=dict)
     """Goals inside the network by name."""
     settings: SettingsSpec = SettingsSpec()
-    """How it decides."""
+    """How the network decides."""
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
@@ -62,7 +62,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
 
     @property
     def own_sensors(self) -> dict[str, SensorSpec]:
-        """The sensors that are components."""
+        """The sensors that are components of this network."""
         return {name: spec for name, spec in self.sensors.items() if isinstance(spec, SensorSpec)}
 
     @property
@@ -73,7 +73,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
 
     @property
     def buffers(self) -> tuple[str, ...]:
-        """Names of the host's buffers that it looks into or spreads to, sorted."""
+        """Names of the host's buffers that the network reads or spreads to, sorted."""
         users: tuple[MechanismSpec | TargetSpec, ...] = (*self.mechanisms.values(), *self.targets.values())
         return tuple(sorted({spec.buffer for spec in users}))
 
@@ -100,7 +100,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
         return tuple(spec.build(name) for name, spec in self.goals.items())
 
     def network_model(self) -> NetworkModel:
-        """Return the behaviour network; ValueError says what does not fit together."""
+        """Return the behaviour network; ValueError for parts that do not fit together."""
         return NetworkModel(
             self.network_sensors(), self.network_behaviours(), self.network_goals(), self.settings.build()
         )
@@ -114,7 +114,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
                 yield f"behaviours.{name}.action{f'.{index}' if index else ''}", action
 
     def _check_component(self, spec: ComponentSpec[Any], where: str) -> None:
-        """Raise ValueError for a name that the component refers to and that there is not, or not of its kind."""
+        """Raise ValueError if the component refers to something that does not exist or is of another kind."""
         declared: dict[str, Mapping[str, object]] = {
             "mechanism": self.mechanisms,
             "target": self.targets,
@@ -122,7 +122,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
         }
         for parameter, reference, name in spec.references():
             if reference.what not in declared:
-                continue  # a call: the host is asked for it
+                continue  # a call: the host is checked for it
             must_know(reference.what, name, declared[reference.what], f"{where}.{parameter}")
             if reference.what == "mechanism":
                 given = self.mechanisms[name].type

@@ -1,8 +1,8 @@
-"""A mechanism configuration: the components that realise one way to serve a goal, and the parameters of an option.
+"""Document model of a mechanism configuration, whose components realise one way to serve a goal.
 
 Mechanisms, targets, sensors, behaviours and goals have names, by which they refer to each other; the files in
-`configs/mechanisms` are examples. Under `parameters` stand the values that an option may lay over; `$name` in place
-of a value stands for the parameter of that name.
+`configs/mechanisms` are examples. `parameters` lists the values that an option may override; `$name` in place of a
+value stands for the parameter of that name.
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ from selforg.network.model.behaviours import Interface
 
 
 class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec, GoalSpec]):
-    """The components of one configuration, with every reference resolved."""
+    """The components of one configuration, after every `$name` was replaced."""
 
     @model_validator(mode="after")
     def _conditions_fit(self) -> Self:
@@ -40,5 +40,5 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec, GoalS
                 raise ValueError(f"{where}: expected {expected}, got {given}")
 
     def interfaces(self) -> tuple[Interface, ...]:
-        """Return what each behaviour shows to the network that holds the configuration."""
+        """Return the preconditions and effects of each behaviour, which the network around the configuration sees."""
         return tuple(Interface(tuple(b.preconditions), tuple(b.effects)) for b in self.network_behaviours())

@@ -1,4 +1,4 @@
-"""What a host gives to the configurations that its robots hold: buffers, chance, memory and functions, by name."""
+"""The host of configurations: buffers, randomness, memory and functions that it gives to them, by name."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from selector.configurations.acting_network import ActingNetworkSpec
 from selector.documents.errors import DocumentError
-from selforg.arrays import Ints
 from selforg.components import RobotMemory
 from selforg.components.actions import Call
 from selforg.gradients.buffer import SoBuffer
@@ -25,15 +24,15 @@ AnySpec = ActingNetworkSpec[Any, Any, Any]
 
 @dataclass(frozen=True)
 class Host:
-    """R robots as configurations see them. All options of a team share the buffers, so that they see each other.
+    """R robots as configurations see them. All options share the buffers, so that robots perceive each other.
 
     Attributes:
         poses: of the robots.
-        buffers: by the names that configurations use, `gradients` being the usual one.
-        directions: random directions of mechanisms, one stream a row; without one they are not random.
-        generators: (R,) other randomness, one generator a row; the host may replace a row's in this list.
-        memory: what each robot knows whatever it holds, under the names that configurations expect.
-        calls: functions that behaviours call, by name, with the time and the rows in which they start.
+        buffers: by the names that configurations use; the usual one is `gradients`.
+        directions: random directions of mechanisms, one stream for each row; None: directions are not random.
+        generators: (R,) other randomness; the host may replace the generator of a row in this list.
+        memory: what each robot knows independently of its option, under the names that configurations expect.
+        calls: functions by name; behaviours call them with the time [s] and the rows in which they start.
 
     """
 
@@ -50,7 +49,7 @@ class Host:
         return self.poses.rows
 
     def check(self, configuration: AnySpec, where: str) -> None:
-        """Raise DocumentError if the host lacks something that the configuration names; `where` starts the line."""
+        """Raise DocumentError, which begins with `where`, if the host lacks something that the configuration names."""
         for name in configuration.buffers:
             if name not in self.buffers:
                 raise DocumentError(f"{where}: {unknown('buffer', name, sorted(self.buffers))}")
@@ -66,19 +65,14 @@ class Host:
 
 
 def trial_host(configuration: AnySpec) -> Host:
-    """Return a host of one robot that has all that a configuration names, to try whether it can be built."""
+    """Return a host of one robot with all that a configuration names, to check that the configuration can be built."""
     poses = OwnPoses(Euclidean(2), 1)
     buffers = {name: SoBuffer(BufferSettings(), poses.space, poses) for name in configuration.buffers}
-    first = {name: False if kind == "fact" else 0.0 for name, kind in configuration.expects.items()}
-    calls = dict.fromkeys(configuration.calls, _nothing)
-    return Host(poses, buffers, None, [np.random.default_rng(0)], RobotMemory(1, first), calls)
+    calls: dict[str, Call] = dict.fromkeys(configuration.calls, lambda now, rows: None)
+    return Host(poses, buffers, None, [np.random.default_rng(0)], host_memory([configuration], 1), calls)
 
 
 def host_memory(configurations: Iterable[AnySpec], rows: int) -> RobotMemory:
-    """Return the memory of `rows` robots with all that some configurations expect, each False or 0 at first."""
+    """Return the memory of `rows` robots for all names that configurations expect; first values are False or 0."""
     kinds = {name: kind for configuration in configurations for name, kind in configuration.expects.items()}
     return RobotMemory(rows, {name: False if kind == "fact" else 0.0 for name, kind in kinds.items()})
-
-
-def _nothing(now: float, rows: Ints) -> None:
-    """Do nothing."""

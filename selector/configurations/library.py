@@ -1,4 +1,4 @@
-"""The configuration library: all mechanism configurations by key, read from one YAML file each."""
+"""The configuration library: all mechanism configurations by key, one YAML file each."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -19,13 +19,13 @@ from selforg.registry import unknown
 class Library:
     """All configurations of some directories and of the shipped one; a key in an earlier directory hides a later one.
 
-    Every file is read and checked at once, so that a mistake shows when the program starts.
+    The constructor reads and checks every file, so that a mistake shows when the program starts.
 
     Args:
         directories: searched for `mechanisms/*.yaml` before the shipped directory.
 
     Raises:
-        DocumentError: a file that cannot be read or a configuration that cannot be built.
+        DocumentError: a file cannot be read, or a configuration cannot be built.
 
     >>> Library().configuration("RepulsionGradient", {"view_distance": 1.0}).mechanisms["avoidance"].parameters
     {'view_distance': 1.0}
@@ -48,7 +48,7 @@ class Library:
         return tuple(self._paths)
 
     def configuration(self, key: str, parameters: Mapping[str, Any] | None = None) -> ConfigurationSpec:
-        """Return a configuration with `parameters` laid over its own."""
+        """Return a configuration with its parameters overridden by `parameters`."""
         if key not in self._paths:
             raise DocumentError(unknown("configuration", key, self.keys))
         where = shown(self._paths[key])
@@ -61,11 +61,11 @@ class Library:
         return configuration
 
     def of_option(self, option: Option) -> ConfigurationSpec:
-        """Return the configuration of an option with the option's parameters laid over it."""
+        """Return the configuration of an option with the parameters of the option."""
         return self.configuration(option.configuration, option.parameters)
 
     def check(self, knowledge: Knowledge) -> None:
-        """Raise DocumentError unless every option of `knowledge` can be built; names its file, goal and option."""
+        """Raise DocumentError, which names file, goal and option, for an option of `knowledge` that cannot be built."""
         for goal in knowledge.goals:
             for option in knowledge.options(goal):
                 try:
@@ -76,5 +76,5 @@ class Library:
 
 @cache
 def library_of(directories: tuple[Path, ...] = ()) -> Library:
-    """Return the library of some directories, read once in this process."""
+    """Return the library of some directories; a process reads it once."""
     return Library(directories)

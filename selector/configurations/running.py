@@ -1,4 +1,4 @@
-"""A configuration at work: a network with its mechanisms, sensors and actions, built for the rows of a host."""
+"""Configurations at work: networks with mechanisms, sensors and actions for the rows of a host."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from selforg.parameters import parameters_of
 
 
 class RunningConfiguration:
-    """One configuration at work in R rows; only the rows that hold it are ever asked for.
+    """One configuration at work in R rows; callers name the rows that hold it.
 
     Attributes:
         mechanisms: by name.
-        robots: its own network with sensors and actions.
-        remembers: whether memory, decisions or kept movements have to be reset when a row takes it up.
+        robots: the network of the configuration with sensors and actions.
+        remembers: whether `forget` has anything to reset in a row that begins to hold the configuration.
 
     Raises:
-        DocumentError: something that cannot be built; names the key.
+        DocumentError: a component cannot be built; the text names its key.
 
     """
 
@@ -47,7 +47,7 @@ class RunningConfiguration:
         self.spec, self._host, self._where = spec, host, where
         host.check(spec, where)
         self._memory = RobotMemory(host.rows, spec.knowledge)
-        self._first_values: list[tuple[DecisionMechanism, Remembered]] = []  # and what they begin with
+        self._first_values: list[tuple[DecisionMechanism, Remembered]] = []  # with the source of their first values
         self.mechanisms = {name: self._mechanism(name, declared) for name, declared in spec.mechanisms.items()}
         self._decisions_made = [m for m in self.mechanisms.values() if isinstance(m, DecisionMechanism)]
         self._movements: dict[str, MovementSource] = {}
@@ -69,11 +69,11 @@ class RunningConfiguration:
 
     @property
     def network(self) -> BehaviourNetwork:
-        """The network inside."""
+        """The network of the configuration."""
         return self.robots.network
 
     def forget(self, rows: Ints) -> None:
-        """Put memory and decisions of `rows` (K,) back to their first values, and ask all mechanisms anew."""
+        """Reset memory and decisions of `rows` (K,) to their first values, and drop kept movements."""
         self._memory.reset(rows)
         for source in self._kept:
             source.forget(rows)
@@ -117,27 +117,18 @@ class RunningConfiguration:
             raise DocumentError(f"{self._where}: {key}: {error}") from error
 
     def _referred(self, reference: Reference, name: str) -> object:
-        """Return what a name stands for, as the component takes it."""
-        if reference.annotation is MovementSource:
-            return self._movement(name)
-        if reference.annotation is DecisionSource:
-            return self._decision(name)
+        """Return what a name refers to, of the type that the component takes."""
+        mechanism = self.mechanisms.get(name)
+        if reference.annotation is MovementSource and isinstance(mechanism, MovementMechanism):
+            return self._movements.setdefault(name, MovementSource(mechanism, self.spec.mechanisms[name].hold))
+        if reference.annotation is DecisionSource and isinstance(mechanism, DecisionMechanism):
+            return self._decisions.setdefault(name, DecisionSource(mechanism))
         found: dict[str, Mapping[str, Any]] = {
             "mechanism": self.mechanisms,
             "target": self._targets,
             "call": self._host.calls,
         }
         return found[reference.what][name] if reference.what in found else self._remembered(name)
-
-    def _movement(self, name: str) -> MovementSource:
-        mechanism = self.mechanisms[name]
-        assert isinstance(mechanism, MovementMechanism)  # the document was checked
-        return self._movements.setdefault(name, MovementSource(mechanism, self.spec.mechanisms[name].hold))
-
-    def _decision(self, name: str) -> DecisionSource:
-        mechanism = self.mechanisms[name]
-        assert isinstance(mechanism, DecisionMechanism)  # the document was checked
-        return self._decisions.setdefault(name, DecisionSource(mechanism))
 
     def _remembered(self, name: str) -> Remembered:
         return (self._host.memory if name in self.spec.expects else self._memory)[name]

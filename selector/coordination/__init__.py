@@ -1,1 +1,1 @@
-"""Coordinators: which configuration serves a goal now."""
+"""Coordinators, which run the configuration that serves a goal now, and the robots that have them."""

@@ -1,8 +1,8 @@
-"""The coordinator: a network inside a behaviour that runs, for one goal, the configuration of the option held now.
+"""The coordinator: a behaviour that runs, for one goal, the configuration of the option that a robot holds.
 
-A coordinator shows the preconditions and effects of that configuration to the network around it. Arbitration there
-decides as it would without the nesting. Different robots may hold different options at the same time. The work grows
-with the number of options in use, not with the number of robots.
+The network around a coordinator sees the preconditions and effects of that configuration, so that arbitration decides
+as it would without the nesting. Robots may hold different options at the same time. The number of calls grows with the
+number of options in use, not with the number of robots.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from selforg.network.state import state as st
 class Coordinator:
     """A coordinator in R rows of the network `parent`; each row holds one option of its `CoordinatorModel`.
 
-    Call in every control period: `sense`, the step of the parent, `act`, and `leave` once all movements are known.
+    Call in every control period `sense`, the step of the parent, `act`, and `leave` when all movements are known.
 
     Attributes:
-        held: (R,) the option that each row holds; change it by `hold`.
-        contents: (O,) the configurations of the options.
+        held: (R,) the option that each row holds; `hold` changes it.
+        contents: (O,) the running configurations of the options.
 
     """
 
@@ -49,12 +49,12 @@ class Coordinator:
             )
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
         shape = (len(self.contents), parent.rows)
-        self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts` of them
+        self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts`
         self._counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
-        self._new: Ints = np.zeros(shape, dtype=np.int64)  # rows that take up each option, the first `_new_counts`
+        self._new: Ints = np.zeros(shape, dtype=np.int64)  # rows that begin to hold it, the first `_new_counts`
         self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
-        self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to begin anew
-        self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those that begin anew
+        self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to be reset
+        self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those to reset
         self._in_use: list[tuple[int, Ints]] = []
         self._acted: list[RunningConfiguration] = []
         self.reset(np.arange(parent.rows))
@@ -72,8 +72,8 @@ class Coordinator:
     def hold(self, rows: Ints, options: Ints) -> None:
         """Give `options` (K,) to `rows` (K,); nothing else of these robots changes.
 
-        A new option starts from its first state: nothing runs, nothing is remembered, decided or activated. Gradients
-        that the old option spread or deposited stay in the world and evaporate.
+        A new option starts from its first state: no behaviour runs, and memory, decisions and activations are those of
+        the start. Gradients that the old option spread or deposited stay in the world and evaporate.
         """
         changed = take_up(
             rows, options, self.held, self._stale, self._new, self._new_counts, self._members, self._counts
@@ -89,6 +89,7 @@ class Coordinator:
         self._list_in_use()
 
     def _list_in_use(self) -> None:
+        """List the options that any row holds, with these rows."""
         self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
 
     def sense(self, now: float) -> None:
@@ -134,10 +135,10 @@ def group(held: Ints, members: Ints, counts: Ints) -> None:
 def take_up(
     rows: Ints, options: Ints, held: Ints, stale: Ints, new: Ints, new_counts: Ints, members: Ints, counts: Ints
 ) -> int:
-    """Give `options` (K,) to `rows` (K,); list in `new` (O, R) and `new_counts` (O,) which rows got which option.
+    """Give `options` (K,) to `rows` (K,); list in `new` (O, R) and `new_counts` (O,) the rows of each new option.
 
-    held, stale: (R,); members (O, R) and counts (O,) are brought up to date by `group`. Returns how many rows change,
-    or -1, with nothing changed, for an option that does not exist.
+    held, stale: (R,); `group` updates members (O, R) and counts (O,). Returns how many rows change, or -1, with
+    nothing changed, for an option that does not exist.
     """
     new_counts[:] = 0
     for k in range(rows.shape[0]):
@@ -160,10 +161,10 @@ def take_up(
 def take_turns(
     rows: Ints, outer_marks: Ints, behaviour: int, inner_marks: Ints, stale: Ints, turns: Ints
 ) -> tuple[int, int]:
-    """List in `turns` (2, R) in which of `rows` (K,) a behaviour runs, and which of those were `stale` (R,).
+    """List in `turns` (2, R) those of `rows` (K,) in which a behaviour runs, and those of them that are `stale` (R,).
 
-    The listed rows are marked as not stale. Where the behaviour was just started, all that runs inside is stopped.
-    Returns the lengths of both lists. The marks are the mark tables of the networks outside and inside.
+    The listed rows are then no longer stale. Where the behaviour has just started, all behaviours inside are stopped.
+    Returns the lengths of both lists. The marks are the mark tables of the outer and the inner network.
     """
     acting, renewed = 0, 0
     for row in rows:

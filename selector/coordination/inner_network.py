@@ -1,4 +1,4 @@
-"""The network inside a behaviour of a robot: it decides and acts while the behaviour runs."""
+"""Networks inside behaviours of a robot, which decide and act while their behaviour runs."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ from selforg.network.network import BehaviourNetwork
 class InnerNetwork:
     """R rows of a network inside the behaviour `holder` of the network `parent`.
 
-    It is called as a coordinator is, in every control period: `sense`, the step of the parent, `act`, and `leave` once
-    all movements are known. It decides in every step in which its holder runs, with a decision guaranteed. When the
-    holder stops, all that runs inside stops too; activations and memory stay. It follows no plan.
+    Call in every control period `sense`, the step of the parent, `act`, and `leave` when all movements are known, as of
+    a coordinator. The network decides in every step in which its holder runs, with a decision guaranteed. When the
+    holder stops, all behaviours inside stop; activations and memory stay. The network follows no plan.
 
     Args:
-        held: what the network is made of.
+        held: the models and components.
         holder: name of the behaviour.
-        parent: runs the network around.
-        host: what mechanisms and actions find.
+        parent: the network around.
+        host: gives buffers, memory and functions to the components.
         path: names of the behaviours around, from the outside in.
+        explained: whether the networks note why each behaviour runs or does not.
 
     Attributes:
-        name: its holder behind the behaviours around it, as in `Tidy/Approach`.
+        name: the behaviours around and the holder, as in `Tidy/Approach`.
         configuration: the network at work with its components.
         inner: the networks inside its own behaviours.
 
@@ -57,7 +58,7 @@ class InnerNetwork:
 
     @property
     def network(self) -> BehaviourNetwork:
-        """The network that decides."""
+        """The network itself, without the networks inside."""
         return self.configuration.network
 
     def reset(self, rows: Ints) -> None:
@@ -68,7 +69,7 @@ class InnerNetwork:
             inner.reset(rows)
 
     def sense(self, now: float) -> None:
-        """Do nothing: which rows have to be sensed is known when the parent has decided."""
+        """Do nothing: the rows to sense are known only when the parent has decided."""
 
     def act(self, now: float, commands: Commands) -> None:
         """Sense, decide and act at `now` [s] where the parent runs the holder; movements go into `commands`."""
@@ -98,7 +99,7 @@ def inner_networks(
 
 
 def at_any_depth(networks: Iterable[InnerNetwork]) -> Iterator[InnerNetwork]:
-    """Yield networks with all that lie in them, from the outside in."""
+    """Yield networks and all networks inside them, from the outside in."""
     for network in networks:
         yield network
         yield from at_any_depth(network.inner)

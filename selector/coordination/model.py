@@ -1,29 +1,31 @@
-"""What can serve a goal: its options with their configurations, as a network knows them."""
+"""The model of a coordinator: options of a goal with their configurations, as the network around sees them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import replace
 
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
 from selector.knowledge import Knowledge
+from selector.strategies.problem import Problem
 from selforg.network.model.behaviours import Behaviour, Effect, Interface, Sensor
 from selforg.network.model.conditions import Conjunction, Disjunction, Optional, Tree
 
 
 class CoordinatorModel:
-    """What can serve a goal: the options in the order of the knowledge, with their configurations.
+    """The options of a goal, in the order of the knowledge, with their configurations.
 
     Attributes:
         goal: name of the self-organisation goal.
         options: (O,) names.
-        configurations: (O,) what each option is made of.
+        scores: (O,) by the expert.
+        configurations: (O,) documents of the options.
         sensors: of all configurations; those of one name are one sensor.
 
     Raises:
-        DocumentError: a configuration that cannot be built, or two that mean different things by one name.
+        DocumentError: a configuration cannot be built, or two have sensors of one name and different kinds.
 
     """
 
@@ -42,10 +44,13 @@ class CoordinatorModel:
                     )
         self.sensors = tuple(sensors.values())
 
-    def behaviour(self, **settings: Any) -> Behaviour:  # noqa: ANN401  (keyword arguments of Behaviour)
-        """Return the coordinator as a behaviour of the network that holds it."""
-        shown = tuple(shown_interface(configuration) for configuration in self.configurations)
-        return Behaviour(self.goal, alternatives=shown, **settings)
+    def problem(self, features: tuple[str, ...] = ()) -> Problem:
+        """Return the problem of choosing an option, with `features` (F,) known at a decision."""
+        return Problem(self.goal, self.options, self.scores, features)
+
+    def behaviour(self, declared: Behaviour | None = None) -> Behaviour:
+        """Return the coordinator as a behaviour of the network around, with the settings of `declared` if given."""
+        return replace(declared or Behaviour(self.goal), alternatives=tuple(map(interface_of, self.configurations)))
 
 
 def coordinator_models(goals: Iterable[str], knowledge: Knowledge, library: Library) -> tuple[CoordinatorModel, ...]:
@@ -53,8 +58,8 @@ def coordinator_models(goals: Iterable[str], knowledge: Knowledge, library: Libr
     return tuple(CoordinatorModel(goal, knowledge, library) for goal in goals)
 
 
-def shown_interface(configuration: ConfigurationSpec) -> Interface:
-    """Return what a configuration shows: its behaviour's interface; of several, ready when one of them is."""
+def interface_of(configuration: ConfigurationSpec) -> Interface:
+    """Return preconditions and effects of a configuration; of several behaviours, it is ready when one of them is."""
     faces = configuration.interfaces()
     if len(faces) == 1:
         return faces[0]

@@ -1,4 +1,4 @@
-"""Behaviour networks from YAML, in the words of `vocabulary`: sensors, conditions, behaviours, goals, inner networks.
+"""Robot documents: YAML files of behaviour networks, made of the models of `selector.vocabulary`.
 
     networks:
       robot:
@@ -17,11 +17,11 @@
     root: robot
     parameters: {reach: 1.0}
 
-Where a condition is expected, the name of one under `conditions` may stand. A network sees the named conditions of
-those it lies in, and must not give their names another meaning. An inner network decides and acts while the behaviour
-runs that holds it; it may hold others. In the root network a behaviour `G: {type: Coordinator,
-goal: G}` holds the configuration that serves the goal G now; its sensors come with it. `$reach` in place of a value
-stands for the parameter of that name, over which whoever reads the file may lay another value.
+The name of an entry of `conditions` may be given in place of a condition. A network knows the named conditions of the
+networks around it, and must not give their names another meaning. An inner network decides and acts while the
+behaviour that holds it runs; behaviours of an inner network may hold further networks. In the root network, a behaviour
+`G: {type: Coordinator, goal: G}` holds the configuration that serves the goal G now and adds its sensors.
+`$reach` in place of a value stands for the parameter of that name, which the reader of the file may override.
 """
 
 from collections.abc import Mapping
@@ -42,7 +42,7 @@ from selforg.registry import unknown
 
 
 class NetworksSpec(Closed):
-    """A file of networks; what each holds is checked when it is reached from the root."""
+    """A file of networks; each network is checked when it is built, beginning with the root."""
 
     description: str = ""
     """What the robot is."""
@@ -58,13 +58,13 @@ def load_network(
     parameters: Mapping[str, Any] | None = None,
     settings: NetworkSettings | None = None,
 ) -> RobotNetwork:
-    """Return the root network of a YAML file with everything it holds.
+    """Return the root network of a YAML file with the networks inside it.
 
     Args:
         path: the file.
-        coordinators: by goal, what the coordinators of the root network can hold.
-        parameters: laid over those of the file.
-        settings: in place of those of the root network.
+        coordinators: models of the coordinators of the root network, by goal.
+        parameters: values that override the parameters of the file.
+        settings: replace the settings of the root network.
 
     Raises:
         DocumentError: file, key and what is wrong: unknown keys, sensors, conditions, networks, goals and parameters,
@@ -82,7 +82,7 @@ def network_from(
     parameters: Mapping[str, Any] | None = None,
     settings: NetworkSettings | None = None,
 ) -> RobotNetwork:
-    """Return the root network of what a YAML file holds; `where` names it in errors."""
+    """Return the root network of the content of a YAML file; `where` names the file in errors."""
     try:
         check_parameters_used(content)
         filled = resolved(content, parameters or {})
@@ -100,12 +100,12 @@ def coordinated_goals(path: Path) -> tuple[str, ...]:
     behaviours = network.get("behaviours") if isinstance(network, dict) else None
     held = behaviours.values() if isinstance(behaviours, dict) else ()
     goals = [b.get("goal") for b in held if isinstance(b, dict) and b.get("type") == "Coordinator"]
-    return tuple(goal for goal in goals if isinstance(goal, str))  # what is wrong shows when the network is loaded
+    return tuple(goal for goal in goals if isinstance(goal, str))  # mistakes are reported when the network is loaded
 
 
 @dataclass(frozen=True)
 class _Nesting:
-    """Builds networks with what they hold, from the outside in."""
+    """Builds networks with the networks inside them, from the outside in."""
 
     networks: Mapping[str, Content]
     file: str
@@ -113,7 +113,7 @@ class _Nesting:
     settings: NetworkSettings | None
 
     def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> RobotNetwork:
-        """Build a network that lies in those of `path`, whose named conditions are `outside`."""
+        """Return a network inside those of `path`, whose named conditions are `outside`."""
         if name not in self.networks:
             raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
         where = f"{self.file}: networks.{name}"
@@ -137,7 +137,7 @@ class _Nesting:
 
 
 def _named(content: Content, outside: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return the conditions that a network knows by name, its own and those of the networks it lies in."""
+    """Return the conditions that a network knows by name, its own and those of the networks around it."""
     own = content.get("conditions", {})
     if not isinstance(own, dict):
         raise DocumentError(f"{where}.conditions: expected a mapping, got {own!r}")
@@ -148,7 +148,7 @@ def _named(content: Content, outside: Mapping[str, Any], where: str) -> dict[str
 
 
 def _in_place(content: Content, named: Mapping[str, Any], where: str) -> Content:
-    """Return the content with every name of a condition replaced by what it stands for."""
+    """Return the content with every name of a condition replaced by the condition."""
     filled = dict(content)
     for section, key in (("behaviours", "preconditions"), ("goals", "conditions")):
         parts = content.get(section)
@@ -171,7 +171,7 @@ def _resolve_in(part: Any, key: str, named: Mapping[str, Any], where: str) -> An
 
 
 def _resolved(condition: Any, named: Mapping[str, Any], where: str, path: tuple[str, ...] = ()) -> Any:  # noqa: ANN401
-    """Replace names in a condition tree; `path` are the named conditions that it is part of."""
+    """Return a condition with the names in it replaced; `path` are the named conditions around it."""
     if isinstance(condition, str):
         if condition not in named:
             raise DocumentError(f"{where}: {unknown('condition', condition, sorted(named))}")

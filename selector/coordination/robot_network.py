@@ -14,8 +14,8 @@ class RobotNetwork(NestedModel):
     """A network whose inner networks sense and act through components.
 
     Attributes:
-        inner: by behaviour, the network inside.
-        spec: of a network inside, its components; None for the root, whose behaviours whoever runs the robot lets act.
+        inner: the networks inside, by behaviour.
+        spec: components of a network inside; None for the root, whose behaviours the host of the robot carries out.
 
     """
 
@@ -23,7 +23,7 @@ class RobotNetwork(NestedModel):
     spec: InnerNetworkSpec | None = None
 
     def all_specs(self) -> Iterator[InnerNetworkSpec]:
-        """Yield the components of all networks inside, at any depth."""
+        """Yield the documents of all networks inside, at any depth."""
         for held in self.inner.values():
             if held.spec is not None:
                 yield held.spec

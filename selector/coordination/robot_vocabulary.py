@@ -1,6 +1,7 @@
-"""The words in which YAML declares the networks of a robot: the root, and those inside behaviours."""
+"""Document models of the networks of a robot: the root, and the networks inside behaviours."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -23,11 +24,11 @@ class HoldingBehaviourSpec(BehaviourSpec):
     """A behaviour that may hold a network, or a coordinator that holds the configuration chosen for its goal."""
 
     type: Literal["Behaviour", "Coordinator"] = "Behaviour"
-    """A coordinator's preconditions and effects come on top of those of the configuration that it holds."""
+    """Kind; preconditions and effects of a coordinator add to those of the configuration that it holds."""
     goal: Name | None = None
-    """Of a coordinator: the self-organisation goal that it serves, by whose name it goes."""
+    """Of a coordinator: the self-organisation goal that it serves, which is also its name."""
     network: Name | None = None
-    """Of a behaviour: name of the network that decides while it runs."""
+    """Of a behaviour: name of the network inside, which decides while the behaviour runs."""
 
     @model_validator(mode="after")
     def _holds_one_thing(self) -> Self:
@@ -38,7 +39,7 @@ class HoldingBehaviourSpec(BehaviourSpec):
         return self
 
     def build_with(self, name: str, coordinators: Coordinators) -> Behaviour:
-        """Return the behaviour this declares, as a coordinator with the alternatives of its goal."""
+        """Return the behaviour; a coordinator has the options of its goal as alternatives."""
         plain = self.build(name)
         if self.goal is None:
             return plain
@@ -47,31 +48,27 @@ class HoldingBehaviourSpec(BehaviourSpec):
             raise DocumentError(f"{where}: {unknown('coordinated goal', self.goal, sorted(coordinators))}")
         if self.goal != name:
             raise DocumentError(f"{where}: expected the name of the coordinator, got {self.goal!r}")
-        settings = {field: getattr(plain, field) for field in Behaviour.__dataclass_fields__}
-        return coordinators[self.goal].behaviour(
-            **{field: value for field, value in settings.items() if field not in ("name", "alternatives")}
-        )
+        return coordinators[self.goal].behaviour(plain)
 
 
 class ReachableGoalSpec(GoalSpec):
-    """A goal that may be content with less than full satisfaction."""
+    """A goal that may count as reached before it is fully satisfied."""
 
     satisfaction_threshold: Share = 1.0
-    """Satisfaction from which it counts as reached [-]."""
+    """Satisfaction from which the goal counts as reached [-]."""
 
     def build(self, name: str) -> Goal:
-        """Return the goal this declares."""
-        plain = super().build(name)
-        return Goal(name, plain.conditions, plain.priority, plain.permanent, self.satisfaction_threshold)
+        """Return the goal under a name."""
+        return replace(super().build(name), satisfaction_threshold=self.satisfaction_threshold)
 
 
 class NetworkSpec(Closed):
-    """One network, its named conditions already in their places."""
+    """The root network, after names of conditions were replaced."""
 
     sensors: Annotated[dict[Name, Literal["fact", "number"]], Field(min_length=1)]
     """What each sensor reads."""
     conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
-    """Conditions to be used by name."""
+    """Conditions by name."""
     behaviours: Annotated[dict[Name, HoldingBehaviourSpec], Field(min_length=1)]
     """Behaviours by name, in order of registration."""
     goals: dict[Name, ReachableGoalSpec] = Field(default_factory=dict)
@@ -80,7 +77,7 @@ class NetworkSpec(Closed):
     """How it decides."""
 
     def build(self, coordinators: Coordinators, settings: NetworkSettings | None) -> NetworkModel:
-        """Return the model this declares, decided by `settings` if given; coordinators' sensors come after its own."""
+        """Return the model, with `settings` if given; the sensors of coordinators come after those of the network."""
         behaviours = [spec.build_with(name, coordinators) for name, spec in self.behaviours.items()]
         held = [spec.goal for spec in self.behaviours.values() if spec.goal is not None]
         sensors = [
@@ -95,7 +92,7 @@ class InnerBehaviourSpec(HoldingBehaviourSpec, ActingBehaviourSpec):
     """A behaviour of an inner network, which may act, hold another network, or both."""
 
     action: ActionSpecs = ()
-    """What the behaviour does while it runs: one action, or several that happen together."""
+    """What the behaviour does while it runs: one action or several."""
 
 
 def _kind_of_sensor(given: Any) -> str:  # noqa: ANN401  (whatever YAML holds)
@@ -106,20 +103,20 @@ InnerSensor = Annotated[
     Annotated[Literal["fact", "number"], Tag("kind")] | Annotated[SensorSpec, Tag("sensor")],
     Discriminator(_kind_of_sensor),
 ]
-"""What a sensor of that name reads in the network around, or a sensor of its own."""
+"""Kind of the sensor of that name in the network around, or a sensor component."""
 
 
 class InnerNetworkSpec(ActingNetworkSpec[InnerSensor, InnerBehaviourSpec, ReachableGoalSpec]):
-    """A network inside a behaviour, its named conditions already in their places."""
+    """A network inside a behaviour, after names of conditions were replaced."""
 
     conditions: dict[Name, AnyCondition] = Field(default_factory=dict)
-    """Conditions to be used by name."""
+    """Conditions by name."""
 
     def network_sensors(self) -> tuple[Sensor, ...]:
-        """Return all sensors as the behaviour network declares them, those of the network around too."""
+        """Return all sensors of the behaviour network, also those that the network around reads."""
         kinds = {name: self.kind_of(one) if isinstance(one, SensorSpec) else one for name, one in self.sensors.items()}
         return tuple(Sensor(name, kind) for name, kind in kinds.items())
 
     def network_behaviours(self) -> tuple[Behaviour, ...]:
-        """Return the behaviours as the behaviour network declares them; none of them is a coordinator."""
+        """Return the behaviours of the behaviour network; none of them is a coordinator."""
         return tuple(spec.build_with(name, {}) for name, spec in self.behaviours.items())

@@ -1,4 +1,4 @@
-"""Robots with coordinators and inner networks: a whole tick in one call, for hosts that have no loop of their own."""
+"""Robots with coordinators and inner networks, which do a whole tick in one call: for hosts without a loop."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class CoordinatedRobots:
 
     Args:
         models: of the coordinators, C of them.
-        host: what the configurations find; its rows are the robots.
-        network: of a robot document, with all coordinators among its behaviours; without one, the network has the
-            coordinators and nothing else, and all that are ready run.
-        planner: of that network.
+        host: gives buffers, memory and functions to the configurations; its rows are the robots.
+        network: of a robot document, with all coordinators among its behaviours; None: a network of the coordinators
+            only, of which all that are ready run.
+        planner: plans for the network.
         explained: whether the networks note why each behaviour runs or does not.
 
     Attributes:
-        network: that decides which coordinators run; a host with sensors of its own writes them into its `readings`.
+        network: decides which coordinators run; a host writes the readings of its own sensors into `readings`.
         coordinators: (C,).
         inner: the networks inside behaviours.
 
@@ -83,7 +83,7 @@ class CoordinatedRobots:
 
 
 def network_of(models: Sequence[CoordinatorModel], settings: NetworkSettings | None = None) -> NetworkModel:
-    """Return a network that has the coordinators as its behaviours and nothing else."""
+    """Return a network whose only behaviours are the coordinators."""
     sensors = [sensor for model in models for sensor in model.sensors]
     return NetworkModel(sensors, [model.behaviour() for model in models], [], settings)
 

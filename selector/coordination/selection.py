@@ -1,4 +1,4 @@
-"""Selection: which option each coordinator of each robot holds, decided anew in every decision period."""
+"""Selection of the option that each coordinator of each robot holds, in every decision period."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from selector.coordination.coordinator import Coordinator
-from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
@@ -21,10 +20,10 @@ class Selection:
     """One strategy for each of C coordinators over the same R rows.
 
     Args:
-        coordinators: whose options are chosen, by their scores or by what the strategy makes of them.
-        seed: of all chance in it; rows draw independently of each other.
+        coordinators: the coordinators whose options are chosen.
+        seed: of all random numbers; rows draw independently of each other.
         spec: the strategy.
-        teams: (R,) team of each row, for strategies whose estimates a team shares; all are one team unless given.
+        teams: (R,) team of each row, for strategies whose estimates a team shares; all rows are one team unless given.
         directories: of the user's configurations, searched before the shipped one for files that the strategy names.
 
     """
@@ -41,7 +40,7 @@ class Selection:
         together = np.zeros(self.rows, dtype=np.int64) if teams is None else teams
         self.strategies = tuple(
             spec.build(
-                Problem(coordinator.model.goal, coordinator.model.options, coordinator.model.scores),
+                coordinator.model.problem(),
                 row_keys(np.random.SeedSequence([seed, c]), self.rows),
                 together,
                 directories,

@@ -1,1 +1,1 @@
-"""YAML documents: reading, checking, one wording of errors."""
+"""YAML documents: how they are found, read and checked, and the wording of errors."""

@@ -1,4 +1,4 @@
-"""Named arrays with a description in one safetensors file: data that run no code when they are read."""
+"""Files of named arrays with a description (safetensors): reading them runs no code, unlike pickled files."""
 
 import json
 from collections.abc import Mapping
@@ -19,13 +19,13 @@ DESCRIPTION = "description"
 
 
 def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]], description: Mapping[str, Any]) -> None:
-    """Write arrays and a description (of what JSON can hold), whole or not at all."""
+    """Write arrays and a description, which JSON must be able to hold; the file is written whole or not at all."""
     contiguous = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     write_whole(path, safetensors.numpy.save(contiguous, {DESCRIPTION: json.dumps(description)}))
 
 
 def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
-    """Return the arrays and the description that a file holds.
+    """Return the arrays and the description in a file.
 
     Raises:
         DocumentError: no such file, or not one that `save_arrays` wrote.
@@ -43,7 +43,7 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
 
 
 def names_differ(what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> str | None:
-    """Return the line that says which names (of `what`) one side lacks, None if both have the same."""
+    """Return one line about names of `what` that only one side has, None if both have the same names."""
     missing, extra = [name for name in wanted if name not in held], [name for name in held if name not in wanted]
     if not missing and not extra:
         return None

@@ -1,4 +1,4 @@
-"""One line for whatever is wrong with a document: file, key, what was expected and what was given."""
+"""Errors in documents, as one line each: file, key, what was expected and what was given."""
 
 import os
 import re
@@ -13,19 +13,20 @@ from selforg.registry import unknown
 
 M = TypeVar("M", bound=BaseModel)
 IMPOSSIBLE = "impossible"
+"""Type of errors whose key is not known to pydantic but stands in their context."""
 MAX_SHOWN = 60
 """Characters of a given value that an error shows."""
 
 
 class DocumentError(ValueError):
-    """A file, a key or a name that cannot be used; its message is one line for the user."""
+    """A file, a key or a name cannot be used; the message is one line for the user."""
 
 
 def validated(model: type[M], content: object, where: str) -> M:
     """Return `content` as a model; the first mistake becomes one line `where: key: what is wrong`.
 
     Raises:
-        DocumentError: content that the model refuses.
+        DocumentError: the model refuses the content.
 
     """
     try:
@@ -43,13 +44,13 @@ def validated_json(model: type[M], text: str, where: str) -> M:
 
 
 def impossible(key: str, expected: str, given: object) -> PydanticCustomError:
-    """Return the error for a value that only its context makes impossible, at the dotted `key` below the model."""
+    """Return the error of a value that does not fit the values around it, at the dotted `key` below the model."""
     message = "expected {expected}, got {given}"
     return PydanticCustomError(IMPOSSIBLE, message, {"key": key, "expected": expected, "given": str(given)})
 
 
 def of_part(part: str, error: ValidationError, model: type[BaseModel]) -> PydanticCustomError:
-    """Return the error of a part as one that the validator of the whole can raise; its key begins with `part`."""
+    """Return the error of one part of a model for the validator of the whole to raise; its key begins with `part`."""
     key, what = _first_mistake(error, model)
     return PydanticCustomError(IMPOSSIBLE, "{what}", {"key": f"{part}.{key}", "what": what})
 
@@ -69,16 +70,14 @@ def shown(path: Path) -> str:
 def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
     """Return the dotted key of the first mistake, and what is wrong."""
     details = error.errors(include_url=False)
-    # An unknown key often makes another one missing: the unknown one is named.
+    # A misspelt key gives two errors, an unknown key and a missing one; the unknown key shows the mistake.
     first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-    return ".".join([*(str(part) for part in first["loc"]), *_key_of_context(first)]), _what(first, model)
-
-
-def _key_of_context(details: ErrorDetails) -> list[str]:
-    return [str(details["ctx"]["key"])] if details["type"] == IMPOSSIBLE else []
+    below = (first["ctx"]["key"],) if first["type"] == IMPOSSIBLE else ()
+    return ".".join(str(part) for part in (*first["loc"], *below)), _what(first, model)
 
 
 def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
+    """Return what is wrong, without the key."""
     kind, given = details["type"], repr(details["input"])
     if kind == "extra_forbidden":
         known = _known_keys(model, details["loc"][:-1])
@@ -87,7 +86,7 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
         return "missing key" if isinstance(details["loc"][-1], str) else "missing value"
     if kind == "json_invalid":
         return f"expected JSON: {details['ctx']['error']}"
-    if kind == "value_error":  # raised by a model that knows best what is wrong
+    if kind == "value_error":  # raised by a validator of the model, with a text of its own
         return str(details["ctx"]["error"])
     message = re.sub(r"^(Input should be|\w+ should have)", "expected", details["msg"]).removesuffix(
         " after validation, not 0"
@@ -98,7 +97,7 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
-    """Return the keys of the model that lies at `location` below `model`; empty if the types do not tell."""
+    """Return the keys of the model at `location` below `model`; empty if the annotations do not say which it is."""
     here: object = model
     for part in location:
         here = _below(here, part)
@@ -107,7 +106,7 @@ def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[s
 
 
 def _below(annotation: object, part: int | str) -> object:
-    """Return the type of what lies at one key or index of a value; None if its type does not tell."""
+    """Return the type of one key or index of a value; None if the type of the value does not say it."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation.model_fields[part].annotation if part in annotation.model_fields else None
     origin, arguments = get_origin(annotation), get_args(annotation)
@@ -119,7 +118,7 @@ def _below(annotation: object, part: int | str) -> object:
 
 
 def _model_in(annotation: object) -> type[BaseModel] | None:
-    """Return the model that an annotation is, or that its tuple or union holds; None without any."""
+    """Return the model that an annotation is or contains; None if there is none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     return next((found for part in get_args(annotation) if (found := _model_in(part)) is not None), None)

@@ -1,4 +1,4 @@
-"""The types of which the models of documents are made; all of them are strict about what YAML holds."""
+"""Types of the fields of document models; they are strict: no type is converted to another."""
 
 from typing import Annotated
 
@@ -13,6 +13,6 @@ Flag = Annotated[bool, Field(strict=True)]
 
 
 class Closed(BaseModel):
-    """A frozen model without unknown keys; the text below each field is its description."""
+    """A frozen model that refuses unknown keys; the docstring below each field is its description."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)

@@ -17,11 +17,11 @@ from selforg.registry import unknown
 
 @dataclass(frozen=True)
 class FileKind:
-    """A kind of file.
+    """A kind of file in a directory of configurations.
 
     Attributes:
-        called: what errors call one of them.
-        ending: follows the name of each file.
+        called: how errors call a file of this kind.
+        ending: text that follows the name of each file.
 
     """
 
@@ -52,10 +52,10 @@ def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str
         name: name of the file in its folder, without ending; or a path, which has a separator or the ending. A policy's
             path is that of its directory.
         directories: searched before the shipped directory.
-        where: starts the line of an error.
+        where: first words of the text of an error.
 
     Raises:
-        DocumentError: no such file or directory.
+        DocumentError: there is no such file or directory.
 
     """
     given = _path(kind, name)
@@ -85,7 +85,7 @@ def load_file(kind: str, name: str, model: type[M], directories: Sequence[Path] 
     """Return what a YAML file holds, as a model; the arguments are those of `find_file`.
 
     Raises:
-        DocumentError: no such file, or a mistake in it.
+        DocumentError: there is no such file, or it has a mistake.
 
     """
     path = find_file(kind, name, directories, where)
@@ -101,7 +101,7 @@ def roots(directories: Sequence[Path] = ()) -> list[Path]:
 
 
 def _path(kind: str, name: str) -> Path | None:
-    """Return the path that `name` stands for, None if it is the name of a file in a folder of its kind."""
+    """Return `name` as a path; None if `name` is not a path but the name of a file in the folder of its kind."""
     ending = KINDS[kind].ending
     if ending.startswith("/"):
         path = Path(name + ending)

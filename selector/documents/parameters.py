@@ -1,4 +1,4 @@
-"""Parameters of a document: what an option lays over it, and the `$name` that stand for them."""
+"""Parameters of a document: values that an option overrides, and `$name`, which the document has in their place."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
@@ -11,10 +11,10 @@ REFERENCE = "$"
 
 
 def resolved(content: Content, parameters: Mapping[str, Any]) -> Content:
-    """Return a configuration's content with `parameters` laid over its own and every `$name` replaced.
+    """Return a document's content with its parameters overridden by `parameters` and every `$name` replaced.
 
     Raises:
-        DocumentError: a parameter that the configuration does not have, or a `$name` that it does not declare.
+        DocumentError: the document does not declare one of `parameters`, or one that a `$name` refers to.
 
     """
     values = laid_over(declared_parameters(content), parameters, "parameters")
@@ -22,7 +22,7 @@ def resolved(content: Content, parameters: Mapping[str, Any]) -> Content:
 
 
 def declared_parameters(content: Content) -> Content:
-    """Return what an option may lay over."""
+    """Return the parameters that a document declares, with their own values."""
     declared = content.get("parameters", {})
     if not isinstance(declared, dict):
         raise DocumentError(f"parameters: expected a mapping, got {declared!r}")
@@ -30,7 +30,7 @@ def declared_parameters(content: Content) -> Content:
 
 
 def check_parameters_used(content: Content) -> None:
-    """Raise DocumentError for a declared parameter that nothing in the configuration refers to."""
+    """Raise DocumentError for a declared parameter to which nothing in the document refers."""
     used = set(_references([value for key, value in content.items() if key != "parameters"]))
     for name in declared_parameters(content):
         if name not in used:
@@ -38,7 +38,7 @@ def check_parameters_used(content: Content) -> None:
 
 
 def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -> Content:
-    """Return `base` with `changes` in its place, mapping by mapping; a key that `base` lacks is an error."""
+    """Return `base` overridden by `changes`, mappings key by key; a key that `base` lacks is an error."""
     merged = dict(base)
     for key, value in changes.items():
         if key not in base:
@@ -53,6 +53,7 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -
 
 
 def _filled(value: Any, values: Mapping[str, Any], where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
+    """Return a value with every `$name` in it replaced by the parameter of that name."""
     if isinstance(value, dict):
         return {key: _filled(below, values, f"{where}.{key}") for key, below in value.items()}
     if isinstance(value, list):

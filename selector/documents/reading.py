@@ -1,4 +1,4 @@
-"""YAML text: reading it with errors of one line, and writing what reads back as it was."""
+"""Reading of YAML with errors of one line, and writing of YAML that is read back unchanged."""
 
 import re
 from collections.abc import Hashable
@@ -11,7 +11,7 @@ from selector.documents.errors import DocumentError, shown
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML 1.1 without two of its traps: `1e-9` is a number, and a key given twice is an error."""
+    """A loader of YAML 1.1 with two changes: `1e-9` is a number, and a key given twice is an error."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         """Return the mapping of `node`; a key given twice raises ConstructorError."""
@@ -25,7 +25,7 @@ class _Loader(yaml.SafeLoader):
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes what `_Loader` reads back as it was: a text that looks like `1e-9` is quoted."""
+    """A writer of YAML that `_Loader` reads back unchanged: a text that looks like `1e-9` is quoted."""
 
 
 for _resolves in (_Loader, _Dumper):
@@ -35,7 +35,7 @@ for _resolves in (_Loader, _Dumper):
 
 
 def read_mapping(path: Path) -> dict[str, Any]:
-    """Return the mapping that a YAML file holds."""
+    """Return the mapping in a YAML file; raises DocumentError."""
     try:
         content = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
     except (OSError, UnicodeDecodeError) as error:
@@ -51,12 +51,12 @@ def read_mapping(path: Path) -> dict[str, Any]:
 
 
 def as_yaml(content: object) -> str:
-    """Return what `read_mapping` reads back from a file that holds it."""
+    """Return plain data as YAML text, which `read_mapping` reads back unchanged."""
     return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
 def read_value(text: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
-    """Return the value that a piece of YAML on the command line holds; raises DocumentError."""
+    """Return the value of a piece of YAML from the command line; raises DocumentError."""
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.YAMLError as error:

@@ -7,10 +7,10 @@ from selector.documents.errors import DocumentError, shown
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that at any moment, also after a loss of power, the old or the new content is there.
+    """Write a file whole: at any moment, also after a loss of power, it has its old or its new content.
 
     Raises:
-        DocumentError: a place that cannot be written to.
+        DocumentError: the file cannot be written.
 
     """
     part = path.with_name(f".{path.name}.{os.getpid()}.part")

@@ -1,4 +1,4 @@
-"""The knowledge store: expert knowledge and what was learned of it, in a database (`docs/knowledge.md`)."""
+"""The knowledge store: expert knowledge and learned rewards in a database (`docs/knowledge.md`)."""
 
 from selector.store.errors import StoreError as StoreError
 from selector.store.exact_sums import Moments as Moments

@@ -1,9 +1,8 @@
-"""A database named by URL: SQLite files and PostgreSQL, the store's schema in them and its version."""
+"""Connections to the database of a store, SQLite or PostgreSQL, and the schema of the store in it."""
 
 import os
 import sqlite3
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, insert, inspect, make_url, select, text
@@ -15,17 +14,17 @@ from selector.store.lineage import IDENTITY, new_identity
 from selector.store.tables import learned, meta, metadata
 
 SCHEMA = 1
-"""Version of the tables that this program writes."""
+"""Version of the tables."""
 BUSY_S = 60.0
-"""How long a writer waits for the other writers of an SQLite file [s]."""
+"""Time for which a writer waits for other writers of an SQLite file [s]."""
 LOCK = 0x636C65616E
-"""Advisory lock of PostgreSQL under which the schema and the expert options change."""
+"""Advisory lock of PostgreSQL that a writer of the schema or of expert options holds."""
 DRIVERS = {"sqlite": "pysqlite", "postgresql": "pg8000"}
-"""Databases known, and the driver of each that comes with the project."""
+"""Supported databases, with the driver that is installed with the project."""
 
 
 def parsed(url: str) -> URL:
-    """Return the URL of a store; a plain path is an SQLite file, a database without driver gets ours."""
+    """Return the URL of a store; a plain path is an SQLite file, and a missing driver is filled in from `DRIVERS`."""
     if "://" not in url:
         if not url:
             raise StoreError("store: expected a URL or a path, got nothing")
@@ -44,18 +43,17 @@ def parsed(url: str) -> URL:
 
 
 def name_of(url: URL) -> str:
-    """Return how messages name a store: its path, or its URL without the password."""
+    """Return the name of a store in messages: its path, or its URL without the password."""
     if url.get_backend_name() == "sqlite":
         return shown(Path(str(url.database)))
     return url.set(drivername="postgresql").render_as_string(hide_password=True)
 
 
 def engine_of(url: URL, *, create: bool) -> Engine:
-    """Return what connects to a database; of a file that is not to be created it is checked that it exists."""
-    if url.get_backend_name() == "sqlite":
-        _check_driver(url)
-        return _sqlite(url, Path(str(url.database)), create)
+    """Return the engine of a database; unless `create`, an SQLite file must exist."""
     _check_driver(url)
+    if url.get_backend_name() == "sqlite":
+        return _sqlite(url, Path(str(url.database)), create)
     return create_engine(url, pool_pre_ping=True, pool_size=1)
 
 
@@ -80,20 +78,19 @@ def _sqlite(url: URL, path: Path, create: bool) -> Engine:
             raise StoreError(f"{where}: no such knowledge store")
         if not path.parent.is_dir():
             raise StoreError(f"{where}: no such directory as {shown(path.parent)}")
-    arguments: dict[str, Any] = {"timeout": BUSY_S}
     if _on_read_only_medium(path):
         url = url.set(database=f"file:{quote(str(path.absolute()))}", query={"immutable": "1", "uri": "true"})
-    # one connection stays open: closing the last one empties the write-ahead log, which takes longer than an update
-    engine = create_engine(url, connect_args=arguments, pool_size=1)
+    # One connection stays open: closing the last one empties the write-ahead log, which takes longer than an update.
+    engine = create_engine(url, connect_args={"timeout": BUSY_S}, pool_size=1)
 
     @event.listens_for(engine, "connect")
     def _connected(connection: sqlite3.Connection, _: object) -> None:
-        connection.isolation_level = None  # SQLAlchemy begins transactions by the event below
-        connection.execute("PRAGMA synchronous=FULL")  # a commit survives a power cut too; one fsync an episode
+        connection.isolation_level = None  # transactions begin by the event below
+        connection.execute("PRAGMA synchronous=FULL")  # a commit survives a loss of power
 
     @event.listens_for(engine, "begin")
     def _begun(connection: Connection) -> None:
-        # a transaction that reads before it writes would fail if another one writes in between
+        # A transaction that reads before it writes would fail if another one wrote in between.
         writes = connection.get_execution_options().get("writes", False)
         connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
@@ -101,13 +98,13 @@ def _sqlite(url: URL, path: Path, create: bool) -> Engine:
 
 
 def _on_read_only_medium(path: Path) -> bool:
-    """Tell whether nobody can be writing: SQLite reads such a file only if told so, since it cannot lock it."""
+    """Return whether nobody can write a file; SQLite must be told so, because it cannot lock the file."""
     wal = path.with_name(f"{path.name}-wal")
     return path.exists() and not wal.exists() and not os.access(path.parent, os.W_OK) and not os.access(path, os.W_OK)
 
 
 def prepare(engine: Engine, where: str, *, create: bool) -> None:
-    """Check that a database holds a store of this version; if need be make one."""
+    """Check that a database holds a store of a known version; with `create`, make a missing one."""
     with engine.connect() as connection:
         _check_file(connection, where)
         exists = _has_store(connection, where)
@@ -127,11 +124,11 @@ def prepare(engine: Engine, where: str, *, create: bool) -> None:
 
 
 def lock(connection: Connection, *, everything: bool = False) -> None:
-    """Let no other process change schema or expert options, or anything, until this transaction ends."""
-    if connection.dialect.name != "postgresql":  # SQLite has one writer at a time anyway
+    """Keep other processes from changing the schema and expert options, or everything, until the transaction ends."""
+    if connection.dialect.name != "postgresql":  # SQLite has one writer at a time
         return
     connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
-    if everything:  # rows are deleted in any order: an update of some of them could wait for us and we for it
+    if everything:  # rows are deleted in any order: without the lock, an update of several rows could deadlock
         connection.execute(text(f"LOCK TABLE {learned.name} IN SHARE ROW EXCLUSIVE MODE"))
 
 
@@ -161,7 +158,7 @@ def _check_version(connection: Connection, where: str) -> None:
 
 
 def _use_wal(engine: Engine) -> None:
-    """Let readers go on while one process writes; where others are at work now, the next to open the file does it."""
+    """Use a write-ahead log, so that readers need not wait for a writer; skipped while another process has the file."""
     connection = engine.raw_connection()
     try:
         cursor = connection.cursor()

@@ -1,4 +1,4 @@
-"""What a store holds as a document, YAML or JSON: exact, so that importing it elsewhere gives the same store."""
+"""The contents of a store as a document in YAML or JSON; an import of the document gives an equal store."""
 
 import json
 from datetime import UTC, datetime, timedelta
@@ -18,23 +18,23 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 MICROSECOND = timedelta(microseconds=1)
 
 Whole = Annotated[str, StringConstraints(strict=True, pattern=r"^-?[0-9]{1,40}$")]
-"""A whole number as text: other programs would round it to a float."""
+"""A whole number as text, because other programs would round a number of that size to a float."""
 Time = Annotated[AwareDatetime, PlainSerializer(lambda time: time.isoformat(timespec="microseconds"))]
 
 
 class _Expert(Option):
-    """An option as an expert gave it."""
+    """An option by an expert."""
 
     position: Annotated[int, Field(strict=True, ge=0, lt=2**31)]
     """Place among the options of its goal."""
     source: Name
-    """Who gave it."""
+    """Source of the option."""
     updated: Time
-    """When it was given (ISO 8601)."""
+    """Time at which it was given (ISO 8601)."""
 
 
 class _Learned(Closed):
-    """What was learned of one option of one goal in one context from one source."""
+    """Sums of the rewards of one option of one goal in one context from one source."""
 
     goal: Name
     """The goal that the option serves."""
@@ -43,7 +43,7 @@ class _Learned(Closed):
     context: Annotated[str, Field(strict=True)]
     """Key of the context; empty for none."""
     source: Name
-    """Who learned it."""
+    """Source of the rewards."""
     updated: Time
     """Time of the last update (ISO 8601)."""
     count: Annotated[int, Field(strict=True)]
@@ -55,29 +55,32 @@ class _Learned(Closed):
 
 
 class _Document(Closed):
-    """What an exported store holds."""
+    """An exported store."""
 
     format: Literal["clean-swarm knowledge store"]
-    """What this file is."""
+    """Kind of the file."""
     version: Literal[1]
     """Version of this format."""
     expert: dict[Name, tuple[_Expert, ...]]
     """Options by goal."""
     learned: tuple[_Learned, ...]
-    """What was learned."""
+    """Learned entries."""
 
 
 def as_document(contents: StoredKnowledge) -> dict[str, Any]:
-    """Return the contents of a store as plain data, in an order that depends on nothing else."""
-    expert: dict[str, list[_Expert]] = {}
-    for (goal, _), rated in sorted(contents.expert.items(), key=lambda item: (item[0][0], item[1].position, item[0])):
-        found = _Expert(
-            **rated.option.model_dump(),
-            position=rated.position,
-            source=rated.source,
-            updated=EPOCH + rated.updated * MICROSECOND,
+    """Return the contents of a store as plain data, in an order that depends on the contents only."""
+    expert = {
+        goal: tuple(
+            _Expert(
+                **rated.option.model_dump(),
+                position=rated.position,
+                source=rated.source,
+                updated=EPOCH + rated.updated * MICROSECOND,
+            )
+            for rated in options
         )
-        expert.setdefault(goal, []).append(found)
+        for goal, options in contents.options_by_goal().items()
+    }
     learned = [
         _Learned(
             **key._asdict(),
@@ -88,13 +91,12 @@ def as_document(contents: StoredKnowledge) -> dict[str, Any]:
         )
         for key, entry in sorted(contents.learned.items(), key=lambda item: item[0])
     ]
-    whole = {goal: tuple(options) for goal, options in expert.items()}
-    document = _Document(format="clean-swarm knowledge store", version=1, expert=whole, learned=tuple(learned))
+    document = _Document(format="clean-swarm knowledge store", version=1, expert=expert, learned=tuple(learned))
     return document.model_dump(mode="json")
 
 
 def from_document(content: object, where: str) -> StoredKnowledge:
-    """Return the contents that a document holds; `where` stands in error messages."""
+    """Return the contents of a store from a document; errors begin with `where`."""
     document = validated(_Document, content, where)
     expert: dict[tuple[str, str], Rated] = {}
     for goal, options in document.expert.items():
@@ -126,7 +128,7 @@ def document_text(contents: StoredKnowledge, *, as_json: bool) -> str:
 
 
 def read(path: Path, source: str) -> StoredKnowledge:
-    """Return what a file holds: an exported store, or expert knowledge, which gets `source` and the time of now."""
+    """Return the contents of a file: an exported store, or expert knowledge with `source` and the present time."""
     where = shown(path)
     content = _read_json(path) if path.suffix == ".json" else read_mapping(path)
     if "format" in content:
@@ -150,6 +152,7 @@ def _read_json(path: Path) -> dict[str, Any]:
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the mapping of `pairs`; ValueError for a key that is given twice."""
     mapping = dict(pairs)
     if len(mapping) < len(pairs):
         names = [name for name, _ in pairs]

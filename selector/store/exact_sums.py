@@ -1,8 +1,8 @@
-"""Exact sums of rewards: whole numbers on a fixed grid, so that the order in which they are added does not matter.
+"""Exact sums of rewards as whole numbers on a fixed grid, so that the order of adding does not matter.
 
 A reward is rounded once to the nearest multiple of 2^-24 (about 6e-8; halves to even). From then on count, sum and sum
 of squares are whole numbers in units of 1, 2^-24 and 2^-48, and adding whole numbers is exact, commutative and
-associative, which adding floats is not. Mean and variance are derived when they are asked for, each rounded once.
+associative, which adding floats is not. Mean and variance are computed from the sums, each rounded once.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ GRID_BITS = 24
 REWARD_LIMIT = 2.0**20
 """Largest absolute reward: about a million [-]. On the grid it takes 44 bits, which a float holds exactly."""
 COUNT_LIMIT = 2**36
-"""Most updates of one entry; the sum of their squares stays below 2^(88 + 36), what two columns of 62 bits hold."""
+"""Most updates of one entry: the sum of squares stays below 2^(88 + 36), so that two columns of 62 bits hold it."""
 HALF_BITS = 22
 """Half the bits of a reward on the grid."""
 CHUNK = 2**17
@@ -48,7 +48,7 @@ class Moments:
 
     @property
     def mean(self) -> float:
-        """Mean reward, correctly rounded; there is one from the first reward on."""
+        """Mean reward, correctly rounded; undefined without rewards."""
         return self.total / (self.count << GRID_BITS)  # true division of whole numbers rounds once
 
     @property
@@ -58,7 +58,7 @@ class Moments:
         return deviations / (self.count**2 << 2 * GRID_BITS)
 
     def impossible(self) -> str:
-        """Return why no set of rewards has these moments; empty where nothing speaks against it."""
+        """Return why no set of rewards has these moments; empty if one may have them."""
         largest = self.count * int(REWARD_LIMIT) << GRID_BITS
         if not 1 <= self.count <= COUNT_LIMIT:
             return f"expected a count from 1 to {COUNT_LIMIT}, got {self.count}"

@@ -1,7 +1,7 @@
-"""Whose updates a store holds: its own identity, and those of the stores that were merged into it.
+"""The origins of the updates in a store: its own identity, and those of the stores that were merged into it.
 
-Two stores that both hold updates of one origin cannot be merged, since these would count twice. A store that has
-forgotten all it learned is another origin from then on: what it learns now nobody has taken in.
+Two stores that both hold updates of one origin cannot be merged, because these updates would count twice. A store whose
+learned entries were all deleted gets a new identity, because no other store holds its future updates.
 """
 
 import uuid
@@ -15,20 +15,20 @@ from selector.store.tables import meta
 IDENTITY = "identity"
 """Key in the table of the store's properties."""
 MERGED = "merged "
-"""What the keys of merged stores begin with; the rest is their identity."""
+"""Beginning of the keys of merged stores; the rest of each key is an identity."""
 
 
 class Origins(NamedTuple):
-    """Where the updates of a store come from."""
+    """Origins of the updates of a store."""
 
     own: str
     """Identity of the store."""
     merged: frozenset[str]
-    """Identities of all stores whose updates it has taken in, by whichever way."""
+    """Identities of all stores whose updates it holds, merged directly or by way of other stores."""
 
     @property
     def every(self) -> frozenset[str]:
-        """All of them."""
+        """Both together."""
         return self.merged | {self.own}
 
     def why_not(self, other: "Origins") -> str:
@@ -43,7 +43,7 @@ class Origins(NamedTuple):
 
 
 def new_identity() -> str:
-    """Return an identity that no store has."""
+    """Return an identity that no other store has."""
     return uuid.uuid4().hex
 
 
@@ -55,7 +55,7 @@ def read_origins(connection: Connection) -> Origins:
 
 
 def note_merged(connection: Connection, identities: Iterable[str], now: int) -> None:
-    """Note that updates of other stores were merged in at `now` [us since 1970, UTC]."""
+    """Record that updates of other stores were merged in at `now` [us since 1970, UTC]."""
     rows = [{"key": f"{MERGED}{identity}", "value": str(now)} for identity in sorted(identities)]
     connection.execute(insert(meta), rows)
 

@@ -1,4 +1,4 @@
-"""The updates of an episode, summed up before they go to a store."""
+"""Sums of the rewards of an episode, made before the store is updated."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,9 +10,9 @@ from selforg.registry import unknown
 
 
 class RewardSums:
-    """Rewards that the options of one goal brought: exact sums for each option and context.
+    """Exact sums of the rewards of one goal, for each option and context.
 
-    A batch costs memory by the options and contexts seen, not by the rewards recorded.
+    The memory needed depends on the number of options and contexts, not on the number of rewards.
 
     >>> batch = RewardSums("AvoidCollision", ["near", "far"])
     >>> batch.record(np.array([0, 1, 1]), np.array([0.5, 1.0, 2.0]))
@@ -32,7 +32,7 @@ class RewardSums:
 
     @property
     def moments(self) -> Mapping[tuple[str, str], Moments]:
-        """What was recorded, by option and context."""
+        """Sums by option and context."""
         return self._moments
 
     @property
@@ -41,11 +41,11 @@ class RewardSums:
         return sum(moments.count for moments in self._moments.values())
 
     def record(self, option: Ints, reward: Floats, contexts: str | Sequence[str] = "") -> None:
-        """Add that `option` (R,) brought `reward` (R,) in `contexts`, one for all rows or (R,) of them.
+        """Add `reward` (R,) of `option` (R,) in `contexts`, one for all rows or (R,).
 
         Raises:
-            ValueError: a reward that is not finite or beyond a million, an unknown option, shapes that do not fit.
-                Nothing is recorded then.
+            ValueError: a reward is not finite or beyond a million, an option is unknown, or shapes do not fit; nothing
+                is recorded then.
 
         """
         chosen, whole = self._checked_options(option), on_grid(reward)
@@ -68,7 +68,7 @@ class RewardSums:
         return chosen.astype(np.int64)
 
     def _numbered(self, contexts: str | Sequence[str], rows: int) -> tuple[list[str], Ints]:
-        """Return the different contexts (C,) and the number of each row's (R,)."""
+        """Return the different contexts (C,), and for each row (R,) the index of its context."""
         if isinstance(contexts, str):
             return [contexts], np.zeros(rows, dtype=np.int64)
         if len(contexts) != rows:

@@ -1,4 +1,4 @@
-"""The knowledge store: atomic updates of what was learned, and estimates as arrays."""
+"""The knowledge store: atomic updates of learned entries, and estimates as arrays."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -21,13 +21,13 @@ from selforg.arrays import Flags, Floats, Ints
 
 @dataclass(frozen=True)
 class Estimates:
-    """What was learned of O options in C contexts, over all sources.
+    """Estimates of the rewards of O options in C contexts, over all sources.
 
     Attributes:
         count: (C, O) number of rewards.
-        mean: (C, O) their mean [-]; 0 where nothing is known.
-        variance: (C, O) their mean squared deviation from it; 0 where nothing is known.
-        known: (C, O) whether there was any.
+        mean: (C, O) their mean [-]; 0 without rewards.
+        variance: (C, O) their mean squared deviation from the mean; 0 without rewards.
+        known: (C, O) whether there was a reward.
 
     """
 
@@ -38,23 +38,23 @@ class Estimates:
 
 
 class KnowledgeStore:
-    """Expert knowledge and what was learned, in a database that many processes may use at once.
+    """Expert knowledge and learned entries in a database that many processes may use at the same time.
 
-    Every change is one transaction: it is made as a whole or not at all, also if the process is killed.
+    Every change is one transaction, which happens completely or not at all, also if the process is killed.
 
     Args:
         url: `sqlite:///PATH`, a plain path, or `postgresql://USER@HOST/DATABASE`.
-        create: whether to make a store where there is none; else that is an error.
+        create: whether to make a missing store; else a missing store is an error.
 
     Raises:
-        StoreError: a database that cannot be reached, or that holds no store of a version known here.
+        StoreError: the database cannot be reached, or holds no store of a known version.
 
     """
 
     def __init__(self, url: str, *, create: bool = True) -> None:
         parts = connecting.parsed(url)
         self.name = connecting.name_of(parts)
-        """How messages name the store."""
+        """Name of the store in messages."""
         self._own_engine = connecting.engine_of(parts, create=create)
         self._process = os.getpid()
         self._of_parent: list[Pool] = []
@@ -70,15 +70,15 @@ class KnowledgeStore:
         self._engine.dispose()
 
     def add(self, *batches: RewardSums, source: str, updated: int | None = None) -> None:
-        """Add the updates of an episode, all of them or, with an error, none.
+        """Add the updates of an episode: all of them or, with an error, none.
 
         Args:
-            batches: what was recorded, by goal.
-            source: who learned it, for instance the name of a run.
+            batches: sums of rewards, one for each goal.
+            source: source of the rewards, for instance the name of a run.
             updated: time of the update [us since 1970, UTC]; now unless given.
 
         Raises:
-            StoreError: a store that cannot be written, or a name that it does not take.
+            StoreError: the store cannot be written, or does not accept a name.
 
         """
         now = microseconds() if updated is None else updated
@@ -91,7 +91,7 @@ class KnowledgeStore:
         self.absorb(StoredKnowledge(learned=learned))
 
     def estimates(self, goal: str, options: Sequence[str], contexts: Sequence[str] = ("",)) -> Estimates:
-        """Return what was learned of `options` (O,) for a goal in `contexts` (C,)."""
+        """Return the estimates of `options` (O,) for a goal in `contexts` (C,)."""
         if isinstance(contexts, str):
             raise ValueError(f"contexts: expected a sequence of contexts, got the text {contexts!r}")
         with self._reading() as connection:
@@ -107,31 +107,31 @@ class KnowledgeStore:
         return Estimates(count, mean, variance, count > 0)
 
     def put(self, knowledge: Knowledge, *, source: str, updated: int | None = None) -> None:
-        """Keep expert knowledge; a score given later replaces an earlier one.
+        """Add expert knowledge; a later score replaces an earlier one.
 
         Raises:
-            StoreError: an option that the store knows with another configuration or other parameters.
+            StoreError: the store knows an option with another configuration or other parameters.
 
         """
         self.absorb(stored(knowledge, source, updated))
 
     def knowledge(self) -> Knowledge:
-        """Return the expert knowledge that the store holds."""
+        """Return the expert knowledge in the store."""
         return self.contents().knowledge(self.name)
 
     def contents(self) -> StoredKnowledge:
-        """Return all that the store holds, as of one moment."""
+        """Return everything in the store, as of one moment."""
         return self._whole()[0]
 
     def _whole(self) -> tuple[StoredKnowledge, Origins]:
-        """Return all that the store holds, and whose updates these are, as of one moment."""
+        """Return everything in the store, and the origins of its updates, as of one moment."""
         with self._reading() as connection:
             contents = StoredKnowledge(tables.read_expert(connection), tables.read_learned(connection))
             check(contents)
             return contents, read_origins(connection)
 
     def absorb(self, contents: StoredKnowledge) -> None:
-        """Add all of `contents` to what the store holds."""
+        """Add `contents` to the store."""
         check(contents)
         with self._writing() as connection:
             if contents.expert:
@@ -139,11 +139,11 @@ class KnowledgeStore:
             _add(connection, contents)
 
     def merge(self, other: "KnowledgeStore") -> StoredKnowledge:
-        """Add all that another store holds, and return it.
+        """Add everything in another store, and return what was added.
 
         Raises:
-            StoreError: updates that would count twice: the other store is this one or a copy of it, was merged into it
-                before and not reset since, or both hold updates of a third one.
+            StoreError: updates would count twice, because the other store is this one or a copy, was merged into this
+                one before and not reset since, or because both hold updates of a third store.
 
         """
         contents, origins = other._whole()
@@ -157,10 +157,10 @@ class KnowledgeStore:
         return contents
 
     def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
-        """Forget the learned entries of a `goal`, `option`, `context` and `source`, each only where it is given.
+        """Delete the learned entries of the given `goal`, `option`, `context` and `source`; of all that are not given.
 
-        With `expert` the expert options of that goal, option and source go as well. A store in which
-        nothing learned is left can be merged into others again, and others into it.
+        With `expert`, the expert options of the goal, option and source are deleted too. A store without learned
+        entries can be merged again with any other store.
 
         Returns:
             The number of learned entries and of expert options deleted.
@@ -173,15 +173,15 @@ class KnowledgeStore:
         columns = {"goal": "goal", "option": "name", "source": "source"}
         with self._writing() as connection:
             connecting.lock(connection, everything=True)
-            entries = tables.delete_learned(connection, chosen)
+            entries = tables.delete_rows(connection, tables.learned, chosen)
             if not tables.any_learned(connection):
                 begin_anew(connection)
             of_expert = {columns[what]: name for what, name in chosen.items() if what in columns}
-            return entries, tables.delete_expert(connection, of_expert) if expert else 0
+            return entries, tables.delete_rows(connection, tables.expert, of_expert) if expert else 0
 
     @property
     def _engine(self) -> Engine:
-        """What connects to the database; a forked process must neither use nor close what its parent has open."""
+        """The engine; a forked process gets a new one, because it must not use or close connections of its parent."""
         if self._process != os.getpid():
             self._of_parent.append(self._own_engine.pool)
             self._own_engine.dispose(close=False)
@@ -192,10 +192,10 @@ class KnowledgeStore:
     def _reading(self) -> Iterator[Connection]:
         with reported(self.name), self._engine.connect() as connection:
             if connection.dialect.name == "postgresql":
-                connection = connection.execution_options(isolation_level="REPEATABLE READ")  # one moment for all
+                connection = connection.execution_options(isolation_level="REPEATABLE READ")  # as of one moment
             try:
                 yield connection
-            except (TypeError, ValueError) as error:  # StoreError among them, of what `check` finds
+            except (TypeError, ValueError) as error:  # also StoreError, by `check`
                 raise StoreError(f"{self.name}: is corrupt: {' '.join(str(error).split())}") from error
 
     @contextmanager
@@ -209,7 +209,7 @@ class KnowledgeStore:
 
 
 def _add(connection: Connection, contents: StoredKnowledge) -> None:
-    """Add contents to those of a store, whose expert options nobody else changes meanwhile."""
+    """Add contents to a store; the caller keeps others from changing its expert options meanwhile."""
     if contents.expert:
         held = StoredKnowledge(tables.read_expert(connection))
         together = held.merged(StoredKnowledge(contents.expert)).expert

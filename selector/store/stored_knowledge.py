@@ -1,4 +1,4 @@
-"""What a store holds, as values: expert options and learned entries, and how two of them make one."""
+"""The contents of a store as values: expert options and learned entries, which can be merged."""
 
 import json
 import time
@@ -11,15 +11,15 @@ from selector.store.errors import StoreError
 from selector.store.exact_sums import Moments
 
 NAME_LIMIT = 120
-"""Most characters of a goal, an option, a context or a source: four of them fit into an index of PostgreSQL."""
+"""Most characters of a goal, an option, a context or a source, so that four fit into an index of PostgreSQL."""
 TIME_LIMIT = 253_402_300_800 * 10**6
 """End of the year 9999, the last that a date can name [us since 1970]."""
 EXPERT = "expert"
-"""Source of expert knowledge unless another is named."""
+"""Default source of expert knowledge."""
 
 
 class Key(NamedTuple):
-    """Whose rewards an entry sums up: one goal, option and context, learned from one source."""
+    """The key of a learned entry, which sums up the rewards of one goal, option and context from one source."""
 
     goal: str
     option: str
@@ -29,30 +29,30 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True)
 class LearnedEntry:
-    """What was learned under a key."""
+    """The sums of rewards under a key."""
 
     moments: Moments
     updated: int
     """Time of the last update [us since 1970, UTC]."""
 
     def merged(self, other: "LearnedEntry") -> "LearnedEntry":
-        """Return both entries as one."""
+        """Return the sum of both entries."""
         return LearnedEntry(self.moments + other.moments, max(self.updated, other.updated))
 
 
 @dataclass(frozen=True)
 class Rated:
-    """An option as an expert gave it."""
+    """An option by an expert."""
 
     option: Option
     position: int
     """Place among the options of its goal; the first of equals is taken."""
     source: str
     updated: int
-    """When it was given [us since 1970, UTC]."""
+    """Time at which it was given [us since 1970, UTC]."""
 
     def merged(self, other: "Rated") -> "Rated":
-        """Return the later of both; they name the same thing, or StoreError is raised."""
+        """Return the later of both; StoreError if the option means different things in them."""
         mine, others = (definition(rated.option) for rated in (self, other))
         if mine != others:
             raise StoreError(f"{self.option.name}: means {' '.join(mine)} here and {' '.join(others)} there")
@@ -68,10 +68,10 @@ class StoredKnowledge:
     learned: Mapping[Key, LearnedEntry] = field(default_factory=dict)
 
     def merged(self, other: "StoredKnowledge") -> "StoredKnowledge":
-        """Return what a store holds that took in both, in any order.
+        """Return the merged contents of both; the order does not matter.
 
         Raises:
-            StoreError: an option that means another configuration, or other parameters, in each of them.
+            StoreError: an option has different configurations or parameters in them.
 
         """
         expert = dict(self.expert)
@@ -85,12 +85,17 @@ class StoredKnowledge:
             learned[key] = learned[key].merged(entry) if key in learned else entry
         return StoredKnowledge(expert, learned)
 
-    def knowledge(self, source: str) -> Knowledge:
-        """Return the expert options as expert knowledge; `source` stands in its error messages."""
-        table: dict[str, list[Option]] = {}
+    def options_by_goal(self) -> dict[str, list[Rated]]:
+        """Return the expert options of each goal in their order, goals in the order of their names."""
+        table: dict[str, list[Rated]] = {}
         for (goal, _), rated in sorted(self.expert.items(), key=lambda item: (item[0][0], item[1].position, item[0])):
-            table.setdefault(goal, []).append(rated.option)
-        return Knowledge({goal: tuple(options) for goal, options in table.items()}, source)
+            table.setdefault(goal, []).append(rated)
+        return table
+
+    def knowledge(self, source: str) -> Knowledge:
+        """Return the expert options as expert knowledge; `source` is named in its errors."""
+        table = self.options_by_goal()
+        return Knowledge({goal: tuple(rated.option for rated in options) for goal, options in table.items()}, source)
 
 
 def stored(knowledge: Knowledge, source: str = EXPERT, updated: int | None = None) -> StoredKnowledge:
@@ -106,10 +111,10 @@ def stored(knowledge: Knowledge, source: str = EXPERT, updated: int | None = Non
 
 
 def definition(option: Option) -> tuple[str, str]:
-    """Return what an option's name stands for: its configuration and its parameters as JSON.
+    """Return what the name of an option means: its configuration, and its parameters as JSON.
 
     Raises:
-        StoreError: parameters that JSON cannot hold.
+        StoreError: JSON cannot hold the parameters.
 
     """
     try:
@@ -123,7 +128,7 @@ def definition(option: Option) -> tuple[str, str]:
 
 
 def check(contents: StoredKnowledge) -> None:
-    """Raise StoreError for what no store takes: unreadable names, impossible entries and times, odd parameters."""
+    """Raise StoreError for contents that no store accepts: bad names, impossible sums or times, bad parameters."""
     times = [rated.updated for rated in contents.expert.values()] + [e.updated for e in contents.learned.values()]
     for updated in times:
         if not 0 <= updated < TIME_LIMIT:
@@ -141,7 +146,7 @@ def check(contents: StoredKnowledge) -> None:
 
 
 def check_names(what: str, names: Iterable[str]) -> None:
-    """Raise StoreError for a name that no store takes; only a context may be empty."""
+    """Raise StoreError for a name that no store accepts; only a context may be empty."""
     for name in names:
         if not name.isprintable() or len(name) > NAME_LIMIT or (not name and what != "context"):
             raise StoreError(f"{what}: expected up to {NAME_LIMIT} printable characters, got {name!r}")

@@ -1,7 +1,7 @@
-"""The tables of a store and the statements on them: all SQL is in this file and in `connection`.
+"""The tables of a store and the statements on them; all SQL is in this file and in `connection`.
 
-A sum takes two columns, `value = high * 2^62 + low` with 0 <= low < 2^62, since its 124 bits are too many for one. An
-update adds to both in one statement and carries, so that equal sums are equal rows, whoever added what and when.
+A sum has two columns, `value = high * 2^62 + low` with 0 <= low < 2^62, because its 124 bits do not fit into one. One
+statement adds to both and carries, so that equal sums give equal rows in any order of adding.
 """
 
 import json
@@ -34,7 +34,7 @@ from selector.store.stored_knowledge import NAME_LIMIT, Key, LearnedEntry, Rated
 LOW_BITS = 62
 LOW_MASK = (1 << LOW_BITS) - 1
 MOST_NAMED = 500
-"""Most contexts that a query names; databases limit them, and with more it costs less to read all."""
+"""Most contexts that a query names: databases limit the number, and for more contexts reading all is faster."""
 SUMS = ("total", "squares")
 
 metadata = MetaData()
@@ -71,7 +71,7 @@ learned = Table(
 
 
 def add_learned(connection: Connection, entries: Iterable[tuple[Key, LearnedEntry]]) -> None:
-    """Add to the entries of these keys, creating those that are missing; no key twice."""
+    """Add `entries` to those of the same keys; missing entries are created. No key may be given twice."""
     rows = [
         {
             **key._asdict(),
@@ -82,7 +82,7 @@ def add_learned(connection: Connection, entries: Iterable[tuple[Key, LearnedEntr
             "squares_low": entry.moments.squares & LOW_MASK,
             "updated": entry.updated,
         }
-        for key, entry in sorted(entries)  # everyone locks rows in one order: no two writers wait for each other
+        for key, entry in sorted(entries)  # all writers lock rows in this order: no deadlock
     ]
     if rows:
         connection.execute(_adding(connection.dialect.name), rows)
@@ -108,7 +108,7 @@ def _insert(dialect: str, table: Table) -> postgresql.Insert | sqlite.Insert:
 
 
 def put_expert(connection: Connection, options: Iterable[tuple[tuple[str, str], Rated]]) -> None:
-    """Write expert options over those of the same goal and name."""
+    """Write expert options; they replace those of the same goal and name."""
     rows = []
     for (goal, name), rated in options:
         configuration, parameters = definition(rated.option)
@@ -136,7 +136,7 @@ def _rated(row: Row[Any]) -> Rated:
 def read_learned(
     connection: Connection, goal: str | None = None, contexts: Sequence[str] | None = None
 ) -> dict[Key, LearnedEntry]:
-    """Return the learned entries by key: all of them, or those of one goal and, at least, of some contexts."""
+    """Return learned entries by key: all, or those of one goal and of at least the given contexts."""
     query = select(learned)
     if goal is not None:
         query = query.where(learned.c.goal == goal)
@@ -158,17 +158,7 @@ def _entry(row: Row[Any]) -> LearnedEntry:
     return LearnedEntry(moments, int(row.updated))
 
 
-def delete_learned(connection: Connection, chosen: dict[str, str]) -> int:
-    """Delete the learned entries in which these columns have these values; return how many."""
-    statement = delete(learned)
-    for column, value in chosen.items():
-        statement = statement.where(learned.c[column] == value)
-    return connection.execute(statement).rowcount
-
-
-def delete_expert(connection: Connection, chosen: dict[str, str]) -> int:
-    """Delete the expert options in which these columns have these values; return how many."""
-    statement = delete(expert)
-    for column, value in chosen.items():
-        statement = statement.where(expert.c[column] == value)
+def delete_rows(connection: Connection, table: Table, chosen: dict[str, str]) -> int:
+    """Delete the rows in which the columns `chosen` have these values; return the number of rows."""
+    statement = delete(table).where(*(table.c[column] == value for column, value in chosen.items()))
     return connection.execute(statement).rowcount

@@ -1,4 +1,4 @@
-"""Decision strategies: which option serves a goal now. Importing the package registers all that are in it."""
+"""Decision strategies, which choose the option that serves a goal; importing the package registers them."""
 
 from selforg.registry import import_modules
 

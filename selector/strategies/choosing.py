@@ -1,4 +1,4 @@
-"""The two ways to take one of several options: the best, or by chance."""
+"""Ways to choose one of several options: the best one, or one at random."""
 
 import numpy as np
 
@@ -12,21 +12,21 @@ def best(values: Floats, allowed: Flags) -> Ints:
 
 
 def drawn(chances: Floats, uniform: Floats) -> Ints:
-    """Return an option (K,) drawn with `chances` (K, O), 0 or more with any sum, by one number in [0, 1) each (K,)."""
+    """Return options (K,) drawn with the weights `chances` (K, O) >= 0, by one number `uniform` (K,) in [0, 1) each."""
     reached = np.cumsum(chances, axis=1)
     total = reached[:, -1]
-    mark = np.minimum(uniform * total, np.nextafter(total, 0.0))  # below the total, even if the product is rounded up
+    mark = np.minimum(uniform * total, np.nextafter(total, 0.0))  # below the total: the product may be rounded up
     option: Ints = (reached > mark[:, None]).argmax(axis=1)
     return option
 
 
 def even(allowed: Flags) -> Floats:
-    """Return equal chances (K, O) of all allowed options, 0 of the others."""
+    """Return equal probabilities (K, O) of all allowed options, 0 of the others."""
     shares: Floats = allowed / allowed.sum(axis=1, keepdims=True)
     return shares
 
 
 def chance_of(chances: Floats, option: Ints) -> Floats:
-    """Return the chance (K,) that each option taken (K,) had among `chances` (K, O)."""
+    """Return the probability (K,) of each chosen `option` (K,) among `chances` (K, O)."""
     taken: Floats = np.take_along_axis(chances, option[:, None], axis=1)[:, 0]
     return taken

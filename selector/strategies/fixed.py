@@ -1,4 +1,4 @@
-"""Always the same option: what learned strategies have to beat."""
+"""Always the same option: a yardstick for strategies that learn."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import numpy as np
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Outcomes, Problem
+from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Ints
@@ -15,15 +15,15 @@ from selforg.registry import unknown
 
 
 class FixedParameters(Closed):
-    """Which option."""
+    """The option."""
 
     option: Name
-    """Name of the option to take wherever it can serve; elsewhere it is the one of the highest score."""
+    """Name of the option to take wherever it can serve; elsewhere the option of the highest score is taken."""
 
 
 @STRATEGIES.register
 class Fixed(DecisionStrategy):
-    """One option, whatever happens."""
+    """The same option in every decision."""
 
     Parameters = FixedParameters
     parameters: FixedParameters
@@ -42,6 +42,3 @@ class Fixed(DecisionStrategy):
 
     def _select(self, decisions: Decisions) -> Ints:
         return best(np.broadcast_to(self._order, decisions.allowed.shape), decisions.allowed)
-
-    def _update(self, outcomes: Outcomes) -> None:
-        pass  # fixed

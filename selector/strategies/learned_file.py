@@ -1,30 +1,28 @@
-"""What a strategy learned, in a file: saved, checked against the strategy that takes it over, and taken over."""
+"""Files of what a strategy learned: saved, checked against another strategy, and loaded into it."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from selector.documents.arrays import Arrays, load_arrays, names_differ, save_arrays
+from selector.documents.arrays import load_arrays, names_differ, save_arrays
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name
-from selector.documents.find import find_file
 from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import ROW_STATE, DecisionStrategy
 
 VERSION = 1
 
 
-class _Description(Closed):
-    """What stands beside the arrays."""
+class LearnedDescription(Closed):
+    """The strategy that wrote a file; stands beside the arrays."""
 
     kind: Literal["clean-swarm strategy"] = "clean-swarm strategy"
-    """Says what the file is."""
+    """Kind of the file."""
     version: int = VERSION
-    """Version of this form."""
+    """Version of this description."""
     strategy: Name
     """Name of the registered strategy."""
     parameters: dict[str, Any]
-    """All its parameters."""
+    """All parameters of the strategy."""
     goal: str
     """Name of the goal."""
     options: tuple[str, ...]
@@ -32,16 +30,21 @@ class _Description(Closed):
     features: tuple[str, ...]
     """(F,) names of the features of a context."""
 
+    @property
+    def spec(self) -> StrategySpec:
+        """The strategy with its parameters."""
+        return StrategySpec(name=self.strategy, parameters=self.parameters)
+
 
 def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False) -> None:
-    """Write what a strategy learned; with `whole` also where its rows' randomness stands, to go on exactly.
+    """Write what a strategy learned; with `whole` also the random state of its rows, to continue exactly.
 
     Raises:
-        DocumentError: a place that cannot be written to.
+        DocumentError: the file cannot be written.
 
     """
     problem = strategy.problem
-    description = _Description(
+    description = LearnedDescription(
         strategy=type(strategy).__name__,
         parameters=strategy.parameters.model_dump(mode="json"),
         goal=problem.goal,
@@ -53,13 +56,14 @@ def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
 
 
 def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False) -> None:
-    """Let a strategy take over what a file holds, all that `save_strategy` wrote with `whole`, else what was learned.
+    """Load a file into a strategy: all that `save_strategy` wrote with `whole`, else only the learned arrays.
 
     Raises:
-        DocumentError: not such a file, or one of another strategy, parameters, options or features; it says which.
+        DocumentError: not such a file, or one of another strategy, parameters, options or features.
 
     """
-    arrays, description = _read(path)
+    arrays, content = load_arrays(path)
+    description = _described(content, shown(path))
     problem, where = strategy.problem, shown(path)
     own = {
         "strategy": type(strategy).__name__,
@@ -86,31 +90,13 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         raise DocumentError(f"{where}: {error}") from error
 
 
-def find_strategy(name: str, directories: Sequence[Path] = ()) -> Path:
-    """Return the file of what a strategy learned: a path, or the name of one in `directories` or of one that ships.
-
-    Raises:
-        DocumentError: no such file.
-
-    """
-    return find_file("strategies", name, directories)
+def description_of(path: Path) -> LearnedDescription:
+    """Return which strategy wrote a file; DocumentError if it is not such a file."""
+    return _described(load_arrays(path)[1], shown(path))
 
 
-def spec_of(path: Path) -> StrategySpec:
-    """Return the strategy, with its parameters, that wrote a file."""
-    _, description = _read(path)
-    return StrategySpec(name=description.strategy, parameters=description.parameters)
-
-
-def features_of(path: Path) -> tuple[str, ...]:
-    """Return the names of the features of a context that the strategy in a file was told of."""
-    _, description = _read(path)
-    return description.features
-
-
-def _read(path: Path) -> tuple[Arrays, _Description]:
-    arrays, content = load_arrays(path)
+def _described(content: dict[str, Any], where: str) -> LearnedDescription:
     version = content.get("version")
     if isinstance(version, int) and version > VERSION:
-        raise DocumentError(f"{shown(path)}: version: expected at most {VERSION}, got {version} from a newer release")
-    return arrays, validated(_Description, content, shown(path))
+        raise DocumentError(f"{where}: version: expected at most {VERSION}, got {version} from a newer release")
+    return validated(LearnedDescription, content, where)

@@ -1,9 +1,9 @@
-"""Take what the expert rates highest, as in the paper."""
+"""The option that the expert rates highest, as in the paper."""
 
 import numpy as np
 
 from selector.strategies.choosing import best
-from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Ints
@@ -15,6 +15,3 @@ class MaxScore(DecisionStrategy):
 
     def _select(self, decisions: Decisions) -> Ints:
         return best(np.broadcast_to(self.problem.scores, decisions.allowed.shape), decisions.allowed)
-
-    def _update(self, outcomes: Outcomes) -> None:
-        pass  # the expert's scores are not for rewards to move: strategies that learn do that

@@ -1,4 +1,4 @@
-"""A trained network that chooses, run by NumPy and compiled code from its exported files."""
+"""Trained policies: networks that choose options, run from exported files by NumPy and compiled code."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from selector.documents.errors import shown
 from selector.documents.fields import Closed, Flag, Name
 from selector.strategies.choosing import best, chance_of, drawn
 from selector.strategies.policy_file import Floats32, TrainedPolicy, find_policy, load_policy
-from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
@@ -16,7 +16,7 @@ ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
 
 
 class PolicyParameters(Closed):
-    """Which policy, and how it decides."""
+    """The policy, and how its outputs become an option."""
 
     policy: Name
     """Directory of an exported policy, or the name of one in `policies/` of a directory of configurations."""
@@ -26,7 +26,7 @@ class PolicyParameters(Closed):
 
 @STRATEGIES.register
 class Policy(DecisionStrategy):
-    """A policy trained by PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347); it learns no further."""
+    """A policy trained by PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347), which does not learn any more."""
 
     Parameters = PolicyParameters
     parameters: PolicyParameters
@@ -49,9 +49,6 @@ class Policy(DecisionStrategy):
         option = drawn(chances, decisions.draws[:, 0])
         self.chance[decisions.rows] = chance_of(chances, option)
         return option
-
-    def _update(self, outcomes: Outcomes) -> None:
-        pass  # trained beforehand
 
 
 class Network:
@@ -83,7 +80,7 @@ class Network:
 def dense(inputs: Floats32, weights: Floats32, bias: Floats32, activation: int, outputs: Floats32) -> None:
     """Fill `outputs` (K, H) for `inputs` (K, I), `weights` (I, H) and `bias` (H,), summed in the order of inputs.
 
-    A library's matrix product sums in an order that depends on K; here a row gets the same bits alone and in a batch.
+    The order of summation in a library's matrix product depends on K; here a row gets the same bits for every K.
     """
     for k in range(inputs.shape[0]):
         for h in range(outputs.shape[1]):

@@ -1,4 +1,4 @@
-"""Trained policies as files: weights as safetensors, what they are for as JSON; no torch needed to read or run them.
+"""Files of trained policies, which are read and run without torch: weights as safetensors, the rest as JSON.
 
 A policy is a directory with `policy.json` (`PolicySpec`) and `policy.safetensors`: `hidden.0.weight` (H, F) and
 `hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out.
@@ -28,7 +28,7 @@ SPECIFICATION, WEIGHTS_FILE = "policy.json", "policy.safetensors"
 
 
 class PolicySpec(Closed):
-    """What a policy was trained for and how its network is made."""
+    """The problem that a policy was trained for, and the shape of its network."""
 
     version: Literal[1] = 1
     """Version of this form."""
@@ -41,15 +41,15 @@ class PolicySpec(Closed):
     hidden: tuple[Annotated[int, Field(strict=True, ge=1)], ...]
     """Widths of the hidden layers."""
     activation: Literal["tanh", "relu"] = "tanh"
-    """What follows each hidden layer."""
+    """Function after each hidden layer."""
     mean: tuple[Number, ...]
     """(F,) subtracted from an observation."""
     variance: tuple[Annotated[Number, Field(ge=0.0)], ...]
-    """(F,) whose root, with `epsilon` added before, divides the rest."""
+    """(F,) variance; the difference is divided by sqrt(variance + epsilon)."""
     epsilon: Positive = 1e-8
     """Added to the variance."""
     clip: Positive = 10.0
-    """Largest absolute value that the network sees."""
+    """Largest absolute value of an input of the network."""
     weights_sha256: str = ""
     """Digest of the file of the weights; filled in when the policy is written."""
     training: dict[str, Any] = Field(default_factory=dict)
@@ -72,11 +72,11 @@ class PolicySpec(Closed):
 
 @dataclass(frozen=True)
 class TrainedPolicy:
-    """A policy as read from its files.
+    """A policy, as its files hold it.
 
     Attributes:
-        spec: what it is for.
-        weights: arrays by the names that the module's text gives.
+        spec: content of `policy.json`.
+        weights: arrays by the names in the docstring of this module.
 
     """
 
@@ -87,7 +87,7 @@ class TrainedPolicy:
         """Return the policy with inputs and outputs in the order of `problem`.
 
         Raises:
-            DocumentError: another goal, or an option or observation that only one side has; it says which.
+            DocumentError: the goal differs, or an option or observation exists on one side only.
 
         """
         spec = self.spec
@@ -119,7 +119,7 @@ def save_policy(directory: Path, policy: TrainedPolicy) -> None:
     """Write a policy: the weights first, then the specification that names their digest.
 
     Raises:
-        DocumentError: weights that do not fit the specification, or a place that cannot be written to.
+        DocumentError: the weights do not fit the specification, or the files cannot be written.
 
     """
     _check(policy, shown(directory))
@@ -134,17 +134,17 @@ def find_policy(name: str, directories: Sequence[Path] = ()) -> Path:
     """Return the directory of a policy: a path, or the name of one in `directories` or of one that ships.
 
     Raises:
-        DocumentError: no such policy.
+        DocumentError: there is no such policy.
 
     """
     return find_file("policies", name, directories).parent
 
 
 def load_policy(directory: Path) -> TrainedPolicy:
-    """Return the policy that a directory holds.
+    """Return the policy in a directory.
 
     Raises:
-        DocumentError: files that are missing, damaged, or do not belong together.
+        DocumentError: a file is missing or damaged, or the files do not belong together.
 
     """
     where = shown(directory / SPECIFICATION)
@@ -165,6 +165,7 @@ def load_policy(directory: Path) -> TrainedPolicy:
 
 
 def _check(policy: TrainedPolicy, where: str) -> None:
+    """Raise DocumentError unless the weights have the names, shapes and type of the specification, and are finite."""
     expected: dict[str, tuple[int, ...]] = {}
     for name, inputs, outputs in policy.spec.layers():
         expected |= {f"{name}.weight": (outputs, inputs), f"{name}.bias": (outputs,)}

@@ -1,4 +1,4 @@
-"""What a decision strategy gets: its problem, the decisions to make, and the rewards of earlier decisions."""
+"""The input of a decision strategy: its problem, the decisions to make, and the rewards of earlier decisions."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +12,7 @@ from selforg.arrays import Flags, Floats, Ints
 
 @dataclass(frozen=True)
 class Problem:
-    """A goal, the options that may serve it, and what is known when one of them is chosen.
+    """A goal, the options that may serve it, and the features known at the time of a decision.
 
     Attributes:
         goal: name of the self-organisation goal.
@@ -21,7 +21,7 @@ class Problem:
         features: (F,) names of the components of a context, each different.
 
     Raises:
-        ValueError: names given twice, or scores that cannot be compared.
+        ValueError: a name is given twice, or the scores cannot be compared.
 
     """
 
@@ -48,7 +48,7 @@ class Problem:
 
     @classmethod
     def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":
-        """Return the problem of choosing among the options that the expert knowledge holds for a goal."""
+        """Return the problem of choosing among the options of a goal in expert knowledge."""
         names = tuple(option.name for option in knowledge.options(goal))
         return cls(goal, names, knowledge.scores(goal), features)
 
@@ -59,8 +59,8 @@ class Decisions:
 
     Attributes:
         rows: (K,) the rows that decide, each at most once.
-        groups: (K,) the set of estimates that each of them uses.
-        context: (K, F) what each of them knows.
+        groups: (K,) the set of estimates that each row uses.
+        context: (K, F) features of each row.
         allowed: (K, O) options that can serve; at least one in each row.
         draws: (K, D) random numbers, uniform in [0, 1).
 
@@ -78,11 +78,11 @@ class Outcomes:
     """K earlier decisions and their rewards, in an order that does not depend on the order of rows.
 
     Attributes:
-        groups: (K,) the set of estimates that each of them moves.
-        option: (K,) what was chosen.
-        reward: (K,) what it brought, larger being better.
-        context: (K, F) in which it was chosen.
-        chance: (K,) the probability with which it was chosen; 1 of a strategy that leaves nothing to chance.
+        groups: (K,) the set of estimates that each decision changes.
+        option: (K,) the chosen option.
+        reward: (K,) its reward; larger is better.
+        context: (K, F) the features at the decision.
+        chance: (K,) the probability with which the option was chosen; 1 if the strategy is not random.
 
     """
 
@@ -105,7 +105,7 @@ def readable(name: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Floats
 
 
 def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what: str, count: int) -> Ints:
-    """Return whole numbers 0 to `count` - 1 of a given shape, a copy that cannot be written to."""
+    """Return whole numbers from 0 to `count` - 1 of a given shape, as a copy that cannot be written to."""
     array: npt.NDArray[Any] = np.asarray(values)
     if array.shape != shape or not (np.issubdtype(array.dtype, np.integer) or array.size == 0):
         raise ValueError(f"{name}: expected integers {shape}, got {array.shape} of {array.dtype}")
@@ -117,17 +117,5 @@ def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what
 
 
 def canonical_order(groups: Ints, option: Ints, reward: Floats, chance: Floats, context: Floats) -> Ints:
-    """Return an order (K,) that depends on the contents only, so that sums over a batch do not depend on row order."""
-    order = np.lexsort((chance, reward, option, groups))
-    keys = (groups, option, reward, chance)
-    if context.shape[1] and len(order) > 1 and _ties(order, keys):
-        order = np.lexsort((*context.T, *reversed(keys)))
-    return order
-
-
-def _ties(order: Ints, keys: tuple[npt.NDArray[Any], ...]) -> bool:
-    equal = np.ones(len(order) - 1, dtype=bool)
-    for key in keys:
-        ordered = key[order]
-        equal &= ordered[1:] == ordered[:-1]
-    return bool(equal.any())
+    """Return an order (K,) that depends on the values only, so that sums over a batch do not depend on row order."""
+    return np.lexsort((*context.T, chance, reward, option, groups))

@@ -1,7 +1,7 @@
-"""Any option, all alike: the other end of what learned strategies have to beat."""
+"""Any option with equal probability: a yardstick for strategies that learn."""
 
 from selector.strategies.choosing import chance_of, drawn, even
-from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Ints
@@ -9,7 +9,7 @@ from selforg.arrays import Ints
 
 @STRATEGIES.register
 class Random(DecisionStrategy):
-    """Each option that can serve with the same probability; rewards change nothing."""
+    """Every option that can serve, with equal probability; rewards change nothing."""
 
     @property
     def draws_per_decision(self) -> int:
@@ -21,6 +21,3 @@ class Random(DecisionStrategy):
         option = drawn(chances, decisions.draws[:, 0])
         self.chance[decisions.rows] = chance_of(chances, option)
         return option
-
-    def _update(self, outcomes: Outcomes) -> None:
-        pass  # nothing to learn

@@ -1,4 +1,4 @@
-"""Strategies by name: their registry, and how YAML and the command line name one with its parameters."""
+"""The registry of strategies, and how YAML and the command line name a strategy with its parameters."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,14 +20,14 @@ STRATEGIES: Registry[DecisionStrategy] = Registry("strategy")
 
 
 class StrategySpec(Closed):
-    """A strategy with its parameters, as YAML and the command line name it; both have to exist."""
+    """A registered strategy with valid parameters, as YAML and the command line name it."""
 
     name: Name
     """Name of a registered strategy."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
-    """Values for what the strategy lets one set."""
+    """Values for parameters of the strategy."""
     sharing: Literal["all", "team", "robot"] = "all"
-    """Who learns together: all robots of all worlds, the robots of each world, or each robot for itself."""
+    """Which robots share estimates: all robots of all worlds, the robots of one world, or none."""
 
     @model_validator(mode="after")
     def _exists(self) -> Self:
@@ -37,20 +37,20 @@ class StrategySpec(Closed):
     def build(self, problem: Problem, keys: Keys, teams: Ints, directories: Sequence[Path] = ()) -> DecisionStrategy:
         """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,).
 
-        Files that parameters name are looked for in `directories` before the shipped one.
+        Files that parameters name are searched in `directories` before the shipped directory.
         """
         groups = {"all": np.zeros_like(teams), "team": teams, "robot": np.arange(len(teams))}
         return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing], directories=directories)
 
 
 def spec_from_text(text: str) -> StrategySpec:
-    """Return the strategy that `NAME` or `NAME:parameter=value,...` names; `sharing=...` may be among the values.
+    """Return the strategy that `NAME` or `NAME:parameter=value,...` describes; `sharing=...` is allowed too.
 
     >>> spec_from_text("UCB1:prior=2,sharing=team")
     StrategySpec(name='UCB1', parameters={'prior': 2}, sharing='team')
 
     Raises:
-        DocumentError: an unknown strategy or parameter, or a value that does not fit.
+        DocumentError: a strategy or parameter is unknown, or a value does not fit.
 
     """
     name, _, rest = text.partition(":")
@@ -73,17 +73,17 @@ def create(
     groups: Ints | None = None,
     directories: Sequence[Path] = (),
 ) -> DecisionStrategy:
-    """Return a new strategy of a registered name; the other arguments are those of `DecisionStrategy`.
+    """Return a new strategy of the class registered under a name; the other arguments are those of the class.
 
     Raises:
-        DocumentError: an unknown name, or parameters that do not fit.
+        DocumentError: the name is unknown, or a parameter does not fit.
 
     """
     return named(name)(problem, keys, parameters, groups=groups, directories=directories)
 
 
 def named(name: str) -> type[DecisionStrategy]:
-    """Return the strategy registered under a name; DocumentError lists the known names."""
+    """Return the class registered under a name; DocumentError lists the known names."""
     try:
         return STRATEGIES.find(name)
     except UnknownNameError as error:

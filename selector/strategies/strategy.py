@@ -1,4 +1,4 @@
-"""The blueprint of decision strategies: which option serves a goal now, for many robots at once."""
+"""The base class of decision strategies, which choose options for many robots at once."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -17,15 +17,15 @@ from selforg.arrays import Flags, Floats, Ints
 
 
 class NoParameters(Closed):
-    """A strategy without anything to set."""
+    """The parameters of a strategy that has none."""
 
 
 class DecisionStrategy(ABC):
-    """Choose one of O options for each of R rows, and learn from the reward that the choice brought.
+    """Base class: chooses one of O options for each of R rows, and learns from the rewards of its choices.
 
-    `select` is called once a decision period, for all rows or those that decide; `update` once the reward of an earlier
-    choice is known, however late, with the context in which it was made. A new strategy is one file with a class that
-    implements `_select` and `_update`, and, if it learns, `_first_state`; what it may set is a model of its own:
+    Call `select` once in a decision period, for all rows or those that decide, and `update` when the reward of an
+    earlier choice is known, at any later time, with the context of the choice. A new strategy is one file with a class
+    that implements `_select`, and, if it learns, `_first_state` and `_update`; its parameters are a model of their own:
 
     >>> import numpy as np
     >>> from selector.strategies.registry import STRATEGIES, create
@@ -47,13 +47,13 @@ class DecisionStrategy(ABC):
     >>> strategy.select(np.zeros((3, 0)))
     array([1, 1, 1])
 
-    What a strategy has learned is the arrays of `_first_state`, whose first axis is the group: rows of one group share
-    estimates. Random numbers are a function of a row's key and of how often it decided, so that a row decides alike
-    alone and in a batch; a subclass that needs them says how many in `draws_per_decision`.
+    The learned state is the arrays of `_first_state`, whose first axis is the group: rows of one group share estimates.
+    Random numbers are a function of the key of a row and of the number of its decision, so that a row decides the same
+    alone and in a batch; a subclass states in `draws_per_decision` how many random numbers it needs.
 
     Args:
         problem: goal, options, scores and names of the features.
-        keys: (R,) the source of randomness of each row, from `selector.strategies.streams.row_keys`.
+        keys: (R,) key of the random numbers of each row, from `selector.strategies.streams.row_keys`.
         parameters: values for the fields of `Parameters`.
         groups: (R,) 0..G-1, the set of estimates that each row uses; all rows share one unless given.
         directories: of the user's configurations, searched before the shipped one for files that parameters name.
@@ -61,7 +61,7 @@ class DecisionStrategy(ABC):
     """
 
     Parameters: ClassVar[type[Closed]] = NoParameters
-    """What can be set, with a default for everything that has a sensible one."""
+    """Model of the parameters."""
 
     def __init__(
         self,
@@ -104,9 +104,9 @@ class DecisionStrategy(ABC):
         """Return the option (K,) for each row of `context` (K, F).
 
         Args:
-            context: (K, F) what each row knows.
-            allowed: (K, O) options that can serve; all unless given.
-            rows: (K,) the rows that decide, each once; all unless given.
+            context: (K, F) features of each row.
+            allowed: (K, O) whether an option can serve; all can unless given.
+            rows: (K,) the rows that decide, each once; all rows unless given.
 
         """
         deciding = self._rows(rows)
@@ -130,80 +130,79 @@ class DecisionStrategy(ABC):
     def update(
         self, option: Ints, reward: Floats, context: Floats, rows: Ints | None = None, chance: Floats | None = None
     ) -> None:
-        """Learn that `option` (K,), chosen in `context` (K, F), brought `reward` (K,), larger being better.
+        """Learn from the rewards of earlier decisions.
 
         Args:
-            option: (K,) what was chosen.
-            reward: (K,) what it brought.
-            context: (K, F) in which it was chosen.
-            rows: (K,) the rows that chose, any of them more than once if several of its rewards come together.
-            chance: (K,) the value of `chance[rows]` when the option was chosen; to be given for rewards that come after
-                the row's next decision, else that of the row's last decision.
+            option: (K,) the chosen option.
+            reward: (K,) its reward; larger is better.
+            context: (K, F) the features at the decision.
+            rows: (K,) the rows that decided; a row may be given several times. All rows unless given.
+            chance: (K,) the value of `chance[rows]` after the decision; needed only if the row has decided again since.
 
         """
-        told = self._rows(rows)
-        count = len(told)
+        decided = self._rows(rows)
+        count = len(decided)
         chosen = whole_numbers("option", option, (count,), "options", self.options)
         gained, seen = readable("reward", reward, (count,)), readable("context", context, (count, self.features))
-        likely = readable("chance", self.chance[told] if chance is None else chance, (count,))
+        likely = readable("chance", self.chance[decided] if chance is None else chance, (count,))
         if count and (likely.min() <= 0.0 or likely.max() > 1.0):
             raise ValueError(f"chance: expected probabilities above 0, got {likely.min()}..{likely.max()}")
-        groups = self.group_of[told]
+        groups = self.group_of[decided]
         order = canonical_order(groups, chosen, gained, likely, seen)
         outcomes = Outcomes(groups[order], chosen[order], gained[order], seen[order], likely[order])
         self._update(outcomes)
 
     @final
     def reseed(self, rows: Ints, keys: Keys) -> None:
-        """Give `rows` (K,) new keys (K,); what was learned stays."""
+        """Give `rows` (K,) new `keys` (K,); learned arrays stay."""
         self.keys[rows] = keys
         self.counters[rows] = 0
         self.chance[rows] = 1.0
 
     @final
     def forget(self, groups: Ints) -> None:
-        """Let `groups` (K,) begin anew, with the expert's scores."""
+        """Reset the learned arrays of `groups` (K,) to their first state."""
         for name, first in self._first_state().items():
             getattr(self, name)[groups] = first[groups]
 
     @final
     def learned(self) -> Arrays:
-        """Return a copy of what was learned: named arrays (G, ...)."""
+        """Return copies of the learned arrays (G, ...), by name."""
         return {name: np.array(getattr(self, name)) for name in self.state_names}
 
     @final
     def load_learned(self, learned: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Take over what another strategy of the same class, parameters and problem `learned`.
+        """Copy the `learned` arrays of another strategy of the same class, parameters and problem.
 
-        What one group learned can be given to any number of groups, each of which then goes on for itself.
+        Arrays of one group are copied to every group; the groups then learn independently.
         """
         self._load(learned, self.state_names, spread=True)
 
     @final
     def state_dict(self) -> Arrays:
-        """Return a copy of everything that further decisions depend on: what was learned and the rows' randomness."""
+        """Return copies of all arrays on which decisions depend: the learned ones and the random state of rows."""
         return self.learned() | {name: np.array(getattr(self, name)) for name in ROW_STATE}
 
     @final
     def load_state(self, state: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Take over a state that `state_dict` of a strategy of the same class and sizes gave."""
+        """Copy a state that `state_dict` of a strategy of the same class and sizes returned."""
         self._load(state, (*self.state_names, *ROW_STATE), spread=False)
 
     def context_keys(self, context: Floats) -> str | Sequence[str]:
-        """Return under which name a store of knowledge keeps rewards in `context` (K, F): one for all, or (K,)."""
+        """Return the names under which a knowledge store keeps rewards in `context` (K, F): one for all, or (K,)."""
         return ""
 
     @final
     def recall(self, count: Ints, mean: Floats, variance: Floats) -> None:
-        """Begin with what a store of knowledge holds of each option, as if its rewards had just come, in all groups.
+        """Learn, in all groups, the rewards that a knowledge store holds of each option.
 
         Args:
             count: (O,) number of rewards of each option.
-            mean: (O,) their mean; any number where there is none.
-            variance: (O,) their mean squared deviation from it.
+            mean: (O,) their mean; any number where there is no reward.
+            variance: (O,) their mean squared deviation from the mean.
 
         Raises:
-            ValueError: numbers that do not fit, or a strategy that keeps no such estimates.
+            ValueError: numbers do not fit, or the strategy keeps no such estimates.
 
         """
         shape = (self.options,)
@@ -217,19 +216,18 @@ class DecisionStrategy(ABC):
         raise ValueError(f"strategy {type(self).__name__} keeps no count and mean of options that a store could give")
 
     def _prepare(self) -> None:  # noqa: B027  (a hook that may stay empty)
-        """Check and set up what follows from problem and parameters; called once, before `_first_state`."""
+        """Check the parameters and derive values from them; called once, before `_first_state`."""
 
     def _first_state(self) -> Arrays:
-        """Return what the strategy knows before any reward: named arrays (G, ...) that become attributes."""
+        """Return the state before any reward: arrays (G, ...) by name, which become attributes."""
         return {}
 
     @abstractmethod
     def _select(self, decisions: Decisions) -> Ints:
-        """Return the option (K,) of each decision; set `chance[decisions.rows]` if it was left to chance."""
+        """Return the option (K,) of each decision; set `chance[decisions.rows]` if the choice was random."""
 
-    @abstractmethod
-    def _update(self, outcomes: Outcomes) -> None:
-        """Move the state by what decisions brought."""
+    def _update(self, outcomes: Outcomes) -> None:  # noqa: B027  (not every strategy learns)
+        """Learn from the rewards of decisions; a strategy that does not learn leaves this out."""
 
     def _rows(self, rows: Ints | None) -> Ints:
         if rows is None:
@@ -262,4 +260,4 @@ class DecisionStrategy(ABC):
 
 
 ROW_STATE = ("keys", "counters", "chance")
-"""Names of the arrays (R,) that every strategy has besides what it learned."""
+"""Names of the arrays (R,) that every strategy has besides the learned ones."""

@@ -1,8 +1,8 @@
-"""Random numbers of decisions: a counter-based generator, so that a row draws alike alone and in a batch.
+"""Random numbers of decisions by a counter-based generator: a row draws the same numbers alone and in a batch.
 
-A row is a key and the number of its decision; what it draws is a function of both (Philox4x32-10; Salmon et al. 2011,
-doi:10.1145/2063384.2063405), with no state besides. Shapes of deviates are computed here too, one by one in compiled
-code, because array functions may round differently in batches of different sizes.
+The numbers are a function of the key of a row and the number of its decision (Philox4x32-10; Salmon et al. 2011,
+doi:10.1145/2063384.2063405). Compiled code computes the deviates of other distributions one by one, because array
+functions may round differently in batches of different sizes.
 """
 
 import numpy as np
@@ -73,7 +73,7 @@ def normals(draws: Floats, deviates: Floats) -> None:
 def student_t(draws: Floats, freedom: Floats, deviates: Floats) -> None:
     """Fill `deviates` (K, O) with Student's t of `freedom` (K, O) degrees from uniform `draws` (K, 2 O).
 
-    Polar method of Bailey (1994), doi:10.1090/S0025-5718-1994-1219702-8: two numbers in, one deviate out, none refused.
+    Polar method of Bailey (1994), doi:10.1090/S0025-5718-1994-1219702-8, without rejection: two numbers give a deviate.
     """
     for k in range(deviates.shape[0]):
         for o in range(deviates.shape[1]):

@@ -1,1 +1,1 @@
-"""The words of robot and mechanism documents, one model each."""
+"""Document models of the parts of robots and mechanism configurations."""

@@ -1,7 +1,7 @@
-"""The words in which YAML declares components: mechanisms, targets, sensors and actions.
+"""Document models of components: mechanisms, targets, sensors and actions.
 
-Their types are the names of registered classes, their parameters those of the constructors. What refers to a
-mechanism, a target or a piece of knowledge does so by its name in the document.
+Types are names of registered classes; parameters are those of their constructors. A component refers to a mechanism, a
+target or a piece of knowledge by the name that this has in the document.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ Component = TypeVar("Component")
 ClassOf: TypeAlias = type[Component]
 
 DEFAULT_BUFFER = "gradients"
-"""Name of the buffer that is meant where none is named."""
+"""Name of the buffer of components that name none."""
 
 
 class MechanismSpec(Closed):
@@ -29,35 +29,35 @@ class MechanismSpec(Closed):
     type: Name
     """Name of the mechanism's class."""
     buffer: Name = DEFAULT_BUFFER
-    """Name of the host's buffer that it looks into and spreads to."""
+    """Name of the host's buffer that the mechanism reads and spreads to."""
     hold: NonNegative = 0.0
-    """Of a movement mechanism: time for which a movement is kept before it is asked again [s]."""
+    """Time for which the vector of a movement mechanism is kept before the mechanism is asked again [s]."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Keyword arguments of the mechanism."""
 
 
 class TargetSpec(Closed):
-    """The gradient that a query chooses."""
+    """A query: how it chooses one gradient of a buffer."""
 
     rule: Literal[tuple(CHOICES)] = "nearest_attractive"  # type: ignore[valid-type]
-    """How one of those in view is chosen."""
+    """Rule by which one of the gradients in view is chosen."""
     buffer: Name = DEFAULT_BUFFER
     """Name of the host's buffer."""
     channels: tuple[Name, ...] = ()
-    """Channels to look at; all without any."""
+    """Channels to look at; empty: all channels."""
     static: Flag = True
     """Whether static gradients count."""
     moving: Flag = True
     """Whether moving gradients count."""
     view_distance: NonNegative | None = None
-    """How far beyond their reach gradients are seen [m]; as the buffer says unless given."""
+    """How far beyond their reach gradients are seen [m]; the setting of the buffer unless given."""
 
 
 class ComponentSpec(Closed, Generic[Component], extra="allow"):
-    """A component: the name of its class, and beside it the arguments of the constructor."""
+    """A component: the name of its class, and the arguments of the constructor as further keys."""
 
     registry: ClassVar[Registry[Any]]
-    """Where the class is found."""
+    """The registry of the class."""
 
     type: Name
     """Name of the class."""
@@ -66,11 +66,10 @@ class ComponentSpec(Closed, Generic[Component], extra="allow"):
     def _fits_its_class(self) -> Self:
         if self.type not in self.registry:
             raise ValueError(unknown(self.registry.kind, self.type, self.registry.names()))
-        model = self._form
         try:
-            model.model_validate(self.model_extra)
+            self._form.model_validate(self.model_extra)
         except ValidationError as error:
-            raise of_part(self.type, error, model) from error
+            raise of_part(self.type, error, self._form) from error
         return self
 
     @property
@@ -86,11 +85,11 @@ class ComponentSpec(Closed, Generic[Component], extra="allow"):
 
     @property
     def given(self) -> dict[str, Any]:
-        """What the document gives, as the keyword arguments of the class; references are names."""
+        """Keyword arguments of the class that the document gives; references are names."""
         return arguments_of(self._form.model_validate(self.model_extra))
 
     def references(self) -> Iterator[tuple[str, Reference, str]]:
-        """Yield parameter, what it refers to, and the name that it holds."""
+        """Yield each parameter that is a reference, the kind of reference, and the name in the document."""
         cls: Any = self.component
         given = self.given
         for parameter, reference in references_of(cls).items():

@@ -1,8 +1,8 @@
-"""The words in which YAML declares conditions, behaviours and goals.
+"""Document models of conditions, behaviours and goals.
 
-They are the names and parameters of the classes in `selforg.network`, so that a model reads the same in YAML and in
-Python. What has kinds names its kind by `type`; a condition without `type` is a plain `Condition`, and `optional: true`
-makes a precondition optional:
+Their keys are the parameters of the classes in `selforg.network`, so that a model reads the same in YAML and in Python.
+The key `type` names the class; a condition without `type` is a `Condition`. `optional: true` makes a precondition
+optional:
 
     preconditions:
       - {sensor: rep_bool, activator: {type: Boolean}}
@@ -32,50 +32,49 @@ class ActivatorSpec(ComponentSpec[Activator]):
         return self
 
     def build(self) -> Activator:
-        """Return the activator this declares; ValueError for parameters that do not go together."""
+        """Return the activator; ValueError for parameters that do not go together."""
         return self.component(**self.given)
 
 
-class ConditionSpec(Closed):
-    """A sensor's reading seen through an activator."""
+class _OptionalSpec(Closed):
+    """A condition, which is optional or mandatory as a precondition."""
+
+    optional: Flag = False
+    """Whether a precondition only adds its wishes, and counts neither for readiness nor for activation."""
+
+
+class ConditionSpec(_OptionalSpec):
+    """The reading of a sensor, rated by an activator."""
 
     type: Literal["Condition"] = "Condition"
     sensor: Name
     """Name of the sensor."""
     activator: ActivatorSpec
-    """How its reading becomes satisfaction and wish."""
-    optional: Flag = False
-    """As a precondition: adds its wish, but counts neither for readiness nor for activation."""
+    """The activator, which turns the reading into satisfaction and wish."""
 
 
-class NegationSpec(Closed):
+class NegationSpec(_OptionalSpec):
     """The opposite of a condition."""
 
     type: Literal["Negation"]
     of: "AnyCondition"
-    """The condition turned round."""
-    optional: Flag = False
-    """As a precondition: adds its wishes only."""
+    """The condition that is negated."""
 
 
-class ConjunctionSpec(Closed):
-    """All conditions together: the product of their satisfactions."""
+class ConjunctionSpec(_OptionalSpec):
+    """All of several conditions: the product of their satisfactions."""
 
     type: Literal["Conjunction"]
     of: Annotated[tuple["AnyCondition", ...], Field(min_length=1)]
     """The conditions."""
-    optional: Flag = False
-    """As a precondition: adds its wishes only."""
 
 
-class DisjunctionSpec(Closed):
+class DisjunctionSpec(_OptionalSpec):
     """One of several conditions: the largest of their satisfactions."""
 
     type: Literal["Disjunction"]
     of: Annotated[tuple["AnyCondition", ...], Field(min_length=1)]
     """The conditions."""
-    optional: Flag = False
-    """As a precondition: adds its wishes only."""
 
 
 def _kind(value: Any) -> Any:  # noqa: ANN401  (whatever YAML holds)
@@ -92,7 +91,7 @@ AnyCondition: TypeAlias = Annotated[
 
 
 class EffectSpec(Closed):
-    """What a behaviour is expected to do to a sensor."""
+    """The expected effect of a behaviour on a sensor."""
 
     sensor: Name
     """Name of the sensor."""
@@ -101,27 +100,27 @@ class EffectSpec(Closed):
 
 
 class BehaviourSpec(Closed):
-    """What a robot can do, when, and to what effect."""
+    """A behaviour: when it can run, and with what effects."""
 
     preconditions: tuple[AnyCondition, ...] = ()
-    """Ready while the product of the mandatory ones reaches `ready_threshold`."""
+    """Conditions; the behaviour is ready while the product of the mandatory ones reaches `ready_threshold`."""
     effects: tuple[EffectSpec, ...] = ()
     """Expected changes of sensors."""
     ready_threshold: Share = 0.8
     """Satisfaction from which the behaviour can start [-]."""
     priority: Annotated[int, Field(strict=True)] = 0
-    """Who stays when two influence the same sensor [-]."""
+    """Priority over other behaviours that influence the same sensor [-]."""
     interruptable: Flag = True
-    """Whether it may be stopped before it ends itself."""
+    """Whether the behaviour may be stopped before it ends by itself."""
     timeout: Annotated[int, Field(strict=True, ge=0)] | None = None
-    """Steps after which it is stopped [steps]; none by default."""
+    """Steps after which the behaviour is stopped [steps]; no limit by default."""
     cost: Positive = 1.0
-    """Cost for the planner [-]."""
+    """Cost of the behaviour in a plan [-]."""
     planner_independent: Flag = False
-    """Whether it is left out of planning."""
+    """Whether the planner leaves the behaviour out."""
 
     def build(self, name: str) -> behaviours.Behaviour:
-        """Return the behaviour this declares."""
+        """Return the behaviour under a name."""
         return behaviours.Behaviour(
             name,
             tuple(precondition(spec) for spec in self.preconditions),
@@ -136,36 +135,36 @@ class BehaviourSpec(Closed):
 
 
 class GoalSpec(Closed):
-    """What a robot wants."""
+    """A goal of a robot."""
 
     conditions: Annotated[tuple[AnyCondition, ...], Field(min_length=1)]
-    """All of them shall hold."""
+    """Conditions, all of which shall hold."""
     priority: Annotated[int, Field(strict=True)] = 0
     """Goals of lower priority are given up first [-]."""
     permanent: Flag = True
-    """Whether it stays on when it is satisfied."""
+    """Whether the goal stays enabled when it is satisfied."""
 
     def build(self, name: str) -> behaviours.Goal:
-        """Return the goal this declares."""
+        """Return the goal under a name."""
         trees = tuple(tree_of(spec) for spec in self.conditions)
         return behaviours.Goal(name, trees, priority=self.priority, permanent=self.permanent)
 
 
 def tree_of(spec: AnyCondition) -> conditions.Tree:
-    """Return the condition that a specification declares."""
+    """Return the condition of a specification."""
     match spec:
         case ConditionSpec():
             return conditions.Condition(spec.sensor, spec.activator.build())
         case NegationSpec():
             return conditions.Negation(tree_of(spec.of))
         case ConjunctionSpec():
-            return conditions.Conjunction(*(tree_of(part) for part in spec.of))
+            return conditions.Conjunction(*map(tree_of, spec.of))
         case DisjunctionSpec():
-            return conditions.Disjunction(*(tree_of(part) for part in spec.of))
+            return conditions.Disjunction(*map(tree_of, spec.of))
 
 
 def precondition(spec: AnyCondition) -> conditions.Tree | conditions.Optional:
-    """Return the precondition that a specification declares."""
+    """Return the precondition of a specification."""
     return conditions.Optional(tree_of(spec)) if spec.optional else tree_of(spec)
 
 

@@ -1,4 +1,4 @@
-"""The words in which YAML declares how a network decides: names and defaults of `NetworkSettings`."""
+"""Document model of `NetworkSettings`: how a network decides."""
 
 from typing import Annotated, Literal
 
@@ -9,7 +9,7 @@ from selforg.network.model.behaviours import NetworkSettings, Weights
 
 
 class WeightsSpec(Closed):
-    """How much each term counts in the activation of a behaviour."""
+    """Weight of each term of the activation of a behaviour."""
 
     situation: Number = 1.0
     """Satisfaction of its own preconditions [-]."""
@@ -26,16 +26,16 @@ class WeightsSpec(Closed):
 
 
 class SettingsSpec(Closed):
-    """How a network decides; the meaning of each is that of `NetworkSettings`."""
+    """How a network decides; `NetworkSettings` explains each field."""
 
     algorithm: Literal["default", "uniform"] = "default"
     """Products of effect and wish, or their Euclidean length."""
     weights: WeightsSpec = WeightsSpec()
-    """Weights of the terms."""
+    """Weights of the terms of the activation."""
     activation_decay: Share = 0.9
-    """Share of activation kept from step to step [-]."""
+    """Share of the activation that is kept from step to step [-]."""
     activation_threshold: Number = 7.0
-    """Threshold at the start [-]."""
+    """Threshold of the activation at the start [-]."""
     threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8
     """Factor on the threshold while nothing runs [-]."""
     max_parallel: Annotated[int, Field(strict=True, ge=1)] | None = None
@@ -46,6 +46,6 @@ class SettingsSpec(Closed):
     """Whether a step of the plan is passed only when its effects were seen."""
 
     def build(self) -> NetworkSettings:
-        """Return the settings this declares."""
-        plain = {name: getattr(self, name) for name in SettingsSpec.model_fields if name != "weights"}
-        return NetworkSettings(**plain, weights=Weights(**self.weights.model_dump()))
+        """Return the settings that the document declares."""
+        given = {name: getattr(self, name) for name in SettingsSpec.model_fields}  # subclasses may have further fields
+        return NetworkSettings(**given | {"weights": Weights(**dict(self.weights))})

@@ -1,4 +1,4 @@
-"""Self-organisation inside a behaviour network: sensors over mechanisms, and behaviours that let mechanisms act."""
+"""Components of behaviour networks: sensors that read mechanisms, and actions that carry out mechanisms."""
 
 from selforg.components.actions import ACTIONS as ACTIONS
 from selforg.components.actions import Act as Act

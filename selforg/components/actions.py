@@ -1,4 +1,4 @@
-"""Actions: what robots do while a behaviour of their network runs."""
+"""Actions, which robots carry out while a behaviour of their network runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from selforg.parameters import Finite
 from selforg.registry import Registry
 
 Call: TypeAlias = Callable[[float, Ints], None]
-"""A function of the host, which is told the time [s] and the rows (K,)."""
+"""A function of the host, which gets the time [s] and the rows (K,)."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Commands:
     """The movement commands of all robots in one tick.
 
     Attributes:
-        vectors: (N, D) [m/s] where to move and how fast; of a robot that turns, only the direction counts.
+        vectors: (N, D) [m/s] direction and speed; for a robot that turns in place, only the direction counts.
         commanded: (N,) whether there is a command.
-        in_place: (N,) whether it is to turn without moving.
+        in_place: (N,) whether the robot turns without moving.
 
     """
 
@@ -45,29 +45,29 @@ class Commands:
 
 
 class Action(ABC):
-    """Blueprint of what a behaviour does: `act` is called in each step for the rows in which it runs.
+    """Base class of actions: `act` is called in each step for the rows in which the behaviour runs.
 
-    Subclasses implement `_act`, name the `sources` they look at, and may leave something behind in `_leave`, called
-    when all movements of the tick are known. A registered one can be declared in documents, as a `SensorComponent`;
-    a parameter that is a `Call` stands there as the name of a function that the host offers.
+    Subclasses implement `_act` and name the `sources` that they read. `_leave` may spread or deposit gradients; it is
+    called when all movements of the tick are known. Documents can declare registered actions as they do a
+    `SensorComponent`; for a parameter of type `Call` they give the name of a function of the host.
     """
 
     sources: Sequence[Source] = ()
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class; None stands for one that they supply."""
+        """Return arguments with which the contract tests build the class; the tests replace None."""
         return {}
 
     @final
     def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Act in `rows` (K,), of which `started` were started in this step; movements go into `commands`."""
+        """Act in `rows` (K,); the behaviour was started in this step in `started`; movements go into `commands`."""
         if len(rows):
             self._act(now, rows, started, commands)
 
     @final
     def leave(self, now: float, rows: Ints) -> None:
-        """Spread and deposit in `rows` (K,), at `now` [s], what others perceive from the next tick on."""
+        """Spread and deposit gradients in `rows` (K,) at `now` [s]; others perceive them from the next tick on."""
         if len(rows):
             self._leave(now, rows)
 
@@ -76,7 +76,7 @@ class Action(ABC):
         """Act in at least one row."""
 
     def _leave(self, now: float, rows: Ints) -> None:  # noqa: B027  (most actions leave nothing)
-        """Spread or deposit something in at least one row."""
+        """Spread or deposit gradients in at least one row."""
 
 
 ACTIONS: Registry[Action] = Registry("action")
@@ -84,7 +84,7 @@ ACTIONS: Registry[Action] = Registry("action")
 
 @ACTIONS.register
 class Act(Action):
-    """Calls a function of the host with the time and the rows in which the behaviour was started."""
+    """Call a function of the host with the time and the rows in which the behaviour was started."""
 
     def __init__(self, call: Call) -> None:
         self._call = call
@@ -96,7 +96,7 @@ class Act(Action):
 
 @ACTIONS.register
 class Move(Action):
-    """The movement vector becomes the command; a depositing mechanism deposits."""
+    """Command the movement vector of a mechanism; a depositing mechanism also deposits."""
 
     def __init__(self, mechanism: MovementSource) -> None:
         self.source = mechanism
@@ -116,7 +116,7 @@ class Move(Action):
 def command_movements(
     rows: Ints, vectors: Floats, active: Flags, to_vectors: Floats, commanded: Flags, in_place: Flags
 ) -> None:
-    """Command `rows` (K,) to move by their `vectors` (N, D) where there is one, `active` (N,)."""
+    """Command `rows` (K,) to move by their `vectors` (N, D) where `active` (N,)."""
     for row in rows:
         for axis in range(vectors.shape[1]):
             to_vectors[row, axis] = vectors[row, axis]
@@ -126,7 +126,7 @@ def command_movements(
 
 @ACTIONS.register
 class Turn(Action):
-    """Turn without moving: towards a target, or where a mechanism would go."""
+    """Turn without moving, towards a target or in the direction of a movement vector."""
 
     def __init__(self, mechanism: MovementSource | None = None, target: GoalSource | None = None) -> None:
         source = mechanism or target
@@ -137,7 +137,7 @@ class Turn(Action):
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return one of both."""
+        """Return one of both arguments."""
         return {"target": None}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
@@ -152,13 +152,13 @@ class Turn(Action):
 
 @ACTIONS.register
 class Decide(Action):
-    """Decide, keep it and spread it, in every step."""
+    """Make, keep and spread a decision in every step."""
 
     def __init__(self, mechanism: DecisionMechanism) -> None:
         self.mechanism = mechanism
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Do nothing yet: the decision is spread when all movements are known."""
+        """Do nothing; `_leave` spreads the decision when all movements are known."""
 
     def _leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)
@@ -166,7 +166,7 @@ class Decide(Action):
 
 @ACTIONS.register
 class DecideState(Decide):
-    """Decide and spread; the state, as its number in the mechanism's `states`, is remembered under a name."""
+    """Decide and spread, and remember the state under a name, as its index in the `states` of the mechanism."""
 
     def __init__(self, mechanism: DecisionMechanism, name: Remembered) -> None:
         super().__init__(mechanism)
@@ -181,13 +181,13 @@ class DecideState(Decide):
 
 @ACTIONS.register
 class Spread(Action):
-    """Spread a configured gradient from the own pose, in every step."""
+    """Spread a configured gradient at the own pose in every step."""
 
     def __init__(self, mechanism: SpreadGradient) -> None:
         self.mechanism = mechanism
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Do nothing yet: the gradient is spread when all movements are known."""
+        """Do nothing; `_leave` spreads the gradient when all movements are known."""
 
     def _leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)
@@ -195,15 +195,15 @@ class Spread(Action):
 
 @ACTIONS.register
 class SetState(Action):
-    """When the behaviour starts, the robot remembers a value under a name."""
+    """Remember a value under a name when the behaviour starts."""
 
     def __init__(self, name: Remembered, value: bool | Finite) -> None:
-        name.write([], value)  # the value must fit
+        name.write([], value)  # an error if the value is of another kind
         self._remembered, self._value = name, value
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return a value that a fact or a number can have."""
+        """Return a value that fits a fact and a number."""
         return {"value": True}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:

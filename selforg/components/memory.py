@@ -1,4 +1,4 @@
-"""What robots remember: named values of each robot, written by behaviours and read by sensors."""
+"""Memory of robots: named values of each robot, which behaviours write and sensors read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from selforg.network.step.readings import reading_of
 
 
 class RobotMemory:
-    """Values of N robots by name; each is a fact (1 or 0) or a number, with the value that it has at first.
+    """Values of N robots by name, with their first values; a value is a fact (1 or 0) or a number.
 
     >>> memory = RobotMemory(2, {"home": True, "charge": 0.5})
     >>> memory["charge"].write([1], 0.25)
@@ -30,26 +30,26 @@ class RobotMemory:
         return {name: remembered.kind for name, remembered in self._remembered.items()}
 
     def __getitem__(self, name: str) -> Remembered:
-        """Return what robots remember under a name; an unknown name raises ValueError."""
+        """Return the values under a name; an unknown name raises ValueError."""
         if name not in self._remembered:
             raise ValueError(f"knowledge: unknown name {name!r} (known: {', '.join(self._remembered)})")
         return self._remembered[name]
 
     def reset(self, rows: npt.ArrayLike) -> None:
-        """Give `rows` (K,) all their first values again."""
+        """Reset all values of `rows` (K,) to the first ones."""
         for remembered in self._remembered.values():
             remembered.reset(rows)
 
 
 class Remembered:
-    """What N robots remember under one name.
+    """The values of N robots under one name.
 
     Attributes:
-        kind: whether it is a fact or a number.
-        values: (N,) now; facts are 1 or 0.
+        kind: whether the values are facts or numbers.
+        values: (N,) present values; facts are 1 or 0.
 
     Raises:
-        ReadingError: a first value that is neither True or False nor a number.
+        ReadingError: the first value is neither True or False nor a number.
 
     """
 
@@ -60,7 +60,7 @@ class Remembered:
         self.values: Floats = np.full(rows, self._first)
 
     def write(self, rows: npt.ArrayLike, value: npt.ArrayLike) -> None:
-        """Set what `rows` (K,) remember: one value or (K,); ValueError for a value of another kind."""
+        """Set the values of `rows` (K,) to one value or to (K,) values; ValueError for a value of another kind."""
         given = np.asarray(value, dtype=np.float64)
         if self.kind == "fact" and not np.isin(given, (0.0, 1.0)).all():
             raise ValueError(f"knowledge {self.name!r} is a fact: expected True or False, got {value!r}")
@@ -69,5 +69,5 @@ class Remembered:
         self.values[np.asarray(rows, dtype=np.int64)] = given
 
     def reset(self, rows: npt.ArrayLike) -> None:
-        """Give `rows` (K,) their first value again."""
+        """Reset the values of `rows` (K,) to the first one."""
         self.values[np.asarray(rows, dtype=np.int64)] = self._first

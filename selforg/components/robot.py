@@ -1,4 +1,4 @@
-"""Robots whose network senses and acts through components: a whole tick in one call, or its parts one by one."""
+"""Robots whose network senses and acts through components, with a method for a tick and one for each part of it."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ Actions = Mapping[str, Action | Sequence[Action]]
 
 
 class OrganisedRobots:
-    """N robots with one network; each sensor reads through a component, each behaviour acts through some or none.
+    """N robots with one network; a sensor may read through a component, a behaviour may act through components.
 
-    What only actions look at is asked of the rows that act, and of no others.
+    Sources that only actions read are asked only for the rows that act.
 
     Args:
         network: of the robots.
-        sensors: by name; readings of the others are the host's, which writes them into `network.readings`.
+        sensors: components by name; the host writes the other readings into `network.readings`.
         actions: one or several by behaviour.
         dim: dimensions of the space, D.
 
     Raises:
-        ValueError: a component for a sensor or behaviour that the model lacks, or of another kind than its sensor.
+        ValueError: the model lacks a sensor or behaviour, or a sensor has another kind than its component.
 
     """
 
@@ -83,7 +83,7 @@ class OrganisedRobots:
             show(rows, readings, *self._shown)
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write all readings from now on also into `readings` (N, T): those of sensor k into column columns[k]."""
+        """Write all later readings also into `readings` (N, T), those of sensor k into column columns[k]."""
         for vectors in self._vector_readings:
             vectors.show_in(readings, columns[vectors.columns])
         others: Ints = np.array([column for column, _ in self._others], dtype=np.int64)
@@ -102,14 +102,14 @@ class OrganisedRobots:
             self._acted.append((action, acting))
 
     def leave(self, now: float) -> None:
-        """Spread and deposit, at `now` [s], in the rows that acted last; call it once all movements are known."""
+        """Spread and deposit gradients at `now` [s] in the rows that acted; call it when all movements are known."""
         for action, acting in self._acted:
             action.leave(now, acting)
         self._acted = []
 
 
 def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | Action]) -> list[Source]:
-    """Return the sources of all components that are not `known`, in order, no source twice."""
+    """Return the sources of all components, without those `known`, in order and each once."""
     found: list[Source] = []
     for component in components:
         found += [source for source in component.sources if not any(source is one for one in (*known, *found))]
@@ -117,7 +117,7 @@ def _each_once(known: Sequence[Source], components: Sequence[SensorComponent | A
 
 
 def _by_source(sensors: Sequence[tuple[int, SensorComponent]], readings: Floats) -> list[VectorReadings]:
-    """Return what writes the vector sensors among `sensors`, those of one source together."""
+    """Return writers for the vector sensors among `sensors`, one for each source."""
     found: dict[int, tuple[MovementSource, dict[int, float]]] = {}
     for column, component in sensors:
         if isinstance(component, VectorSensor):

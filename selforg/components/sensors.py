@@ -1,4 +1,4 @@
-"""Sensor components: how a source or what a robot remembers becomes a reading of a behaviour network."""
+"""Sensor components, which make readings of a behaviour network from sources and from the memory of robots."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from selforg.registry import Registry
 
 
 class SensorComponent(ABC):
-    """Blueprint of a sensor: `read` is called once a tick, after the sources were asked.
+    """Base class of sensors: `read` is called once in a tick, after the sources were asked.
 
-    Subclasses state their `kind`, name their `sources` and implement `_read`. A registered one can be declared in
-    documents: its keys are the parameters of the constructor. A parameter that is a `MovementSource`, a
-    `DecisionSource`, a mechanism, a `GoalSource` or a `Remembered` stands there as the name of a mechanism, a target
-    or a piece of knowledge.
+    Subclasses state their `kind`, name their `sources` and implement `_read`. Documents can declare registered sensors;
+    the keys are the parameters of the constructor. For a parameter of type `MovementSource`, `DecisionSource`,
+    `GoalSource`, `Remembered` or of a mechanism, a document gives the name of a mechanism, a target or a piece of
+    knowledge.
 
     Example:
         >>> @SENSORS.register
@@ -40,12 +40,12 @@ class SensorComponent(ABC):
 
     kind: SensorKind = "number"
     kind_of: ClassVar[str | None] = None
-    """Parameter (a `Remembered`) whose kind the sensor has; None: its own `kind`."""
+    """Name of the parameter (a `Remembered`) that decides the kind of the sensor; None: `kind` does."""
     sources: Sequence[Source] = ()
 
     @classmethod
     def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class; None stands for one that they supply."""
+        """Return arguments with which the contract tests build the class; the tests replace None."""
         return {}
 
     @final
@@ -55,17 +55,17 @@ class SensorComponent(ABC):
 
     @abstractmethod
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
-        """Return what `rows` (K,) sense: bool or number (K,)."""
+        """Return the readings (K,) of `rows` (K,) as bool or number."""
 
 
 SENSORS: Registry[SensorComponent] = Registry("sensor")
 
 
 class VectorSensor(SensorComponent):
-    """What the sensors over a movement vector share: they are read by a kernel."""
+    """Base class of sensors of a movement vector, which a kernel reads."""
 
     longest_absent = -1.0
-    """Length [m/s] that still counts as none, for a fact; negative for a number."""
+    """Largest length [m/s] that counts as no vector, for a fact; negative for a number."""
 
     def __init__(self, mechanism: MovementSource) -> None:
         self.source = mechanism
@@ -80,7 +80,7 @@ class VectorSensor(SensorComponent):
 
 @SENSORS.register
 class VectorPresent(VectorSensor):
-    """A fact: there is a movement vector, longer than `longer_than` [m/s] (so a zero vector is none)."""
+    """A fact: there is a movement vector longer than `longer_than` [m/s]; a zero vector does not count."""
 
     kind = "fact"
 
@@ -97,7 +97,7 @@ class VectorLength(VectorSensor):
 
 
 class GoalSensor(SensorComponent):
-    """What the sensors over a goal gradient share."""
+    """Base class of sensors of a goal gradient."""
 
     def __init__(self, target: GoalSource) -> None:
         self.source = target
@@ -116,7 +116,7 @@ class GoalPresent(GoalSensor):
 
 @SENSORS.register
 class GoalReached(GoalSensor):
-    """A fact: the own goal area touches the goal's."""
+    """A fact: the own goal area touches that of the goal."""
 
     kind = "fact"
 
@@ -126,7 +126,7 @@ class GoalReached(GoalSensor):
 
 @SENSORS.register
 class GoalDistance(GoalSensor):
-    """Clearance to the goal [m], at least 0; `unseen` [m] where there is none in view."""
+    """Clearance to the goal [m], at least 0; `unseen` [m] without a goal in view."""
 
     def __init__(self, target: GoalSource, unseen: AtLeastZero) -> None:
         if not (unseen >= 0.0 and np.isfinite(unseen)):
@@ -145,7 +145,7 @@ class GoalDistance(GoalSensor):
 
 @SENSORS.register
 class FartherThan(GoalSensor):
-    """A fact: a goal is in view, its clearance larger than `distance` [m]."""
+    """A fact: a goal is in view with a clearance larger than `distance` [m]."""
 
     kind = "fact"
 
@@ -163,7 +163,7 @@ class FartherThan(GoalSensor):
 
 
 class DecisionSensor(SensorComponent):
-    """What the sensors over a decision share."""
+    """Base class of sensors of a decision."""
 
     def __init__(self, mechanism: DecisionSource) -> None:
         self.source = mechanism
@@ -203,7 +203,7 @@ class StateIs(DecisionSensor):
 
 @SENSORS.register
 class Changed(DecisionSensor):
-    """A fact: a decision mechanism would decide something else now than what it has spread last."""
+    """A fact: a decision mechanism would now decide something else than it has spread last."""
 
     kind = "fact"
 
@@ -213,7 +213,7 @@ class Changed(DecisionSensor):
 
 @SENSORS.register
 class Known(SensorComponent):
-    """What the robot remembers under a name."""
+    """The value that the robot remembers under a name."""
 
     kind_of = "name"
 

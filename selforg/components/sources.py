@@ -1,4 +1,4 @@
-"""Sources: each asks one mechanism or query once a tick, for all sensors and actions that use the answer."""
+"""Sources, each of which asks one mechanism or query once in a tick, for all sensors and actions that read it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from selforg.mechanisms.decision_base import DecisionMechanism
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6
-"""Sums of control periods miss a whole second by less than this [s]."""
+"""Tolerance of times, because sums of control periods are rounded [s]."""
 
 
 class Source(ABC):
-    """Blueprint of a source: it is asked once a tick, before sensors read; its answers hold until the next tick."""
+    """Base class of sources, which are asked once in a tick before sensors read; answers are valid until the next."""
 
     @final
     def ask(self, now: float, rows: Ints) -> None:
@@ -36,9 +36,9 @@ class Source(ABC):
 class MovementSource(Source):
     """Answers of a movement mechanism.
 
-    hold: time for which its answer is kept before it is asked again [s].
-    vectors: (N, D) [m/s] movement, zero where there is none.
-    active: (N,) whether there is one.
+    hold: time for which an answer is kept before the mechanism is asked again [s].
+    vectors: (N, D) [m/s] movement; zero without one.
+    active: (N,) whether there is a movement.
     """
 
     def __init__(self, mechanism: MovementMechanism, hold: float = 0.0) -> None:
@@ -48,7 +48,7 @@ class MovementSource(Source):
         rows, dim = mechanism.poses.rows, mechanism.poses.space.dim
         self.vectors: Floats = np.zeros((rows, dim))
         self.active: Flags = np.zeros(rows, dtype=np.bool_)
-        self._asked: Floats = np.full(rows, -np.inf)  # when [s]
+        self._asked: Floats = np.full(rows, -np.inf)  # time of the last question [s]
 
     def forget(self, rows: Ints) -> None:
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
@@ -66,9 +66,9 @@ class MovementSource(Source):
 class GoalSource(Source):
     """The gradient that a query chooses, by default the nearest attractive one.
 
-    offsets: (N, D) [m] from the own centre to the goal's, zero where there is none.
-    clearance: (N,) [m] centre distance less both goal radii, 0 where there is none.
-    present: (N,) whether there is one.
+    offsets: (N, D) [m] from the own centre to the centre of the goal; zero without a goal.
+    clearance: (N,) [m] distance of the centres minus both goal radii; 0 without a goal.
+    present: (N,) whether there is a goal.
     """
 
     def __init__(self, buffer: SoBuffer, rule: str = "nearest_attractive", look: Filter = EVERYTHING_IN_VIEW) -> None:
@@ -88,10 +88,10 @@ class GoalSource(Source):
 
 
 class DecisionSource(Source):
-    """What a decision mechanism would decide now; it is kept and spread only by a behaviour.
+    """The decision that a mechanism would make now; only an action makes the mechanism keep and spread it.
 
-    values: (N,) [-]; states: (N,) codes of the mechanism's `states`.
-    differs: (N,) whether that is something else than the value and state that the mechanism holds.
+    values: (N,) [-]; states: (N,) indices into the `states` of the mechanism.
+    differs: (N,) whether value or state differ from those that the mechanism holds.
     """
 
     def __init__(self, mechanism: DecisionMechanism) -> None:

@@ -1,4 +1,4 @@
-"""Readings of the sensors over movement vectors, written for all rows in one compiled call."""
+"""Readings of the sensors of movement vectors, written for all rows in one compiled call."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ReadingTables(NamedTuple):
     longest_absent: Annotated[Floats, "C"]  # of each sensor [m/s]
     readings: Annotated[Floats, "N S"]  # of the network that has the sensors
     columns: Annotated[Ints, "C"]  # column of each sensor in `readings`
-    other_readings: Annotated[Floats, "N T"]  # of a network that is shown them too
+    other_readings: Annotated[Floats, "N T"]  # of a network that gets the readings too
     other_columns: Annotated[Ints, "C"]
 
 
@@ -30,11 +30,11 @@ open_tables = READING_TABLES.open
 
 
 class VectorReadings:
-    """Writes what the vector sensors over one source read, all in one call.
+    """Writes the readings of all vector sensors of one source in one call.
 
     Args:
-        source: theirs.
-        longest_absent: of each column of the readings that it writes, the length that still counts as none [m/s].
+        source: source of the vectors.
+        longest_absent: column of `readings` -> largest length that counts as no vector [m/s].
         readings: (N, S) of the network that has the sensors.
 
     """
@@ -46,7 +46,7 @@ class VectorReadings:
         self.show_in(readings, self.columns)
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
-        """Write them into `columns` (C,) of other `readings` (N, T) too."""
+        """Write later readings also into `columns` (C,) of other `readings` (N, T)."""
         source = self._source
         self._tables = READING_TABLES.pack(
             ReadingTables(source.vectors, source.active, self._longest, self._readings, self.columns, readings, columns)
@@ -59,9 +59,9 @@ class VectorReadings:
 
 @lean_kernel
 def read_vectors(rows: Ints, tables: Words[ReadingTables]) -> None:
-    """Write of `rows` (K,) the length of the vector, 0 without one.
+    """Write the readings of `rows` (K,): the length of the vector, 0 without one.
 
-    From a longest absent >= 0 on: 1 where it is longer than that, else 0.
+    A sensor with `longest_absent` >= 0 reads 1 where the length is larger than that, else 0.
     """
     t = open_tables(tables)
     for row in rows:

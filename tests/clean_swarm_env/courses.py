@@ -1,4 +1,4 @@
-"""What the tests of worlds and environment share: missions, worlds at their start, and the course they take."""
+"""Helpers of the tests of worlds and environment: missions, worlds at their start, and their courses."""
 
 import os
 
@@ -27,7 +27,7 @@ def mission(name: str = "table1", **changes) -> MissionConfig:
 
 CROWD = mission(world={"width": 4.0, "height": 4.0}, robots={"count": 8}, garbage={"count": 2},
                 stations={"recycling": [1.0, 1.0], "dump": [3.0, 3.0]})  # fmt: skip
-"""Solid robots that cannot help touching."""
+"""Return a mission of solid robots so crowded that they touch."""
 
 
 def avoidance() -> CoordinatorModel:
@@ -48,7 +48,7 @@ def begin(worlds: Worlds, world: int, seed: int) -> None:
 
 
 def snapshot(worlds: Worlds, world: int) -> dict[str, np.ndarray]:
-    """Return copies of all that a world is, its robots' minds included, by name."""
+    """Return copies of all arrays of a world, those of its minds included, by name."""
     rows, garbage, network = worlds.rows_of(world), worlds.garbage, worlds.network
     parts = {
         "positions": worlds.physics.positions[rows],
@@ -80,7 +80,7 @@ def course(worlds: Worlds, world: int, ticks: int) -> list[dict[str, np.ndarray]
 
 
 def difference(first: list[dict[str, np.ndarray]], second: list[dict[str, np.ndarray]]) -> str:
-    """Return where two courses differ in any bit for the first time; empty if nowhere."""
+    """Return the first place at which two courses differ in any bit; empty if there is none."""
     if len(first) != len(second):
         return f"{len(first)} and {len(second)} steps"
     for step, (one, other) in enumerate(zip(first, second, strict=True)):

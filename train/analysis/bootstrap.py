@@ -1,6 +1,6 @@
-"""The bootstrap: resample figures and take percentile intervals (`scipy.stats.bootstrap`).
+"""The bootstrap: resampled figures and their percentile intervals (`scipy.stats.bootstrap`).
 
-Equal data have equal intervals, because the generator of each call begins with the same seed.
+Equal data give equal intervals, because every call seeds its generator with the same number.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,7 +12,7 @@ from selforg.arrays import Floats, Ints
 
 BOOTSTRAP_SEED = 2017
 BATCH = 500
-"""Resamples drawn at a time, which bounds the memory to BATCH numbers for each number of the data."""
+"""Resamples drawn at a time; bounds the memory to BATCH numbers for each number of the data."""
 
 Interval = tuple[float, float]
 
@@ -23,10 +23,10 @@ def resampled(
     """Return `statistic` for B samples drawn with replacement, (B,), or (V, B) if the statistic has V values.
 
     Args:
-        samples: arrays of at least two numbers each, drawn from together if they are `paired`, else each by itself.
-        statistic: vectorised, as `scipy.stats.bootstrap` calls it: the samples, and the axis of their numbers.
+        samples: arrays of at least two numbers each.
+        statistic: vectorised function of the samples and of the axis of their numbers.
         resamples: B.
-        paired: whether the samples have to be drawn together.
+        paired: whether one draw of indices serves all samples.
 
     """
     found = scipy.stats.bootstrap(
@@ -44,7 +44,7 @@ def resampled(
 
 
 def interval(values: Floats) -> Interval | None:
-    """Return the 95 % percentile interval of resampled `values` (B,); None without any, or if it is not finite."""
+    """Return the 95 % percentile interval of resampled `values` (B,); None without values, or if it is not finite."""
     if not len(values):
         return None
     with np.errstate(invalid="ignore"):  # between two infinite values

@@ -1,4 +1,4 @@
-"""The results on a family, computed once: the content of `summary.json` and the source of the tables.
+"""The report of an evaluation on a family: the content of `summary.json` and the figures of the tables.
 
 Shapes: S members of a strategy (one for each seed of its training), K scenarios.
 """
@@ -34,7 +34,7 @@ class FamilyRuns:
     fixed: tuple[str, ...]
     """Labels of the strategies that are one option each."""
     records: Sequence[RunRecord]
-    """All runs in the directory; runs of strategies that are not compared may be among them."""
+    """All runs in the directory, also those of strategies that are not compared."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Compare our figures with figures that another implementation measured on the same start configurations.
+"""Comparison of our figures with figures that another implementation measured on the same start configurations.
 
 Only the scenarios that have the figure on both sides count. Means agree when 1 lies in the interval of their ratio
 (scenarios drawn in pairs); ratios between two conditions agree when their two intervals meet.
@@ -72,7 +72,7 @@ def compare_with_measured(
 
 
 Values = dict[tuple[str, str], tuple[Floats, Flags]]
-"""Condition and metric -> measured values (K,) and the mask (K,) of those that exist."""
+"""Condition and metric -> measured values (K,), and whether each of them exists (K,)."""
 
 
 def _measured_values(

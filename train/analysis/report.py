@@ -1,4 +1,4 @@
-"""The results of an experiment, computed once: the content of `summary.json` and the source of tables and figure."""
+"""The report of an experiment: the content of `summary.json`, and the figures of the tables and the picture."""
 
 import itertools
 import json
@@ -44,13 +44,13 @@ class Report:
     reference: ReferenceComparison
     measured: Measured
     own_starts: bool
-    """Whether the scenarios are the experiment's own, so that figures published for them stand beside each."""
+    """Whether the scenarios are those of the experiment, for each of which figures may have been published."""
 
 
 def report_of(
     experiment: ExperimentConfig, seed: int, records: Sequence[RunRecord], measured: Measured, *, own_starts: bool
 ) -> Report:
-    """Compute everything from the records of all runs; `measured` figures may be missing in part or whole."""
+    """Return the report on the records of all runs; `measured` figures may be missing."""
     conditions = [condition.name for condition in experiment.conditions]
     distances = experiment.mission.collision_distances
     figures = figures_of(records, conditions, [start.id for start in experiment.starts], distances)
@@ -69,7 +69,7 @@ def report_of(
 
 
 def summary_json(report: Report) -> str:
-    """Return the content of `summary.json`; a figure that does not exist is null."""
+    """Return the content of `summary.json`; a missing figure is null."""
     figures = report.figures
     content: dict[str, Any] = {
         "experiment": report.experiment.name,

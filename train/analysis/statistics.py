@@ -1,8 +1,8 @@
 """Means, spreads and ratios of the figures of an experiment, with their 95 % intervals.
 
 Shapes: C conditions, K scenarios. `std` is the population's (as in the paper's Table 1). `ci95` of a mean is Student's
-interval, which holds its level with the paper's five scenarios better than a bootstrap would. A ratio is one of means;
-its interval is a percentile bootstrap that draws scenarios, so that both means always come from the same ones.
+interval, whose level is more exact than that of a bootstrap for the five scenarios of the paper. A ratio is a ratio of
+means; its interval is a percentile bootstrap that draws scenarios, the same ones for both means.
 """
 
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class Ratio:
-    """Ratio of two means, None if the denominator is zero; its interval, None if it is not finite."""
+    """Ratio of two means (None if the denominator is zero) and its interval (None if it is not finite)."""
 
     ratio: float | None
     ci95: Interval | None

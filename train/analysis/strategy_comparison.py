@@ -1,10 +1,10 @@
-"""Compare strategies on one family: costs over scenarios and training seeds, and how they lie between two yardsticks.
+"""Comparison of strategies on one family: costs over scenarios and training seeds, between two yardsticks.
 
 The yardsticks are the single best fixed option (that of the lowest mean cost on these very scenarios) and the oracle:
 the best fixed option of each scenario. The share of the gap between them that a strategy closes is
-(best fixed - strategy) / (best fixed - oracle) of mean costs; above 1 it is better than any choice of one option for
-each scenario. Ratios are of means; intervals are bootstraps of 95 % that draw scenarios, the same for both sides, and
-training seeds where there are several.
+(best fixed - strategy) / (best fixed - oracle) of mean costs; above 1 the strategy is better than every choice of one
+option for each scenario. Ratios are of means; intervals are bootstraps of 95 % that draw scenarios, the same for both
+sides, and training seeds if there are several.
 
 Shapes: S training seeds, K scenarios, O fixed options, B resamples.
 """
@@ -22,9 +22,9 @@ from train.analysis.bootstrap import Interval, interval, resampled
 COMPARISON_RESAMPLES = 5_000
 """Bootstrap resamples of a comparison."""
 LEAST_GAP = 1e-6
-"""Share of the best fixed option's cost below which a gap is none."""
+"""Least gap, as a share of the cost of the best fixed option; smaller gaps count as none."""
 MOSTLY = 0.975
-"""Share of resamples that need a gap for its share to have an interval."""
+"""Share of resamples that must have a gap, so that the share of the gap gets an interval."""
 ORACLE = "oracle"
 
 
@@ -38,7 +38,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class StrategyStanding:
-    """Where one strategy stands."""
+    """The results of one strategy."""
 
     label: str
     cost: Estimate

@@ -1,7 +1,7 @@
 """The command line: `clean-swarm evaluate`, `train`, `run`, `draw`, `explain`, `record`, `list`, `knowledge`.
 
-What is wrong with the input is one line on the standard error and exit code 2; Ctrl-C ends with exit code 130. The
-commands import heavy libraries themselves, so that help is quick.
+A mistake in the input gives one line on the standard error and exit code 2; Ctrl-C gives exit code 130. The commands
+import heavy libraries inside their functions, so that help is quick.
 """
 
 import os
@@ -30,7 +30,7 @@ app.command("record")(repeat.record_command)
 
 def main() -> None:
     """Run the command line and exit with its code."""
-    for name in THREAD_LIMITS:  # runs are parallel as processes; worker processes inherit this
+    for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
     try:
         app()

@@ -1,6 +1,6 @@
 """`clean-swarm draw`: a diagram of a robot's behaviour network, or of a mechanism configuration.
 
-Matplotlib and the library are loaded by the command only, so that help is quick.
+The functions import Matplotlib and the library themselves, so that help is quick.
 """
 
 from pathlib import Path

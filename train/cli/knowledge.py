@@ -1,6 +1,6 @@
-"""`clean-swarm knowledge`: look at a knowledge store, fill it, copy it, merge two, forget.
+"""`clean-swarm knowledge`: list, show, import, export, merge and reset knowledge stores.
 
-The commands import the store themselves: SQLAlchemy takes long to load, and help has to be quick.
+The commands import the store inside their functions: SQLAlchemy takes long to load, and help has to be quick.
 """
 
 from contextlib import closing
@@ -97,7 +97,7 @@ def merge_stores(
     """Add all that other stores hold to a store, exactly; updates that it holds already are refused."""
     from train.knowledge_store import amount, opened
 
-    sources = [opened(other, create=False) for other in others]  # all of them exist before any is added
+    sources = [opened(other, create=False) for other in others]  # a missing one is an error before any is added
     with closing(opened(store, create=True)) as kept:
         for source in sources:
             typer.echo(f"{kept.name}: took in {amount(kept.merge(source))} of {source.name}")

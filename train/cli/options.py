@@ -1,4 +1,4 @@
-"""What several commands have in common: options, checks of numbers, consoles."""
+"""Parts of several commands: options, checks of numbers, consoles."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,7 +22,7 @@ Configs = Annotated[
 
 
 def check_least(given: Mapping[str, tuple[int | None, int]]) -> None:
-    """Raise ConfigurationError for a whole number below the least one; `given` has option -> number and least."""
+    """Raise ConfigurationError for a number below the least one allowed; `given`: option -> number and least number."""
     for name, (value, least) in given.items():
         if value is not None and value < least:
             raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {value}")

@@ -1,4 +1,4 @@
-"""`clean-swarm explain` and `clean-swarm record`: a run of an evaluation, repeated to look into it."""
+"""`clean-swarm explain` and `clean-swarm record`: repeat a run of an evaluation to see its decisions."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -54,7 +54,7 @@ def record_command(
 
 @contextmanager
 def _repeating(run: Path) -> Iterator[None]:
-    """Show on the standard error that a run is being repeated, and which versions have changed since."""
+    """Print on the standard error which versions have changed since a run, and show that it is being repeated."""
     from train.evaluation.repeat import changed_versions  # imports Numba
 
     errors = error_console()

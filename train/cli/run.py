@@ -1,4 +1,4 @@
-"""`clean-swarm run`: any goal of the library in its scene, with the measure by which it succeeds."""
+"""`clean-swarm run`: a goal of the library in its scene, with the measures of its success."""
 
 import json as json_format
 import math
@@ -11,7 +11,7 @@ from rich.console import Console
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import Configs, check_least, wide_console
 
-GROUNDS = ("torus", "open")
+ARENAS = ("torus", "open")
 
 
 def run_command(
@@ -39,8 +39,8 @@ def run_command(
     check_least({"--robots": (robots, 1), "--seed": (seed, 0), "--runs": (runs, 1)})
     if seconds is not None and not (seconds > 0.0 and math.isfinite(seconds)):
         raise ConfigurationError(f"--seconds: expected a positive number, got {seconds}")
-    if arena is not None and arena not in GROUNDS:
-        raise ConfigurationError(f"--arena: expected {' or '.join(GROUNDS)}, got {arena!r}")
+    if arena is not None and arena not in ARENAS:
+        raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
     from clean_swarm_env.scenes import goals  # imports Numba
     from train.goals import goal_tables
     from train.goals.scene_runs import GoalRequest, as_mapping, run_goal

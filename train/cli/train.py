@@ -1,4 +1,4 @@
-"""`clean-swarm train`: let a policy learn by PPO, or a strategy by the rewards of its choices."""
+"""`clean-swarm train`: train a policy by PPO, or a strategy by the rewards of its choices."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,1 +1,1 @@
-"""Evaluations of experiments and families, and their repetition."""
+"""Evaluations of experiments and families, and repetition of their runs."""

@@ -1,17 +1,18 @@
-"""Entrants of a comparison on a family: fixed options, a rule by hand, learned strategies and trained policies."""
+"""Entrants of a comparison on a family: fixed options, a rule made by hand, learned strategies, trained policies."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import validated
-from selector.strategies.learned_file import features_of, find_strategy, load_strategy, spec_of
+from selector.documents.find import find_file
+from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, spec_from_text
@@ -28,7 +29,7 @@ SITUATIONS = {
     "carrying_far": "RepulsionGradient-from0.25",
     "carrying_near": "RepulsionFernandez-view0.5",
 }
-"""The rule by hand: situation -> option."""
+"""The rule made by hand: situation -> option."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Entrant:
 
     label: str
     members: tuple[str, ...]
-    """Each member in the words that `member_pilot` takes."""
+    """Members as `member_pilot` takes them."""
 
     @property
     def fixed(self) -> bool:
@@ -52,10 +53,10 @@ class Entrant:
 
 
 def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
-    """Return the entrants that the words of the command line name; `fixed` is one entrant for each option.
+    """Return the entrants of the command line; `fixed` stands for one entrant for each option.
 
-    `learned:NAME` (a strategy's file) and `policy:NAME` take what ships by its name, else a path, and several of one
-    training with + between them; `LABEL=...` gives it a name of its own.
+    `learned:NAME` (the file of a strategy) and `policy:NAME` take names or paths; + joins those of several seeds of one
+    training to one entrant. `LABEL=...` names an entrant.
     """
     found: list[Entrant] = []
     for text in given:
@@ -79,10 +80,10 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
 def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[Path] = ()) -> Pilot:
     """Return the pilot of a member for rows of `teams` (R,); `problem` has all components of the observation.
 
-    Policies and strategies are looked for in `directories`, then among those that ship.
+    Policies and strategies are searched in `directories` before the shipped directory.
 
     Raises:
-        DocumentError: a member that does not exist or does not fit the problem.
+        DocumentError: the member does not exist or does not fit the problem.
 
     """
     kind, _, name = member.partition(":")
@@ -90,34 +91,35 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
         return PolicyPilot(load_policy(find_policy(name, directories)), problem)
     if member == RULE:
         return _by_hand(problem, len(teams))
-    learned = find_strategy(name, directories) if kind == LEARNED else None
-    if learned is not None:
-        spec = spec_of(learned)
+    features: tuple[str, ...] = ()
+    if kind == LEARNED:
+        file = find_file("strategies", name, directories)
+        description = description_of(file)
+        spec, features = description.spec, description.features
     elif kind == FIXED:
         spec = validated(StrategySpec, {"name": "Fixed", "parameters": {"option": name}}, member)
     else:
         spec = spec_from_text(member)
-    features = features_of(learned) if learned is not None else ()
     columns = columns_of(problem, features, f"strategy {spec.name}")
-    own = Problem(problem.goal, problem.options, problem.scores, features)
-    strategy = spec.build(own, row_keys(np.random.SeedSequence(0), len(teams)), teams, directories)
-    if learned is not None:
-        load_strategy(learned, strategy)
+    keys = row_keys(np.random.SeedSequence(0), len(teams))
+    strategy = spec.build(replace(problem, features=features), keys, teams, directories)
+    if kind == LEARNED:
+        load_strategy(file, strategy)
     return StrategyPilot(strategy, columns)
 
 
 def identified(member: str, directories: Sequence[Path] = ()) -> str:
-    """Return a member with a digest of what was learned, if it names a file: another training is another member."""
+    """Return a member that names a file with a digest of the file: another training is another member."""
     kind, _, name = member.partition(":")
     if kind == POLICY:
         return f"{member} sha256:{load_policy(find_policy(name, directories)).spec.weights_sha256}"
     if kind == LEARNED:
-        return f"{member} sha256:{hashlib.sha256(find_strategy(name, directories).read_bytes()).hexdigest()}"
+        return f"{member} sha256:{hashlib.sha256(find_file('strategies', name, directories).read_bytes()).hexdigest()}"
     return member
 
 
 def _by_hand(problem: Problem, rows: int) -> RulePilot:
-    """Return the best rule found by hand for many robots in little space."""
+    """Return the pilot of the rule made by hand, the best one found for many robots in little space."""
     for option in SITUATIONS.values():
         if option not in problem.options:
             raise ConfigurationError(unknown("option", option, problem.options))

@@ -27,7 +27,7 @@ from train.running.runs import RunKey, RunRecord, RunTask, tasks_of
 
 @dataclass(frozen=True)
 class ExperimentRequest:
-    """What the user asked for."""
+    """The request of the user."""
 
     experiment: str
     """Name of an experiment, or path to its YAML file."""
@@ -96,7 +96,7 @@ class ExperimentEvaluation(Evaluation):
         return [task for task in self._tasks if (task.scenario, task.condition) not in done]
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return Table 1, ratios between conditions, what was measured elsewhere, and the figure."""
+        """Return Table 1, ratios between conditions, comparisons with measured figures, and the picture."""
         report = report_of(self.experiment, self.seed, records, self.measured, own_starts=self.own_starts)
         about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts_from}."
         heading = f"# {self.experiment.name}\n\n{about}\n\n"
@@ -104,7 +104,7 @@ class ExperimentEvaluation(Evaluation):
 
 
 def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:
-    """Return an experiment with the `chosen` ones of its conditions; none chosen: all."""
+    """Return an experiment with only the `chosen` conditions; with all if none is chosen."""
     known = [condition.name for condition in experiment.conditions]
     for name in chosen:
         if name not in known:
@@ -114,10 +114,10 @@ def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> Expe
 
 
 def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:
-    """Raise an error of one line if what the experiment's mission names does not exist or cannot be built.
+    """Raise an error of one line if something that the mission names does not exist or cannot be built.
 
-    These are the planner, the robot's document, the expert knowledge, its configurations and the scores. Strategies are
-    checked when they are read.
+    Checked are the planner, the robot's document, the expert knowledge, its configurations and the scores. Strategies
+    are checked when they are read.
     """
     network = experiment.mission.network
     try:

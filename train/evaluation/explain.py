@@ -1,7 +1,6 @@
-"""Explain one step of one robot: what the robot weighed, what it planned, what runs and why.
+"""Explanation of one step of one robot: activations, plan, running behaviours and reasons.
 
-The text is meant for 80 columns: a table of what adds up to each behaviour's activation, a tree of reasons, conditions
-and goals.
+The text fits into 80 columns: a table of the terms of each activation, and a tree of reasons, conditions and goals.
 """
 
 import json
@@ -27,12 +26,12 @@ from train.evaluation.repeat import world_at
 from train.running.runs import RunTask
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
-"""Short forms of columns, which let the table fit."""
+"""Short heads of columns, so that the table fits."""
 
 
 @dataclass(frozen=True)
 class Coordinated:
-    """One coordinator of a robot in one step: its option, and what the network inside decided if it ran."""
+    """One coordinator of a robot in one step: its option, and the step of the network inside if it ran."""
 
     goal: str
     option: str
@@ -40,13 +39,13 @@ class Coordinated:
 
     @property
     def title(self) -> str:
-        """What lies in which behaviour."""
+        """Goal and option."""
         return f"{self.goal}: {self.option}"
 
 
 @dataclass(frozen=True)
 class Nested:
-    """One network inside a behaviour of a robot in one step, if it decided; its name is the behaviours around it."""
+    """One network inside a behaviour of a robot in one step; the title names the behaviours around it."""
 
     title: str
     inner: Explanation | None
@@ -56,7 +55,7 @@ Inside = Coordinated | Nested
 
 
 def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Inside, ...]]:
-    """Repeat a run up to `time` [s]; return where the robot was in the run, its step, and what lies in behaviours."""
+    """Repeat a run up to `time` [s]; return robot and step as a mapping, the explanation, and the networks inside."""
     count = task.mission.robots.count
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
@@ -77,7 +76,7 @@ def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
 
 
 def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, robot: int) -> Explanation | None:
-    """Return the step of a network inside a behaviour, None where the behaviour does not run."""
+    """Return the step of a network inside a behaviour; None if the behaviour does not run."""
     return _step_of(network, robot) if holder.parent.executing[robot, holder.index] == 1 else None
 
 
@@ -96,7 +95,7 @@ def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
 
 
 def as_json(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> str:
-    """Return a step as a JSON object; without a plan, `plan` is null, and so is `inner` of what does not run."""
+    """Return a step as a JSON object; `plan` is null without a plan, `inner` if the network inside does not run."""
     held = {
         "coordinators": [asdict(one) for one in inside if isinstance(one, Coordinated)],
         "networks": [asdict(one) for one in inside if isinstance(one, Nested)],
@@ -117,12 +116,12 @@ def step_on_terminal(situation: dict[str, Any], explanation: Explanation, inside
 
 
 def _inside(title: str, inner: Explanation) -> list[RenderableType]:
-    """Return what the network inside a behaviour decided."""
+    """Return the step of a network inside a behaviour as text."""
     return [Text(f"\ninside {title}"), _table(inner.behaviours), _behaviours(inner.behaviours)]
 
 
 def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
-    """Return what the step added to each activation; * marks what runs."""
+    """Return a table of what the step added to each activation; * marks running behaviours."""
     table = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("", no_wrap=True)
     table.add_column("behaviour", overflow="fold")

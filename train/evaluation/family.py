@@ -1,4 +1,4 @@
-"""The evaluation of strategies on a family of scenarios, the same scenarios for all of them."""
+"""The evaluation of strategies on a family of scenarios; all strategies get the same scenarios."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from train.reports.family_tables import family_tables
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints, versions
-from train.running.runs import FIRST_SECOND, RunKey, RunRecord
+from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
 from train.running.trials import TrialSettings, run_trials
 
 TASK_SCENARIOS = 25
-"""Scenarios of one task; they run side by side."""
+"""Scenarios of one task, which run at the same time in one batch."""
 
 
 @dataclass(frozen=True)
 class FamilyRequest:
-    """What the user asked for."""
+    """The request of the user."""
 
     family: str
     """Name of a family, or path to its YAML file."""
     strategies: tuple[str, ...]
-    """What is compared; see `entrants_of`."""
+    """Strategies to compare; see `entrants_of`."""
     seed: int
     scenarios: int | None = None
     """Number of scenarios, in place of the family's own."""
@@ -62,7 +62,7 @@ class FamilyRequest:
 
 @dataclass(frozen=True)
 class TrialTask:
-    """Some scenarios of a family under one member of an entrant; plain data that travels to a worker process."""
+    """Some scenarios of a family under one member of an entrant; plain data, which can be sent to a worker process."""
 
     family: FamilyConfig
     seed: int
@@ -73,7 +73,7 @@ class TrialTask:
     goal: str
     directories: tuple[Path, ...]
     time_limit: float = math.inf
-    """Simulated time after which missions end, whatever their own limit [s]."""
+    """Limit of simulated time in addition to that of the mission [s]."""
 
     @property
     def runs(self) -> int:
@@ -81,7 +81,7 @@ class TrialTask:
         return len(self.numbers)
 
     def run(self) -> list[RunRecord]:
-        """Run the scenarios side by side."""
+        """Run the scenarios in one batch."""
         began = time.perf_counter()
         scenarios = [self._scenario(number) for number in self.numbers]
         results = run_trials(
@@ -94,8 +94,8 @@ class TrialTask:
         ]
 
     def beginning(self) -> TrialTask:
-        """Return the first second of the first scenario."""
-        return replace(self, numbers=self.numbers[:1], time_limit=FIRST_SECOND)
+        """Return the first scenario up to `WARM_UP_LIMIT`."""
+        return replace(self, numbers=self.numbers[:1], time_limit=WARM_UP_LIMIT)
 
     def _scenario(self, number: int) -> Scenario:
         scenario = self.family.scenario(self.seed, number, "test")
@@ -136,14 +136,15 @@ class FamilyEvaluation(Evaluation):
         }
 
     def tasks(self, done: Collection[RunKey]) -> list[TrialTask]:
-        """Return the tasks for all missing runs, some scenarios of one member each."""
-        tasks = []
+        """Return the tasks for all missing runs; each has scenarios of one member."""
+        tasks, request = [], self._request
         for entrant in self.entrants:
             for condition, member in zip(entrant.conditions, entrant.members, strict=True):
                 missing = [n for n in range(self.scenarios) if (f"test-{n + 1}", condition) not in done]
                 for first in range(0, len(missing), TASK_SCENARIOS):
                     numbers = tuple(missing[first : first + TASK_SCENARIOS])
-                    tasks.append(self._task(numbers, condition, member))
+                    work = (self.family, request.seed, numbers, condition, member, self.goal, request.directories)
+                    tasks.append(TrialTask(*work))
         return tasks
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
@@ -160,10 +161,6 @@ class FamilyEvaluation(Evaluation):
         report = family_report_of(runs)
         heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
         return Publication(heading, family_tables(report), family_summary_json(report))
-
-    def _task(self, numbers: tuple[int, ...], condition: str, member: str) -> TrialTask:
-        request = self._request
-        return TrialTask(self.family, request.seed, numbers, condition, member, self.goal, request.directories)
 
 
 def _family(request: FamilyRequest) -> FamilyConfig:

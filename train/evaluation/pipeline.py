@@ -1,6 +1,6 @@
-"""The pipeline of every evaluation, of an experiment or of a family: check, tasks, runs, report.
+"""The pipeline of all evaluations, of an experiment or of a family: check, tasks, runs, report.
 
-`evaluate` is the whole pipeline. `ExperimentEvaluation` and `FamilyEvaluation` say what is run and what is reported.
+`evaluate` is the whole pipeline. `ExperimentEvaluation` and `FamilyEvaluation` define the tasks and the report.
 """
 
 import shlex
@@ -26,17 +26,17 @@ from train.running.warm_up import compile_first, compiled_before
 
 
 class Evaluation(ABC):
-    """An evaluation: which runs it consists of, and what it reports of them.
+    """Base class of evaluations, which define runs and a report on them.
 
-    The constructor takes the user's request, and raises an error of one line for whatever does not exist or fit, before
-    anything is written.
+    The constructor gets the user's request, and raises an error of one line, before anything is written, for everything
+    that does not exist or fit.
 
     Attributes:
         stem: name of the default directory for the results.
-        manifest: content of `manifest.json`: by `identity` the runs are recognised, the rest is for the reader.
-        words: the command that does this evaluation, but for its directory.
+        manifest: content of `manifest.json`; `identity` decides whether runs can be resumed, the rest is for readers.
+        words: the command of this evaluation, without its directory.
         total: number of runs.
-        growing: name of a mapping in the identity to which entries can be added later; empty without.
+        growing: name of a mapping in the identity to which entries can be added later; empty: none.
 
     """
 
@@ -48,29 +48,29 @@ class Evaluation(ABC):
 
     @abstractmethod
     def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
-        """Return the tasks for all runs but those that are `done`."""
+        """Return the tasks for all runs except those that are `done`."""
 
     @abstractmethod
     def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return what is reported of the finished runs; all of this evaluation are among them."""
+        """Return the report on the finished runs; all runs of this evaluation are among them."""
 
 
 @dataclass(frozen=True)
 class Execution:
-    """How an evaluation is carried out. None of these settings changes a result."""
+    """How an evaluation is executed; none of these settings changes a result."""
 
     workers: int
     """Number of processes."""
     output: Path | None
     """Directory for the results; a new one below results/ unless given."""
     resume: bool
-    """Whether to do only the runs that the directory lacks."""
+    """Whether to do only the runs that are missing in the directory."""
     console: Console
     """Shows the tables; the standard error shows the progress."""
 
 
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:
-    """Do the runs that are missing, write the results and print the tables; return the exit code."""
+    """Do the missing runs, write the results and print the tables; return the exit code."""
     directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
     folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
     results = Results(folder)
@@ -79,7 +79,7 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     except (KeyboardInterrupt, BrokenProcessPool) as end:
         results.close()
         broken = isinstance(end, BrokenProcessPool)
-        _say_how_to_resume(evaluation, results, "a worker process was killed" if broken else "interrupted")
+        _print_how_to_resume(evaluation, results, "a worker process was killed" if broken else "interrupted")
         return FAILED if broken else INTERRUPTED
     results.close()
     publish(evaluation.publication(results.records), folder, execution.console)
@@ -100,13 +100,14 @@ def _run_missing(evaluation: Evaluation, results: Results, workers: int) -> None
 
 @contextmanager
 def _progress(total: int, done: int) -> Iterator[Callable[[], None]]:
-    """Show a bar with the time left on the standard error; each call of what it gives is one more run."""
+    """Show a progress bar on the standard error; the function returned has to be called after each run."""
     columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
     with Progress(*columns, TimeRemainingColumn(elapsed_when_finished=False), console=Console(stderr=True)) as bar:
         yield partial(bar.advance, bar.add_task("runs", total=total, completed=done))
 
 
-def _say_how_to_resume(evaluation: Evaluation, results: Results, what: str) -> None:
+def _print_how_to_resume(evaluation: Evaluation, results: Results, what: str) -> None:
+    """Print on the standard error what happened, and the command that continues the evaluation."""
     command = shlex.join([*evaluation.words, "--output", str(results.folder.path), "--resume"])
     kept = f"{len(results.records)} of {evaluation.total} runs are kept; to go on:\n  {command}"
     Console(stderr=True, highlight=False, soft_wrap=True).print(f"{what}: {kept}", markup=False)

@@ -11,7 +11,7 @@ from train.running.run_folder import RunFolder
 
 @dataclass(frozen=True)
 class Publication:
-    """What an evaluation writes and prints."""
+    """Results that an evaluation writes and prints."""
 
     heading: str
     """First lines of `table.md`."""
@@ -24,7 +24,7 @@ class Publication:
 
 
 def publish(publication: Publication, folder: RunFolder, console: Console) -> None:
-    """Write the files that are made of the finished runs, and print the tables."""
+    """Write the files of a report, and print its tables."""
     folder.write("summary.json", publication.summary)
     folder.write("table.md", publication.heading + "\n".join(markdown(grid) for grid in publication.grids))
     if publication.figure is not None:

@@ -1,9 +1,9 @@
-"""Record a whole run: every step of every robot's behaviour network and of the networks inside its coordinators.
+"""Recording of a whole run: every step of every robot's behaviour network and of the networks inside it.
 
-The file holds what `recording.stacked` makes of the robots' network; `held` (T, R, C), the option of
-each coordinator; and, for every option that was ever held, the same arrays of the network inside, their names beginning
-with `GOAL/OPTION/`. The networks inside other behaviours, `network_names`, have the same arrays, their names beginning
-with that of the network. A network inside decides only in steps in which its holder runs; in others it stays as it was.
+The file has the arrays of `recording.stacked` for the robots' network; `held` (T, R, C), the option of each
+coordinator; and, for every option that was ever held, the same arrays for the network inside, under names that begin
+with `GOAL/OPTION/`. For the networks inside other behaviours, which `network_names` lists, the names of the arrays
+begin with that of the network. A network inside decides and changes only in steps in which its holder runs.
 """
 
 import io
@@ -26,7 +26,7 @@ from train.running.runs import RunTask
 
 
 class Tape:
-    """All steps of a run, from the first step on."""
+    """The recorded steps of a run."""
 
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
@@ -36,7 +36,7 @@ class Tape:
         self._held: list[Ints] = []
 
     def take(self) -> None:
-        """Add the step that the worlds have just done."""
+        """Record the last step of the worlds."""
         self._outer.take()
         for recorders in (*self._inner, self._nested.values()):
             for recorder in recorders:
@@ -61,12 +61,12 @@ class Tape:
         return found
 
     def __len__(self) -> int:
-        """Return the number of steps kept, T."""
+        """Return the number of recorded steps, T."""
         return len(self._held)
 
 
 def record_run(task: RunTask, output: Path) -> int:
-    """Repeat a whole run and keep every step of every robot in an NPZ file; return the number of steps (T)."""
+    """Repeat a whole run and write every step of every robot to an NPZ file; return the number of steps, T."""
     if output.exists():
         raise ConfigurationError(f"{output}: exists already; expected a new file")
     if not output.parent.is_dir():

@@ -1,4 +1,4 @@
-"""Repeat runs of an evaluation. A run depends on the manifest only, so a repeated run shows what was not recorded."""
+"""Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,7 +17,7 @@ from train.running.run_folder import MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
 
 LISTED = 8
-"""Most scenarios that an error lists."""
+"""Largest number of scenarios in an error."""
 ROUNDING = 1e-9
 """A time this little before the beginning of a control period belongs to that period [periods]."""
 
@@ -26,8 +26,8 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     """Return one run of an evaluation; without names the first scenario and the first condition.
 
     Raises:
-        ConfigurationError: no results there, no such scenario or condition, or the mechanisms, knowledge and robots
-            are not those that the evaluation ran with.
+        ConfigurationError: there are no results, no such scenario or condition, or the files of mechanisms, knowledge
+            or robots have changed since.
 
     """
     manifest = read_manifest(directory)
@@ -55,7 +55,7 @@ def changed_versions(directory: Path) -> list[str]:
 
 
 def steps_of(task: RunTask) -> Iterator[Worlds]:
-    """Repeat a run whose networks note their reasons; yield the world after each control period of the mission."""
+    """Repeat a run with networks that note their reasons; yield the world after each control period."""
     run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
     course = Course(run, explained=True)
     while course.in_progress:
@@ -67,7 +67,7 @@ def world_at(task: RunTask, time: float) -> Worlds:
     """Return the world of a run just after the control period in which `time` [s] lies.
 
     Raises:
-        ConfigurationError: a time at which the mission was not running; says when it ended.
+        ConfigurationError: the mission was not running at this time; the text says when it ended.
 
     """
     if not (math.isfinite(time) and time >= 0.0):

@@ -1,1 +1,1 @@
-"""Goals of the library, run on their scenes."""
+"""Runs of the goals of the library in their scenes."""

@@ -1,4 +1,4 @@
-"""What `clean-swarm run` prints for a goal, and the table of all goals as Markdown."""
+"""The output of `clean-swarm run`: the table of one goal for a terminal, and the page of all goals in Markdown."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ MEASURE_HEADS = ("measure", "mean", "target", "baseline", "difference", "target 
 
 
 def goal_on_terminal(outcome: GoalOutcome) -> Group:
-    """Return what is printed for one goal."""
+    """Return the results of one goal for a terminal."""
     lines = [
         Text(f"{outcome.scene.goal} by {outcome.option}: {_setting(outcome)}"),
         Text(f"baseline: {outcome.scene.baseline}"),
@@ -73,7 +73,7 @@ def as_page(outcomes: Sequence[GoalOutcome]) -> str:
 
 
 def as_markdown(outcomes: Sequence[GoalOutcome]) -> str:
-    """Return the table of all goals, and what their scenes are, as Markdown."""
+    """Return a table of all goals and a table of their scenes as Markdown."""
     lines = [f"| goal, option | {' | '.join(MEASURE_HEADS)} |", "|---" * (len(MEASURE_HEADS) + 1) + "|"]
     for outcome in outcomes:
         for index, comparison in enumerate(outcome.comparisons):

@@ -1,10 +1,10 @@
-"""`clean-swarm run`: a goal in its scene, by the mechanism of an option and by the baseline, on the same starts.
+"""Runs of a goal in its scene, with the mechanism of an option and with the baseline, from the same starts.
 
-Shapes: W runs, one a seed; all of them go in one batch.
+Shapes: W runs, one for each seed; all runs are in one batch.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from train.analysis.statistics import Summary, summarise
 
 @dataclass(frozen=True)
 class GoalRequest:
-    """What the user asked for. The scene decides wherever a field is None."""
+    """The request of the user; where a field is None, the scene has the value."""
 
     goal: str
     """Name of the goal."""
@@ -36,9 +36,9 @@ class GoalRequest:
     runs: int = 20
     """Number of runs, each with a seed of its own."""
     directories: tuple[Path, ...] = ()
-    """Directories with configurations and knowledge that go before the shipped ones."""
+    """The user's own directories of configurations, searched before the shipped one."""
     knowledge: str = KNOWLEDGE
-    """Name of the expert knowledge in which the goal and the option stand."""
+    """Name of the expert knowledge with the goal and the option."""
 
     @property
     def seeds(self) -> range:
@@ -48,7 +48,7 @@ class GoalRequest:
 
 @dataclass(frozen=True)
 class MeasureComparison:
-    """One measure: what the mechanism and the baseline gave, and the difference on the same starts."""
+    """One measure of the mechanism and of the baseline, and their difference on the same starts."""
 
     measure: Measure
     mechanism: Summary
@@ -94,7 +94,7 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
     """Run a goal in its scene.
 
     Raises:
-        ConfigurationError: something that does not exist or fit.
+        ConfigurationError: goal, option or setting do not exist or fit.
 
     """
     scene = find(request.goal)
@@ -107,7 +107,7 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
 
 
 def setting_of(scene: type[Scene], request: GoalRequest) -> Setting:
-    """Return the scene's setting with what the user changed."""
+    """Return the setting of the scene with the changes of the request."""
     changes: dict[str, Any] = {
         name: value for name in ("robots", "seconds", "ground") if (value := getattr(request, name)) is not None
     }
@@ -141,15 +141,10 @@ def as_mapping(outcome: GoalOutcome) -> dict[str, Any]:
                 "target_from": c.measure.reason,
                 "target_met": c.met,
                 "beats_baseline": c.beats,
-                "mechanism": _plain(c.mechanism),
-                "baseline": _plain(c.baseline),
-                "difference": _plain(c.difference),
+                "mechanism": asdict(c.mechanism),
+                "baseline": asdict(c.baseline),
+                "difference": asdict(c.difference),
             }
             for c in outcome.comparisons
         ],
     }
-
-
-def _plain(summary: Summary) -> dict[str, Any]:
-    interval = None if summary.ci95 is None else list(summary.ci95)
-    return {"mean": summary.mean, "median": summary.median, "std": summary.std, "ci95": interval}

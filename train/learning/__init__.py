@@ -1,1 +1,1 @@
-"""Trainings: PPO on options and bandits."""
+"""Trainings of policies by PPO and of bandits."""

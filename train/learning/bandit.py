@@ -1,7 +1,8 @@
-"""Training of a strategy by the rewards that follow its choices, or by what whole missions cost, in many worlds."""
+"""Training of a strategy in many worlds, by the rewards that follow its choices or by the costs of missions."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,8 @@ class BanditTraining(Training):
     """One training of a strategy.
 
     Args:
-        job: what to do, and where.
-        store: knowledge store that learned scores go to; none unless given.
+        job: the work, and its directory.
+        store: knowledge store for the rewards; none unless given.
 
     """
 
@@ -43,7 +44,7 @@ class BanditTraining(Training):
         self.settings, self._store = job.config.bandit, store
         whole = self.goal.problem
         columns_of(whole, self.settings.context, "context")
-        self.problem = Problem(whole.goal, whole.options, whole.scores, self.settings.context)
+        self.problem = replace(whole, features=self.settings.context)
         self._learning: Learning = (
             RewardLearning(job.config, self.curriculum, self.goal)
             if self.settings.comparison is None
@@ -62,7 +63,7 @@ class BanditTraining(Training):
         return self._decisions
 
     def export(self, command: str) -> Path:
-        """Write what the strategy had learned when it was best and return the file."""
+        """Write the best strategy so far and return the file."""
         last, path = self.strategy.learned(), self.job.folder.path / STRATEGY
         self.strategy.load_learned(self._best)
         one = self._built(self.settings.learned, self.problem, np.zeros(1, dtype=np.int64))
@@ -78,7 +79,7 @@ class BanditTraining(Training):
         return {"missions": len(costs), "training_cost_s": float(np.mean(costs)) if costs else None}
 
     def _take(self, paid: Paid, decisions: int) -> None:
-        """Let the strategy learn from decisions whose rewards are complete, and count those that have been made."""
+        """Update the strategy by decisions whose rewards are complete, and count the decisions made."""
         self._decisions += decisions
         self.job.on_progress(self._decisions)
         if not len(paid.rows):
@@ -91,8 +92,7 @@ class BanditTraining(Training):
         learned = self.strategy.learned()
 
         def pilot(problem: Problem, teams: Ints) -> StrategyPilot:
-            known = Problem(problem.goal, problem.options, problem.scores, self.settings.context)
-            own = self._built(self.settings.learned, known, teams)
+            own = self._built(self.settings.learned, replace(problem, features=self.settings.context), teams)
             own.load_learned({name: array[:1] for name, array in learned.items()})
             return StrategyPilot(own, columns_of(problem, self.settings.context, "context"))
 
@@ -131,4 +131,4 @@ class BanditTraining(Training):
         self.checkpoint, self._decisions = description["checkpoint"], description["decisions"]
         best = float("inf") if description["best"] is None else description["best"]
         self.history = CheckpointHistory(description["history"], best, description["since"])
-        self.job.folder.write_history(self.history.entries)
+        self.write_history()

@@ -1,10 +1,10 @@
-"""Learn from the costs of whole missions: each team decides once a mission what to do in every situation.
+"""Learning from the costs of whole missions: each team chooses an option for every situation once in a mission.
 
-What an option brings often shows only if the whole team keeps to it for long: robots that leave each other room meet
-less often minutes later. Missions differ far more by their scenarios than by what was decided; so several teams
-do the same scenario, and a decision's reward is by how much its mission was cheaper than the others of its group. That
-baseline is the one of REINFORCE with several rollouts (Kool et al. 2019, "Buy 4 REINFORCE samples, get a baseline for
-free"), here the median, since a few missions that fail would move a mean.
+The effect of an option often appears only when the whole team uses it for minutes: robots that keep their distance meet
+less often later. The costs of missions depend far more on the scenarios than on the decisions. Therefore several teams
+get the same scenario, and the reward of a decision is the difference of its mission's cost to the others of the group.
+This is the baseline of REINFORCE with several rollouts (Kool et al. 2019, "Buy 4 REINFORCE samples, get a baseline for
+free"), here with the median, because a few failed missions would change a mean.
 
 Shapes: M missions of a round, G of each scenario; S situations, at least one.
 """
@@ -30,7 +30,7 @@ from train.running.trials import TrialSettings, run_trials
 
 
 class MissionLearning:
-    """Learning in which teams decide and are rewarded mission by mission; see `ComparisonConfig`.
+    """Learning in which teams decide once in a mission and are rewarded for its cost; see `ComparisonConfig`.
 
     Attributes:
         teams: (R,) mission of each row; rows are the situations of all missions of a round, R = M * S.
@@ -46,7 +46,7 @@ class MissionLearning:
         self.teams: Ints = np.repeat(np.arange(self._missions), len(self._contexts))
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Let the strategy decide and learn until the next checkpoint; return the costs of all missions [s]."""
+        """Train the strategy until the next checkpoint; return the costs of all missions [s]."""
         costs: list[float] = []
         contexts = np.tile(self._contexts, (self._missions, 1))
         rows = np.arange(len(self.teams))
@@ -66,7 +66,7 @@ class MissionLearning:
         return costs
 
     def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
-        """Return the costs (M,) [s] of missions in which teams keep to `rules` (M, S), G missions for each scenario."""
+        """Return the costs (M,) [s] of missions in which teams follow `rules` (M, S); G missions for each scenario."""
         missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
         seeds = [scenario.seed for scenario in missions]
 
@@ -77,7 +77,7 @@ class MissionLearning:
 
 
 class TeamsPilot(RulePilot):
-    """A pilot by which each team keeps to a rule for its mission.
+    """A pilot in which each team follows one rule during its mission.
 
     Args:
         problem: goal and options; its features are all components of the observation.
@@ -102,7 +102,7 @@ class TeamsPilot(RulePilot):
 
 
 def relative(cost: Floats, group: int, limit: float) -> Floats:
-    """Return by how much each mission (M,) was cheaper than those of its group: minus ln(cost / median) [-].
+    """Return the rewards (M,) of missions, compared with their groups: -ln(cost / median), limited to +-`limit` [-].
 
     >>> relative(np.array([10.0, 40.0, 20.0, 5.0, 5.5, 5.0]), 3, limit=0.5).round(2).tolist()
     [0.5, -0.5, 0.0, 0.0, -0.1, 0.0]

@@ -1,4 +1,4 @@
-"""Learn from the rewards that follow each decision: rows decide when their situation changes, or after some time."""
+"""Learning from the rewards after each decision: rows decide when their situation changes, or after some time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from train.running.pilots import columns_of
 
 
 class RewardLearning:
-    """Learning in which all robots of all worlds decide; `CreditConfig` says when, and which rewards count.
+    """Learning in which all robots of all worlds decide; see `CreditConfig` for the times and the rewards.
 
     Attributes:
         teams: (R,) world of each row; rows are robots.
@@ -34,7 +34,7 @@ class RewardLearning:
         self.teams: Ints = self._joined.world_of
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Let the strategy decide and learn until the next checkpoint; return the costs of missions that ended [s]."""
+        """Train the strategy until the next checkpoint; return the costs of the missions that ended [s]."""
         self._curriculum.begin(checkpoint)
         seen, rows = self._joined.reset(), self._joined.rows
         periods = max(round(self._credit.horizon / self._period), 1)

@@ -1,4 +1,4 @@
-"""Typed, closed configuration of a training: on what, what is seen and rewarded, how it learns, when it stops."""
+"""Document model of a training: families, observation, reward, learner and validation."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class TaskConfig(Closed):
     family: Name
     """Name of the family, or path to its YAML file."""
     worlds: Count = 16
-    """Worlds that run side by side."""
+    """Worlds that run at the same time."""
 
 
 class ValidationConfig(Closed):
-    """How what was learned is measured at every checkpoint, on scenarios that nothing is learned from."""
+    """Validation at checkpoints, on scenarios that are not used for learning."""
 
     scenarios: Count = 16
     """Scenarios of each family."""
@@ -45,7 +45,7 @@ class PpoConfig(Closed):
     minibatch: Count = 4096
     """Decisions of one gradient step."""
     epochs: Count = 4
-    """Times that all decisions of an update are gone through."""
+    """Number of passes over all decisions of an update."""
     learning_rate: Positive = 3e-4
     """Step size of Adam at the beginning; it falls linearly to a tenth [-]."""
     discount: Share = 0.98
@@ -53,11 +53,11 @@ class PpoConfig(Closed):
     trace: Share = 0.95
     """Weight of longer returns in the advantage (lambda of GAE) [-]."""
     clip: Positive = 0.2
-    """Largest change of a probability's ratio that is rewarded [-]."""
+    """Largest change of the ratio of probabilities that is rewarded [-]."""
     entropy: NonNegative = 0.01
-    """Weight of the entropy: keeps options in use [-]."""
+    """Weight of the entropy, which keeps all options in use [-]."""
     value: Positive = 0.5
-    """Weight of the value function's error [-]."""
+    """Weight of the error of the value function [-]."""
     gradient: Positive = 0.5
     """Largest norm of the gradient [-]."""
     hidden: tuple[Count, ...] = (64, 64)
@@ -65,12 +65,12 @@ class PpoConfig(Closed):
 
 
 class CreditConfig(Closed):
-    """Which rewards count for a decision of a bandit, and how long it is held."""
+    """The rewards that count for a decision of a bandit, and the time for which its option is held."""
 
     hold: NonNegative = 10.0
     """Longest time for which a row keeps its option [s]; 0: one decision for a whole mission."""
     until: tuple[Name, ...] = ()
-    """Components of the observation whose change ends it before."""
+    """Components of the observation whose change ends this time."""
     horizon: Positive = 30.0
     """Time after the decision over which rewards count [s]."""
     discount: Share = 0.95
@@ -78,12 +78,12 @@ class CreditConfig(Closed):
 
 
 class ComparisonConfig(Closed):
-    """How missions are compared: by the logarithm of the cost, with those of the same scenario."""
+    """Comparison of missions of one scenario by the logarithm of their costs."""
 
     group: Annotated[int, Field(strict=True, ge=2)] = 8
     """Missions of each scenario."""
     limit: Positive = 0.1
-    """Largest reward and, negative, the smallest: a mission that fails counts as one that costs a tenth more [-]."""
+    """Largest absolute reward: a failed mission counts as one that costs a tenth more [-]."""
 
 
 class BanditConfig(Closed):
@@ -92,14 +92,14 @@ class BanditConfig(Closed):
     strategy: StrategySpec
     """The strategy with its parameters."""
     context: tuple[Name, ...] = ()
-    """Components of the observation that it sees."""
+    """Components of the observation that are its context."""
     credit: CreditConfig = CreditConfig()
-    """Which rewards count, if robots decide for themselves."""
+    """Rewards that count if each robot decides."""
     comparison: ComparisonConfig | None = None
-    """Let teams decide once a mission what to do in each situation, rewarded by how its cost compares with others'.
+    """Teams choose an option for each situation once in a mission and are rewarded for its cost compared with others.
     `context` then names the situations, components of which the largest counts. None: robots decide, see `credit`."""
     exported: dict[Name, Any] = Field(default_factory=dict)
-    """Parameters of the strategy that differ once it has learned, for instance to explore no more."""
+    """Parameters that the strategy gets after learning, for instance to stop exploring."""
 
     @model_validator(mode="after")
     def _exists(self) -> Self:
@@ -108,7 +108,7 @@ class BanditConfig(Closed):
 
     @property
     def learned(self) -> StrategySpec:
-        """The strategy as it decides once it has learned."""
+        """The strategy after learning."""
         spec = self.strategy
         return StrategySpec(name=spec.name, parameters={**spec.parameters, **self.exported}, sharing=spec.sharing)
 
@@ -117,7 +117,7 @@ class TrainingConfig(Closed):
     """One training."""
 
     name: Name
-    """Name of the training and of what comes out."""
+    """Name of the training and of its result."""
     description: str = ""
     """What is learned, in one sentence."""
     tasks: Annotated[tuple[TaskConfig, ...], Field(min_length=1)]
@@ -125,35 +125,34 @@ class TrainingConfig(Closed):
     goal: Name | None = None
     """Goal of which the options are learned; AvoidCollision, or the only goal of the missions, unless given."""
     observation: ObservationConfig = ObservationConfig()
-    """What each robot sees."""
+    """Observation of each robot."""
     reward: RewardConfig = RewardConfig()
-    """What it is rewarded for."""
+    """Rewards of each robot."""
     checkpoints: Count = 20
-    """Number of checkpoints: at each one all is saved and all worlds begin anew."""
+    """Number of checkpoints; each saves everything and resets all worlds."""
     decisions: Count = 100_000
     """Decisions of all rows from one checkpoint to the next, at least."""
     validation: ValidationConfig = ValidationConfig()
-    """How what was learned is measured."""
+    """Validation at checkpoints."""
     ppo: PpoConfig | None = None
-    """Learn a policy by PPO, or ..."""
+    """Learn a policy by PPO; either this or `bandit`."""
     bandit: BanditConfig | None = None
-    """... let a strategy learn."""
+    """Train a strategy; either this or `ppo`."""
 
     @model_validator(mode="after")
     def _one_learner(self) -> Self:
         if (self.ppo is None) == (self.bandit is None):
             raise ValueError("expected either ppo or bandit")
-        comparison = self.bandit.comparison if self.bandit is not None else None
-        for task in self.tasks if comparison is not None else ():
-            assert comparison is not None
-            if task.worlds % comparison.group:
-                expected = f"worlds that make groups of {comparison.group}"
+        group = self.bandit.comparison.group if self.bandit is not None and self.bandit.comparison is not None else 1
+        for task in self.tasks:
+            if task.worlds % group:
+                expected = f"worlds that make groups of {group}"
                 raise ValueError(f"tasks: {task.family}: expected {expected}, got {task.worlds}")
         return self
 
     @property
     def learner(self) -> Literal["ppo", "bandit"]:
-        """What learns."""
+        """Kind of learner."""
         return "ppo" if self.ppo is not None else "bandit"
 
 
@@ -161,7 +160,7 @@ def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> 
     """Return the training of a name, in `directories` or among those that ship, or of a path to a YAML file.
 
     Raises:
-        DocumentError: no such file, a mistake in it, or a training of another learner.
+        DocumentError: there is no such file, it has a mistake, or is a training by another learner.
 
     """
     config = load_file("training", name, TrainingConfig, directories)

@@ -1,4 +1,4 @@
-"""Credit rewards to the decisions of a bandit: all rewards within a horizon count, later ones less.
+"""Credit of rewards to the decisions of a bandit: the discounted rewards within a horizon.
 
 Shapes: R rows, H decision periods of the horizon, F components of a context.
 """
@@ -25,7 +25,7 @@ class Paid(NamedTuple):
 class Credit:
     """Decisions that wait for their rewards.
 
-    A decision gets the rewards of the H periods that follow, discounted; the end of the mission ends it earlier.
+    A decision gets the discounted rewards of the H periods that follow, or of fewer if the mission ends before.
     """
 
     def __init__(self, rows: int, periods: int, features: int, discount: float) -> None:
@@ -48,7 +48,7 @@ class Credit:
         self._sums[place, rows], self._weights[place, rows] = 0.0, 1.0
 
     def pay(self, rewards: Floats, over: Flags) -> Paid:
-        """Add the `rewards` (R,) of a period, after which missions are `over` (R,); return complete decisions."""
+        """Add the `rewards` (R,) of a period, after which missions may be `over` (R,); return complete decisions."""
         self._sums += self._weights * rewards
         self._weights *= self._discount
         self._place = (self._place + 1) % len(self._waits)

@@ -1,7 +1,7 @@
-"""Choose from one seed the scenarios of a training, and those on which it is only measured.
+"""The scenarios of a training and of its validation, which follow from one seed.
 
-Training takes the split "train" of a family with odd seeds, measuring during the training the same split with an even
-one, and `clean-swarm evaluate` the split "test": no scenario is ever one of another use.
+Training uses the split "train" of a family with odd seeds, validation the same split with an even seed, and
+`clean-swarm evaluate` the split "test": no scenario has two uses.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from clean_swarm_env.learning.joined import family_batches
 from train.learning.config import TrainingConfig
 
 TORI_TRIED = 200
-"""Number of scenarios looked at to find the tori of a family."""
+"""Number of scenarios in which the tori of a family are searched."""
 VALIDATION_SEED = 2
-"""Seed of the scenarios of validation, the same for all trainings, so that trainings can be compared."""
+"""Seed of the validation scenarios, the same for all trainings, so that trainings can be compared."""
 
 
 class Curriculum:
-    """The worlds of a training and what they do between two checkpoints.
+    """The worlds of a training and their scenarios.
 
     Attributes:
         batches: the worlds.
-        validation: scenarios of each family that are measured on.
+        validation: validation scenarios of each family.
 
     """
 
@@ -54,7 +54,7 @@ class Curriculum:
         }
 
     def begin(self, checkpoint: int) -> None:
-        """Give the batches, from their next reset on, the scenarios of a checkpoint; the seed decides which."""
+        """Set the scenarios of the batches after a checkpoint, from their next reset on."""
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):
             batch.share(int(word) * 2 + 1)

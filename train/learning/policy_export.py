@@ -1,4 +1,4 @@
-"""Export a network of Stable-Baselines3 as a policy, with the statistics of normalisation."""
+"""Export of a network of Stable-Baselines3 as a policy, with the statistics of normalisation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from selector.strategies.problem import Problem
 
 
 def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[str, Any]) -> TrainedPolicy:
-    """Return the policy for a problem that `model` has become; `training` says how."""
+    """Return the network of `model` as a policy for a problem; `training` describes the training."""
     statistics = normal.obs_rms
     assert isinstance(statistics, RunningMeanStd)
     state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model)}
@@ -35,7 +35,7 @@ def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[
 
 
 def _layers(model: PPO) -> list[tuple[str, Any]]:
-    """Return the arrays of the policy's layers under the names that a policy file has for them."""
+    """Return the arrays of the layers of the policy, with their names in a policy file."""
     state = model.policy.state_dict()
     path = "mlp_extractor.policy_net."
     names = [name for name in state if name.startswith(path) and name.endswith("weight")]

@@ -1,6 +1,6 @@
-"""Training by PPO of Stable-Baselines3, with one set of parameters for all robots of all worlds.
+"""Training by PPO of Stable-Baselines3, with one network for all robots of all worlds.
 
-All worlds begin anew with each checkpoint and all generators are seeded anew; see `train.learning.training`.
+Each checkpoint resets all worlds and seeds all generators; see `train.learning.training`.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ LAST_RATE = 0.1
 
 
 class PpoTraining(Training):
-    """One training of a policy, saved with all that Stable-Baselines3 needs to go on.
+    """One training of a policy; checkpoints have everything that Stable-Baselines3 needs to continue.
 
     Args:
-        job: what to do, and where.
+        job: the work, and its directory.
 
     """
 
@@ -64,11 +64,11 @@ class PpoTraining(Training):
         return int(self.model.num_timesteps)
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
-        """Return the network as it is now, as a policy for export."""
+        """Return the present network as a policy for export."""
         return exported(self.model, self.normal, self.goal.problem, training)
 
     def export(self, command: str) -> Path:
-        """Write the best policy so far to the directory and return where."""
+        """Write the best policy so far and return its directory."""
         last = self._weights()
         self._take(self._best or last)
         entry = min(self.history.entries, key=lambda line: line["score"] or np.inf, default={})
@@ -85,14 +85,14 @@ class PpoTraining(Training):
         done = self.checkpoint / config.checkpoints
         rate = self.settings.learning_rate * (1.0 - (1.0 - LAST_RATE) * done)
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
-        model._last_obs = None  # all worlds begin anew
+        model._last_obs = None  # makes PPO reset all worlds
         self.curriculum.begin(self.checkpoint)
         self._costs.clear()
         model.learn(config.decisions, callback=lambda *_: self._note(), reset_num_timesteps=model.num_timesteps == 0)
         return {"training_cost_s": float(np.mean(self._costs)) if self._costs else None}
 
     def _note(self) -> bool:
-        """Note the costs of missions that have ended; PPO calls this after each step and goes on if it is true."""
+        """Note the costs of missions that have ended; PPO calls this after each step and continues if it is True."""
         self._costs += [end.result.cost_s for end in self._envs.finished]
         self.job.on_progress(self.model.num_timesteps)
         return True
@@ -102,7 +102,7 @@ class PpoTraining(Training):
         return lambda problem, _: PolicyPilot(policy, problem)
 
     def _weights(self) -> dict[str, Any]:
-        """Return copies of all that the exported policy is made of."""
+        """Return copies of everything that the exported policy consists of."""
         statistics = self.normal.obs_rms
         assert isinstance(statistics, RunningMeanStd)
         state = {name: tensor.clone() for name, tensor in self.model.policy.state_dict().items()}
@@ -141,11 +141,11 @@ class PpoTraining(Training):
         self.checkpoint, self.model.num_timesteps = content["checkpoint"], content["decisions"]
         self.model._n_updates, self._best = content["updates"], content["best"]
         self.history = CheckpointHistory(**content["history"])
-        self.job.folder.write_history(self.history.entries)
+        self.write_history()
 
 
 class OneGoalEnv(VecEnvWrapper):
-    """An environment whose actions are the options of one goal; the other goals keep their best option."""
+    """An environment whose actions are the options of one goal; other goals keep the option of the highest score."""
 
     def __init__(self, envs: RobotVecEnv, goal: DecidedGoal) -> None:
         super().__init__(envs, action_space=Discrete(len(goal.problem.options)))
@@ -156,17 +156,17 @@ class OneGoalEnv(VecEnvWrapper):
         return self.venv.reset()
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Let each robot act by the option (R,) that serves the goal."""
+        """Send the option (R,) of each robot for the goal to the worlds."""
         self.venv.step_async(self._goal.actions(actions))
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Return what the step brought."""
+        """Return the results of the step."""
         return self.venv.step_wait()
 
 
 def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
     layers = list(settings.hidden)
-    set_random_seed(_derived(seed, -1))  # PPO's own argument would seed the worlds too, which follow the curriculum
+    set_random_seed(_derived(seed, -1))  # the argument of PPO would also seed the worlds
     return PPO(
         "MlpPolicy",
         env,
@@ -186,7 +186,7 @@ def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
 
 
 def _derived(seed: int, checkpoint: int) -> int:
-    """Return the seed of what is random in learning from a checkpoint on."""
+    """Return the seed of the random numbers of learning after a checkpoint."""
     return int(np.random.SeedSequence([seed, checkpoint + 1, 2]).generate_state(1, np.uint32)[0])
 
 

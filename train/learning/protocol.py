@@ -1,4 +1,4 @@
-"""The interface of the two ways in which a strategy can learn from its decisions."""
+"""The interface of the two ways in which a strategy learns from its decisions."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from selforg.arrays import Ints
 from train.learning.credit import Paid
 
 Taker = Callable[[Paid, int], None]
-"""Called with decisions whose rewards are complete, and the number of decisions made since the last call."""
+"""Function that gets decisions with complete rewards, and the number of decisions made since the last call."""
 
 
 class Learning(Protocol):
-    """A way to learn: who decides when, and what each decision is rewarded for."""
+    """A way of learning: when rows decide, and how each decision is rewarded."""
 
     @property
     def teams(self) -> Ints:
         """(R,) team of each row of the strategy."""
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Let the strategy decide and learn until the next checkpoint; return the costs of missions that ended [s]."""
+        """Train the strategy until the next checkpoint; return the costs of the missions that ended [s]."""

@@ -1,4 +1,4 @@
-"""Run a training from the user's request to the exported result, with its directory and the progress bar."""
+"""The session of a training: from the user's request to the exported result, with directory and progress bar."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from selector.documents.errors import DocumentError
-from train.learning.checkpoints import TrainingFolder
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
+from train.running.run_folder import RunFolder
 from train.running.warm_up import announce, compiled_before
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
@@ -28,7 +28,7 @@ LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
 
 @dataclass(frozen=True)
 class TrainingRequest:
-    """What the user asked for."""
+    """The request of the user."""
 
     learner: str
     """`ppo` or `bandit`."""
@@ -45,11 +45,11 @@ class TrainingRequest:
 
     @property
     def directory(self) -> Path:
-        """Where the training keeps everything."""
+        """Directory of the training."""
         return self.output or Path("results") / f"{Path(self.config).stem}-{self.learner}-seed{self.seed}"
 
     def command(self, *, resume: bool) -> str:
-        """Return the command that does this training."""
+        """Return the command of this training."""
         words = ["clean-swarm", "train", self.learner, "--config", self.config, "--seed", str(self.seed)]
         words += ["--output", str(self.output)] if self.output is not None else []
         words += ["--store", self.store] if self.store is not None else []
@@ -58,12 +58,12 @@ class TrainingRequest:
 
 
 def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Training], console: Console) -> int:
-    """Do a training, or go on with one; return the exit code.
+    """Do or continue a training; return the exit code.
 
     Args:
-        request: what the user asked for.
-        made: makes the training of its job.
-        console: shows the figures of each checkpoint.
+        request: the request of the user.
+        made: function that makes the training.
+        console: prints the figures of each checkpoint.
 
     """
     config = load_training(request.config, request.learner, request.directories)
@@ -74,7 +74,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         "versions": check_installed(request.learner),
         "directories": [str(path.resolve()) for path in request.directories],
     }
-    folder = TrainingFolder(request.directory, identity, resume=request.resume)
+    folder = RunFolder(request.directory, {"identity": identity}, resume=request.resume)
     if not compiled_before():
         announce()
     try:
@@ -94,7 +94,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
 
 
 def check_installed(learner: str) -> dict[str, str]:
-    """Return the versions of all packages that a learner needs; one that is missing raises DocumentError."""
+    """Return the versions of all packages that a learner needs; DocumentError for a missing package."""
     try:
         return versions(LEARNER_PACKAGES[learner])
     except PackageNotFoundError as error:
@@ -104,7 +104,7 @@ def check_installed(learner: str) -> dict[str, str]:
 
 @contextmanager
 def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
-    """Show a bar with the time left on the standard error; the function given takes the number of decisions made."""
+    """Show a progress bar on the standard error; the function returned takes the number of decisions made."""
     columns = (TextColumn("decisions"), BarColumn(), TextColumn("{task.completed:,.0f}"), TimeElapsedColumn())
     with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), console=Console(stderr=True)) as bar:
         task = bar.add_task("decisions", total=config.checkpoints * config.decisions)

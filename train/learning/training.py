@@ -1,37 +1,43 @@
-"""The blueprint of all trainings: checkpoints, validation, and when a training is over.
+"""The base class of all trainings, with checkpoints, validation and the end of a training.
 
-Between two checkpoints everything follows from the number of the checkpoint, the seed and the state saved there. So a
-training that was killed and resumed comes to the same bits.
+What happens between two checkpoints depends only on the number of the checkpoint, the seed and the saved state. A
+training that is killed and resumed therefore gives the same bits.
+
+A checkpoint is one file that is replaced whole, so that a kill at any moment leaves the old or the new file. Everything
+else in the directory is made from the checkpoint and can be written again.
 """
 
 from __future__ import annotations
 
+import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from train.learning.checkpoints import TrainingFolder
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.validation import CheckpointHistory, measured
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker
+from train.running.run_folder import RunFolder
 from train.running.trials import TrialSettings
+
+HISTORY_FILE = "history.jsonl"
 
 
 @dataclass(frozen=True)
 class TrainingJob:
-    """What a training is to do, and where."""
+    """The work of a training, and its directory."""
 
     config: TrainingConfig
     seed: int
     """Seed of everything random."""
-    folder: TrainingFolder
-    """Where the training keeps everything; it goes on from the checkpoint there."""
+    folder: RunFolder
+    """Directory of the training, which continues from the checkpoint there."""
     on_progress: Callable[[int], None]
-    """Called again and again with the number of decisions made."""
+    """Called repeatedly with the number of decisions made."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
 
@@ -41,8 +47,8 @@ class Training(ABC):
 
     Attributes:
         curriculum: the worlds to train in.
-        goal: the goal that is learned.
-        history: what the checkpoints have shown.
+        goal: the goal whose options are learned.
+        history: figures of the checkpoints.
         checkpoint: number of checkpoints done.
 
     """
@@ -71,7 +77,7 @@ class Training(ABC):
         return self.job.folder.path / self.CHECKPOINT
 
     def advance(self) -> None:
-        """Learn up to the next checkpoint, measure what was learned, and save everything."""
+        """Learn up to the next checkpoint, validate, and save everything."""
         learned = self._learn()
         self.checkpoint += 1
         figures = self._measured()
@@ -79,7 +85,11 @@ class Training(ABC):
         if self.history.note(entry, figures):
             self._keep_best()
         self._save({**entry, **figures})
-        self.job.folder.write_history(self.history.entries)
+        self.write_history()
+
+    def write_history(self) -> None:
+        """Write one line for each checkpoint to the directory."""
+        self.job.folder.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in self.history.entries))
 
     @property
     @abstractmethod
@@ -88,7 +98,7 @@ class Training(ABC):
 
     @abstractmethod
     def export(self, command: str) -> Path:
-        """Write the best result so far and return its path; `command` is the one that did the training."""
+        """Write the best result so far and return its path; `command` is that of the training."""
 
     @abstractmethod
     def _learn(self) -> dict[str, Any]:
@@ -96,11 +106,11 @@ class Training(ABC):
 
     @abstractmethod
     def _pilot_maker(self) -> PilotMaker:
-        """Return a maker of pilots that choose by what was learned so far."""
+        """Return a maker of pilots that use what was learned so far."""
 
     @abstractmethod
     def _keep_best(self) -> None:
-        """Keep what was learned so far, which is the best yet, for the export."""
+        """Keep the present state, the best so far, for the export."""
 
     @abstractmethod
     def _save(self, figures: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Measure what was learned so far: mission costs on scenarios that no training uses, and the best checkpoint."""
+"""Validation: mission costs on scenarios that no training uses, and the best checkpoint."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from train.running.trials import TrialSettings, run_trials
 def measured(
     scenarios: Mapping[str, Sequence[Scenario]], maker: PilotMaker, settings: TrialSettings
 ) -> dict[str, float]:
-    """Return mission cost [s], collision events and share of completed missions: means, family by family."""
+    """Return means for each family: cost [s], share of completed missions, duration [s] and collision events [1/s]."""
     figures = {}
     for family, some in scenarios.items():
         results = run_trials(some, maker, settings)
@@ -41,7 +41,7 @@ class CheckpointHistory:
     def note(self, entry: dict[str, Any], figures: Mapping[str, float]) -> bool:
         """Add a checkpoint's entry and its figures; return whether it is the best so far.
 
-        The score is the mean over the families of the logarithm of the cost, so that no family's unit counts more.
+        The score is the mean over families of the logarithm of the cost, so that families of high costs count no more.
         """
         costs = [value for name, value in figures.items() if name.endswith("/cost_s")]
         score = float(np.mean(np.log(costs))) if costs else float("nan")

@@ -1,1 +1,1 @@
-"""Tables and figures for readers."""
+"""Tables and figures."""

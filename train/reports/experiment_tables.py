@@ -1,4 +1,4 @@
-"""The tables of an evaluation: the paper's Table 1, ratios between conditions, and ours beside measured figures."""
+"""The tables of an evaluation: the paper's Table 1, ratios between conditions, and comparisons with measurements."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ SUMMARIES: dict[str, Callable[[Floats], float]] = {
 
 @dataclass(frozen=True)
 class _Column:
-    """Figures of one column: those of single scenarios, and those that the summary is made of."""
+    """Figures of one column: by scenario, and all values for the summary."""
 
     by_scenario: Mapping[str, float]
     values: Floats
@@ -56,9 +56,7 @@ def table_1(report: Report) -> Grid:
         for scenario in report.figures.scenarios
     ]
     summary = [
-        Row(
-            what, tuple(tuple(_two(take(c.values)) if c.values.size else EMPTY_CELL for c in group) for group in groups)
-        )
+        Row(what, tuple(tuple(_summary(column, take) for column in group) for group in groups))
         for what, take in SUMMARIES.items()
     ]
     done = [f"{row.sum()}/{row.size}" for row in report.figures.completed]
@@ -72,12 +70,8 @@ def ratios(report: Report) -> Grid:
     published = report.experiment.reference
     rows = []
     for found in report.comparisons:
-        row: tuple[str, ...] = (
-            TITLES[found.metric],
-            f"{found.a} / {found.b}",
-            _number(found.ratio.ratio),
-            _interval(found.ratio.ci95),
-        )
+        figures = (_number(found.ratio.ratio), _interval(found.ratio.ci95))
+        row: tuple[str, ...] = (TITLES[found.metric], f"{found.a} / {found.b}", *figures)
         if published:
             a, b = (published.figures.get(name, {}).get(found.metric, ()) for name in (found.a, found.b))
             row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL,)
@@ -89,15 +83,7 @@ def ratios(report: Report) -> Grid:
 def measured_means(report: Report) -> Grid:
     """Return our means beside the measured means; no rows without measured figures."""
     rows = [
-        (
-            m.metric,
-            m.condition,
-            _number(m.ours),
-            _number(m.measured),
-            _number(m.ratio),
-            _interval(m.ci95),
-            _yes(m.agrees),
-        )
+        (m.metric, m.condition, *map(_number, (m.ours, m.measured, m.ratio)), _interval(m.ci95), _yes(m.agrees))
         for m in report.reference.means
     ]
     heads = ("condition", "ours", "measured", "ratio", "95 % interval", "agree")
@@ -125,7 +111,7 @@ def _ours(report: Report, condition: int, metric: str) -> _Column:
 
 
 def _beside(report: Report, condition: str) -> list[_Column]:
-    """Return the columns of measured figures under a condition, else of published figures; none without either."""
+    """Return the columns of measured figures of a condition, else of published ones; empty without either."""
     if report.reference.means:
         return [_measured(report, condition, metric) for metric in SHOWN]
     published = report.experiment.reference

@@ -1,4 +1,4 @@
-"""The figure of an evaluation: every scenario under every condition, paired, for duration and collision samples."""
+"""The figure of an evaluation: duration and collision samples of every scenario under every condition."""
 
 import io
 
@@ -16,7 +16,7 @@ COLOURS = ("#c44e52", "#4c72b0", "#55a868", "#dd8452", "#8172b3", "#937860")
 """Colours of the conditions, in order."""
 LEGEND = "diamond: mean with its 95 % interval; box: quartiles; grey line: one scenario; hollow point: not completed"
 SPREAD = 0.06
-"""Half the width over which the points of a condition are spread, in units of the distance between conditions."""
+"""Half the width of the points of one condition, as a share of the distance between conditions."""
 
 
 def draw(report: Report) -> bytes:
@@ -66,7 +66,7 @@ def _points(axes: Axes, places: Floats, values: Floats, completed: Flags, colour
 
 def _mean(axes: Axes, place: float, summary: Summary, colour: str) -> None:
     low, high = summary.ci95 or (summary.mean, summary.mean)
-    above = max(low, axes.get_ylim()[0], summary.mean / 20.0)  # a log axis has no room for an interval that meets 0
+    above = max(low, axes.get_ylim()[0], summary.mean / 20.0)  # 0 cannot be drawn on a log axis
     axes.plot([place, place], [above, high], color=colour, linewidth=2, zorder=4)
     axes.plot(place, summary.mean, marker="D", color=colour, markeredgecolor="white", markersize=8, zorder=5)
     text = f"{summary.mean:.0f}" if summary.mean >= 100.0 else f"{summary.mean:.3g}"
@@ -74,7 +74,7 @@ def _mean(axes: Axes, place: float, summary: Summary, colour: str) -> None:
 
 
 def _offsets(count: int) -> Floats:
-    """Return (K,) sideways offsets that keep neighbouring scenarios apart, the same for every condition."""
+    """Return sideways offsets (K,) that separate neighbouring scenarios, the same for every condition."""
     offsets: Floats = SPREAD * np.cos(np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)))
     return offsets
 
@@ -84,12 +84,11 @@ def _folded(name: str) -> str:
 
 
 def _ratio_line(report: Report, metric: str) -> str:
-    """Return the ratios to the last condition, with which all others are compared."""
+    """Return the ratios of all conditions to the last one."""
     last = report.figures.conditions[-1]
-    found = [c for c in report.comparisons if c.metric == metric and c.b == last and c.ratio.ratio is not None]
-    texts = [
+    return "\n".join(
         f"{c.a} / {c.b}: {c.ratio.ratio:.2f}"
         + (f" [{c.ratio.ci95[0]:.2f}, {c.ratio.ci95[1]:.2f}]" if c.ratio.ci95 else "")
-        for c in found
-    ]
-    return "\n".join(texts)
+        for c in report.comparisons
+        if c.metric == metric and c.b == last and c.ratio.ratio is not None
+    )

@@ -1,4 +1,4 @@
-"""The tables of `clean-swarm knowledge`: all goals of a store, and one goal in full."""
+"""The tables of `clean-swarm knowledge`: all goals of a store, and one goal in detail."""
 
 import math
 from collections.abc import Iterable

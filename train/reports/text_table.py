@@ -16,7 +16,7 @@ MAX_ROWS_SHOWN = 30
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns that belong together under one title; without a title, a single column."""
+    """A group of columns under one title; a single column has no title."""
 
     title: str
     heads: tuple[str, ...]
@@ -32,7 +32,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Grid:
-    """A table of text; `summary` rows stand apart below `rows`."""
+    """A table of text with `summary` rows below the other rows."""
 
     title: str
     corner: str
@@ -49,7 +49,7 @@ def flat(title: str, corner: str, heads: Sequence[str], rows: Sequence[tuple[str
 
 
 def markdown(grid: Grid) -> str:
-    """Return a grid as a Markdown table with its numbers to the right."""
+    """Return a grid as a Markdown table, with all columns but the first aligned to the right."""
     heads = [f"{group.title} {head}".strip() for group in grid.columns for head in group.heads]
     lines = [f"## {grid.title}", "", _line([grid.corner, *heads]), f"|---|{'---:|' * len(heads)}"]
     lines += [_line([row.label, *(cell for group in row.groups for cell in group)]) for row in grid.rows + grid.summary]
@@ -57,7 +57,7 @@ def markdown(grid: Grid) -> str:
 
 
 def on_terminal(grid: Grid) -> RenderableType:
-    """Return a grid for a rich console; the columns of a group share one cell, so that the title stands above them."""
+    """Return a grid for a rich console; the columns of a group share one cell, with the title above them."""
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column(grid.corner)
     widths = [_widths(grid, place) for place in range(len(grid.columns))]

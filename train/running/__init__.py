@@ -1,1 +1,1 @@
-"""Runs: tasks in processes, trials in batches of worlds, and the directories that keep the results."""
+"""Runs: tasks in processes, trials in batches of worlds, and directories of results."""

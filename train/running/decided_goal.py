@@ -1,4 +1,4 @@
-"""Which goal of a mission a learner or a pilot chooses options for; the other goals keep what the expert rates highest.
+"""The goal of a mission for which a learner or a pilot chooses options; other goals keep the option of highest score.
 
 Shapes: R rows, C goals that the mission coordinates, in the order of the robot's document.
 """
@@ -12,7 +12,6 @@ import numpy as np
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.robot import GOAL
 from selector.documents.errors import DocumentError
-from selector.strategies.problem import Problem
 from selforg.arrays import Ints
 from selforg.registry import unknown
 
@@ -22,22 +21,21 @@ class DecidedGoal:
 
     Args:
         batch: the worlds.
-        goal: name of the goal; `named_goal` chooses unless given.
+        goal: name of the goal; the goal that `named_goal` returns unless given.
 
     Attributes:
-        problem: goal, options and scores; its features are all components of the observation.
+        problem: goal, options and scores; the features are all components of the observation.
 
     Raises:
-        DocumentError: a goal that the mission does not coordinate, or a choice that has to be named.
+        DocumentError: the mission does not coordinate the goal, or has several goals of which none is named.
 
     """
 
     def __init__(self, batch: Batch, goal: str | None = None) -> None:
-        models = [coordinator.model for coordinator in batch.worlds.coordinators]
-        name = named_goal([model.goal for model in models], goal)
-        self._column = [model.goal for model in models].index(name)
-        model = models[self._column]
-        self.problem = Problem(model.goal, model.options, model.scores, batch.observer.names)
+        models = {coordinator.model.goal: coordinator.model for coordinator in batch.worlds.coordinators}
+        name = named_goal(tuple(models), goal)
+        self._column = list(models).index(name)
+        self.problem = models[name].problem(batch.observer.names)
         self._default = batch.choices.default
 
     def actions(self, options: Ints) -> Ints:
@@ -48,7 +46,7 @@ class DecidedGoal:
 
 
 def named_goal(known: Sequence[str], wanted: str | None) -> str:
-    """Return the goal that is wanted, else AvoidCollision, else the only one of those `known`."""
+    """Return the goal `wanted` if given, else AvoidCollision if it is `known`, else the only known goal."""
     if wanted is not None:
         if wanted not in known:
             raise DocumentError(f"goal: {unknown('goal', wanted, known)}")

@@ -4,4 +4,4 @@ FINISHED = 0
 FAILED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
-"""A program that Ctrl-C ended."""
+"""Code of a program that Ctrl-C ended."""

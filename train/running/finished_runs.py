@@ -1,8 +1,8 @@
 """The finished runs of an evaluation, kept in its directory.
 
-`runs.jsonl` and `runs.csv` get one line for each finished run, on the disk before the next one is reported, so that
-nothing finished is lost. `runs.jsonl` has all that is known of a run and is what a later `--resume` reads. Both are
-sorted in the end, which makes them equal for equal runs but for `wall_s`.
+`runs.jsonl` and `runs.csv` get one line for each finished run, which is on the disk before the next run is reported, so
+that no finished run is lost. `runs.jsonl` has complete records, which `--resume` reads. Both files are sorted at the
+end; apart from `wall_s`, equal runs then give equal files.
 """
 
 import csv
@@ -35,7 +35,7 @@ class Results:
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
-        """Keep a finished run, on the disk when the call returns."""
+        """Keep a finished run; it is on the disk when the call returns."""
         self.records.append(record)
         for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
             with (self.folder.path / name).open("a", encoding="utf-8", newline="") as file:
@@ -44,12 +44,12 @@ class Results:
                 os.fsync(file.fileno())
 
     def close(self) -> None:
-        """Sort the finished runs and write them all."""
+        """Sort all finished runs and write them."""
         self.records.sort(key=lambda record: (natural_order(record.scenario), record.condition))
         self._rewrite()
 
     def _read(self) -> list[RunRecord]:
-        """Return the runs of the journal; a last line cut off by a crash is left out."""
+        """Return the runs of the journal, without a last line that a crash cut off."""
         path = self.folder.path / JOURNAL
         if not path.exists():
             return []
@@ -80,7 +80,7 @@ def _line(record: RunRecord) -> str:
 
 
 def _row(record: RunRecord) -> str:
-    """Return the line of `runs.csv`; of the collisions it has only those at the first distance."""
+    """Return the line of `runs.csv`, with the collisions at the first distance only."""
     cells, text = record.as_mapping(), io.StringIO()
     firsts = [value[0] if isinstance(value, tuple) else value for value in cells.values()]
     csv.writer(text, lineterminator="\n").writerow(firsts)

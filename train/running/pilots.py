@@ -1,4 +1,4 @@
-"""Pilots: what chooses an option for each row of a batch, be it a strategy, a trained policy or a rule.
+"""Pilots, which choose an option for each row of a batch: by a strategy, a trained policy or a rule.
 
 Shapes: R rows, F components of an observation, K components that a strategy sees, S situations.
 """
@@ -6,6 +6,7 @@ Shapes: R rows, F components of an observation, K components that a strategy see
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -22,13 +23,13 @@ from selforg.registry import unknown
 
 
 class Pilot(Protocol):
-    """What chooses an option for each row."""
+    """Chooses an option for each row."""
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Prepare `rows` (N,) for a mission that begins, whose seed is `seed`."""
+        """Prepare `rows` (N,) for a new mission with `seed`."""
 
     def choose(self, observations: Observations) -> Ints:
-        """Return the option (R,) that each row holds in the coming decision period, from its observations (R, F)."""
+        """Return the option (R,) of each row for the next decision period, from its observations (R, F)."""
 
 
 PilotMaker = Callable[[Problem, Ints], Pilot]
@@ -43,11 +44,11 @@ class StrategyPilot:
         self.strategy, self._columns = strategy, columns
 
     def begin(self, rows: Ints, seed: int) -> None:
-        """Give rows new sources of randomness."""
+        """Give rows new keys of random numbers."""
         self.strategy.reseed(rows, row_keys(np.random.SeedSequence([seed, 1]), len(rows)))
 
     def choose(self, observations: Observations) -> Ints:
-        """Return what the strategy selects."""
+        """Return the options (R,) that the strategy selects."""
         return self.strategy.select(observations[:, self._columns].astype(np.float64))
 
 
@@ -56,26 +57,25 @@ class PolicyPilot:
 
     def __init__(self, policy: TrainedPolicy, problem: Problem) -> None:
         names = policy.spec.observations
-        known = Problem(problem.goal, problem.options, problem.scores, names)
         self._columns = np.array([problem.features.index(name) for name in names])
-        self._network = Network(policy.ordered_for(known, "policy"))
+        self._network = Network(policy.ordered_for(replace(problem, features=names), "policy"))
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Do nothing: the decisions do not depend on the mission."""
 
     def choose(self, observations: Observations) -> Ints:
-        """Return the likeliest option."""
+        """Return the likeliest options (R,)."""
         outputs = self._network.outputs(observations[:, self._columns].astype(np.float64))
         options: Ints = outputs.argmax(axis=1)
         return options
 
 
 class RulePilot:
-    """Each row decides by a rule of its own: an option for each situation that a robot can be in.
+    """Each row decides by its own rule, which has an option for each situation of a robot.
 
     Args:
         problem: goal and options; its features are all components of the observation.
-        situations: components of it, the largest of which says in which situation a robot is; none: S is 1.
+        situations: components of the observation; the largest one gives the situation of a robot. Empty: S is 1.
         rules: (R, S) options.
 
     """
@@ -88,7 +88,7 @@ class RulePilot:
         """Do nothing: the decisions do not depend on the mission."""
 
     def choose(self, observations: Observations) -> Ints:
-        """Return the option (R,) of the situation that each row is in."""
+        """Return the option (R,) of each row for its present situation."""
         rows = np.arange(len(self.rules))
         situations = observations[:, self._columns].argmax(axis=1) if len(self._columns) else np.zeros_like(rows)
         chosen: Ints = self.rules[rows, situations]
@@ -96,7 +96,7 @@ class RulePilot:
 
 
 def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
-    """Return the places of components of an observation; an unknown one is a DocumentError."""
+    """Return the indices of components of an observation; DocumentError for an unknown name."""
     for name in names:
         if name not in problem.features:
             raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")

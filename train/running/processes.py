@@ -1,4 +1,4 @@
-"""Do tasks in several processes, and return the runs of each task as soon as it is done."""
+"""Tasks in several processes; the runs of each task are returned as soon as it is done."""
 
 import multiprocessing
 import os
@@ -12,9 +12,9 @@ from train.running.runs import RunRecord, Task
 
 
 def each_done(tasks: Sequence[Task], workers: int) -> Generator[list[RunRecord], None, None]:
-    """Yield the runs of each task as it is done, in any order, from up to `workers` processes.
+    """Yield the runs of each task when it is done, in any order, from up to `workers` processes.
 
-    Closing the iterator, or an error in a task, ends the others at once. One worker is this process itself.
+    Closing the iterator, or an error in a task, ends the other tasks at once. A single worker is this process itself.
     """
     if min(workers, len(tasks)) <= 1:
         for task in tasks:
@@ -40,7 +40,7 @@ def each_done(tasks: Sequence[Task], workers: int) -> Generator[list[RunRecord],
 
 @contextmanager
 def _ctrl_c_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C: it reaches a whole group of processes, and the parent decides for its workers."""
+    """Ignore Ctrl-C: a terminal sends it to the workers too, but the parent ends its workers."""
     if threading.current_thread() is not threading.main_thread():  # only the main thread may change signals
         yield
         return
@@ -52,12 +52,13 @@ def _ctrl_c_ignored() -> Iterator[None]:
 
 
 def _start_worker() -> None:
-    """End this worker with its parent: one that is killed must not leave workers behind."""
+    """Start a thread that ends this worker when its parent ends, because a killed parent cannot end its workers."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
 
 
 def _end_with(wait_for_parent: Callable[[], None]) -> None:
+    """End this process when the parent has ended."""
     wait_for_parent()
     os._exit(1)

@@ -1,4 +1,4 @@
-"""Where results come from: versions of the software, and fingerprints of the files that decide what a run is."""
+"""Origin of results: versions of the software, and fingerprints of the files on which a run depends."""
 
 import hashlib
 import platform
@@ -11,21 +11,21 @@ import configs
 PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages that every result depends on."""
 FINGERPRINTED = ("knowledge", "mechanisms", "robots")
-"""Kinds of files that decide what a run is, beside its configuration."""
+"""Kinds of files on which a run depends, besides its configuration."""
 
 
 def versions(more: Sequence[str] = ()) -> dict[str, str]:
     """Return the versions of Python, of the packages that every result depends on, and of `more` packages.
 
     Raises:
-        PackageNotFoundError: one of them is not installed.
+        PackageNotFoundError: a package is not installed.
 
     """
     return {"python": platform.python_version(), **{name: version(name) for name in (*PACKAGES, *more)}}
 
 
 def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
-    """Return file -> SHA-256 for the fingerprinted files: the shipped ones, and those of the user's directories."""
+    """Return file -> SHA-256 of the fingerprinted files, both shipped and in the user's directories."""
     shipped = configs.directory()
     found = {}
     for root in (shipped, *directories):

@@ -1,7 +1,7 @@
-"""Run folders: directories that evaluations and trainings claim, write to, and recognise when they go on.
+"""Run folders: directories with the results of an evaluation or a training.
 
-`manifest.json` states under `identity` what the directory is for. A directory is used again only for the same identity
-and only to resume. A directory that holds anything else is refused, and nothing in it is touched.
+`identity` in `manifest.json` says which evaluation or training has the directory. A directory is used again only for
+the same identity and only to resume. A directory with other files is refused and not changed.
 """
 
 import json
@@ -21,19 +21,19 @@ class RunFolder:
     """A directory that belongs to one evaluation or one training.
 
     Args:
-        path: the directory; it is made if there is none.
-        manifest: content of `manifest.json`; the mapping `identity` in it says what the directory is for.
-        resume: whether to go on with what the directory holds.
-        growing: name of a mapping in the identity whose entries may differ each time; the directory keeps them all.
+        path: the directory; a missing one is made.
+        manifest: content of `manifest.json`, with the mapping `identity`.
+        resume: whether to continue with the results in the directory.
+        growing: name of a mapping in the identity that may get new entries each time; the manifest keeps all entries.
 
     Raises:
-        ConfigurationError: the directory holds something else, or the same and is not to be resumed.
+        ConfigurationError: the directory has other files, or the same results without `resume`.
 
     """
 
     def __init__(self, path: Path, manifest: Mapping[str, Any], *, resume: bool, growing: str = "") -> None:
         self.path = path
-        content: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it will be read, lists for tuples
+        content: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it is read later, with lists for tuples
         identity = content["identity"]
         if path.exists() and not path.is_dir():
             raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
@@ -45,11 +45,11 @@ class RunFolder:
         self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
 
     def write(self, name: str, content: str | bytes) -> None:
-        """Write a file of the directory whole, so that at any moment the old or the new content is there."""
+        """Write a file of the directory whole: at any moment it has its old or its new content."""
         write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())
 
     def _claimed(self, identity: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
-        """Return the identity in the manifest; ConfigurationError unless it fits `identity` and may be resumed."""
+        """Return the identity in the manifest; ConfigurationError if it differs from `identity` or without `resume`."""
         held = _identity(self.path)
         if held is None:
             raise ConfigurationError(f"{self.path}: holds other files; expected an empty or a new directory")
@@ -65,7 +65,7 @@ class RunFolder:
 
 
 def default_directory(stem: str, *, resume: bool) -> Path:
-    """Return results/<stem>, or the first free of <stem>-2, <stem>-3 and so on; to resume, the last taken one."""
+    """Return the first of results/<stem>, <stem>-2, <stem>-3, ... that is free; to resume, the last that exists."""
     root = Path("results")
     taken, number = None, 1
     while (candidate := root / (stem if number == 1 else f"{stem}-{number}")).exists():
@@ -74,10 +74,10 @@ def default_directory(stem: str, *, resume: bool) -> Path:
 
 
 def read_manifest(directory: Path) -> Json:
-    """Return what `manifest.json` of a directory says.
+    """Return the content of `manifest.json` in a directory.
 
     Raises:
-        ConfigurationError: no such directory, or no manifest in it.
+        ConfigurationError: there is no such directory, or no manifest in it.
 
     """
     if not directory.is_dir():

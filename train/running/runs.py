@@ -1,4 +1,4 @@
-"""One run: a mission under one condition. What a run needs, what it comes to, and tasks for worker processes."""
+"""One run, which is a mission under one condition: its task for a worker process, and its record."""
 
 import os
 import time
@@ -15,8 +15,8 @@ from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.world.mission import MissionResult, run_mission
 from selector.strategies.registry import StrategySpec
 
-FIRST_SECOND = 1.0
-"""Time limit of a mission that is run only to compile what missions need [s]."""
+WARM_UP_LIMIT = 300.0
+"""Time limit of a mission that runs only to compile kernels [s]: by then robots have met and stores have grown."""
 
 RunKey = tuple[str, str]
 """Scenario and condition."""
@@ -24,7 +24,7 @@ MissionRunner = Callable[
     [MissionConfig, StartConfiguration, int, Mapping[str, Mapping[str, float]], StrategySpec, tuple[Path, ...]],
     MissionResult,
 ]
-"""What runs a mission; the arguments are those of `run_mission`."""
+"""A function that runs a mission, with the arguments of `run_mission`."""
 
 
 @dataclass(frozen=True)
@@ -47,28 +47,28 @@ class RunRecord:
         return self.scenario, self.condition
 
     def as_mapping(self) -> dict[str, Any]:
-        """Return the record as `RUN_COLUMNS` name it, the mission's figures beside what names the run."""
+        """Return the record as a flat mapping with the keys `RUN_COLUMNS`."""
         own = {name: getattr(self, name) for name in NAMING}
         return {**own, **asdict(self.result), "wall_s": self.wall_s}
 
     @classmethod
     def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
-        """Return the record that `as_mapping` gave; ValidationError for anything else."""
+        """Return the record of a mapping by `as_mapping`; ValidationError for anything else."""
         result = {name: value for name, value in given.items() if name in _RESULT_COLUMNS}
         own = {name: value for name, value in given.items() if name not in _RESULT_COLUMNS}
         return _RECORD.validate_python({**own, "result": result})
 
 
 NAMING = ("experiment", "scenario", "seed", "condition")
-"""What names a run."""
+"""Columns that identify a run."""
 _RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult))
 _RECORD = TypeAdapter(RunRecord)
 RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
-"""What is kept of a run, in the order of `runs.csv`."""
+"""Columns of `runs.csv`."""
 
 
 class Task(Protocol):
-    """Runs that one process does; plain data that travels to a worker process."""
+    """Runs that one process does; plain data, which can be sent to a worker process."""
 
     @property
     def runs(self) -> int:
@@ -78,7 +78,7 @@ class Task(Protocol):
         """Do the runs."""
 
     def beginning(self) -> "Task":
-        """Return a task that does only the first second of one of the runs, which compiles what all runs need."""
+        """Return a task that does only the beginning of one run, which compiles the kernels that all runs call."""
 
 
 @dataclass(frozen=True)
@@ -88,18 +88,18 @@ class RunTask:
     experiment: str
     scenario: str
     seed: int
-    """Seed of the experiment; with `scenario` it gives the seed of the mission."""
+    """Seed of the experiment; the seed of the mission follows from it and `scenario`."""
     condition: str
     mission: MissionConfig
     start: StartConfiguration
     scores: Mapping[str, Mapping[str, float]]
-    """Goal -> option -> score, laid over the expert knowledge."""
+    """Goal -> option -> score, in place of scores of the expert knowledge."""
     strategy: StrategySpec
-    """What decides which options serve the goals."""
+    """Strategy that chooses the options."""
     directories: tuple[Path, ...]
     """The user's own directories of configurations."""
     run_mission: MissionRunner
-    """What runs the mission."""
+    """Function that runs the mission."""
 
     @property
     def runs(self) -> int:
@@ -121,12 +121,13 @@ class RunTask:
         return [RunRecord(self.experiment, self.scenario, self.seed, self.condition, result, wall)]
 
     def beginning(self) -> "RunTask":
-        """Return the first second of the run."""
-        return replace(self, mission=self.mission.model_copy(update={"time_limit": FIRST_SECOND}))
+        """Return the run up to `WARM_UP_LIMIT`."""
+        limit = min(self.mission.time_limit, WARM_UP_LIMIT)
+        return replace(self, mission=self.mission.model_copy(update={"time_limit": limit}))
 
 
 def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:
-    """Return every condition on every start configuration; a start that does not fit raises ConfigurationError."""
+    """Return a task for every condition on every start; ConfigurationError for a start that does not fit."""
     missions = [for_start(experiment.mission, start) for start in experiment.starts]
     return [
         RunTask(

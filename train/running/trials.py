@@ -1,4 +1,4 @@
-"""Trials: missions of given scenarios in which a pilot chooses the options, many worlds at once.
+"""Trials: missions of given scenarios, many at the same time, in which a pilot chooses the options.
 
 The result of a mission depends neither on the worlds beside it nor on their number.
 """
@@ -20,12 +20,12 @@ from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker
 
 MOST_WORLDS = 32
-"""Worlds of one batch, unless given."""
+"""Default of the largest number of worlds in a batch."""
 
 
 @dataclass(frozen=True)
 class TrialSettings:
-    """How trials are run."""
+    """Settings of trials."""
 
     goal: str | None = None
     """Goal that the pilot chooses options for; see `DecidedGoal`."""

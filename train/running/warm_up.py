@@ -1,4 +1,4 @@
-"""Compile before the runs, once and in one process, instead of in every worker at the same time."""
+"""Compile the kernels before the runs, once and in one process: workers would compile them all at the same time."""
 
 from pathlib import Path
 
@@ -10,11 +10,11 @@ from selforg.compiler.switches import COMPILED
 from train.running.runs import Task
 
 EVERY_MISSION = Path(tick_kernels.__file__)
-"""The file of kernels that every mission calls, and that only a running mission calls."""
+"""File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
 
 
 def compile_first(task: Task) -> None:
-    """Run the first second of one run, which compiles the kernels that all runs call."""
+    """Do the beginning of one run, which compiles the kernels that all runs call."""
     announce()
     task.beginning().run()
 
@@ -25,6 +25,6 @@ def announce() -> None:
 
 
 def compiled_before() -> bool:
-    """Tell whether the kernels of today's sources lie on the disk; true as well where nothing can be kept there."""
+    """Return whether the kernels of the present sources are on the disk; True as well where none can be kept."""
     folder = folder_for(str(EVERY_MISSION))
     return not COMPILED or folder is None or any(folder.rglob("*.nbi"))

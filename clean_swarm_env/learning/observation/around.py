@@ -1,6 +1,7 @@
-"""What is around the robots: the record that the kernels of all observation terms take.
+"""What is around the robots: the record that all observation terms read.
 
-Shapes: W worlds, N robots a world, R = W * N rows, M items a world, K neighbour ranges.
+Shapes: W worlds, N robots a world, R = W * N rows, M items a world, K neighbour ranges, C coordinated goals, S sensors,
+B behaviours of the robots' network.
 """
 
 from __future__ import annotations
@@ -16,31 +17,52 @@ from selforg.space import nearest_image
 
 
 class Around(NamedTuple):
-    """Arrays of the worlds, and arrays that `searches` fills. Terms only read them."""
+    """Arrays of the worlds, settings, and arrays that are filled for every observation. Terms only read them."""
 
+    robots: int  # N
     extent: Annotated[Floats, "2"]  # of the torus [m]
     positions: Annotated[Floats, "R 2"]  # of the robots [m]
     headings: Annotated[Floats, "R"]  # [rad]
+    bodies: Annotated[Floats, "R 4"]  # see `Physics.bodies`
     present: Annotated[Flags, "R"]  # whether there is a robot in the row
+    speed: Annotated[Floats, "R"]  # of the drive [m/s]
+    turn_rate: Annotated[Floats, "R"]  # of the drive [rad/s]
     cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
     recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
     items: Annotated[Floats, "W M 2"]  # places of the items [m]
     stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
+    done: Annotated[Ints, "W"]  # items dumped
+    arrived: Annotated[Ints, "W"]  # items that have come into the world
     stations: Annotated[Floats, "W 2 2"]  # recycling and dump [m]
+    readings: Annotated[Floats, "R S"]  # of the robots' network
+    marks: Annotated[Ints, "R LAYERS B"]  # of the robots' network, see `network.state`
+    limits: Annotated[Ints, "W"]  # ticks after which each mission is over
+    idle: Annotated[Ints, "R"]  # ticks since the robot last picked, recycled or dumped something
+    # settings
+    first_options: Annotated[Ints, "C"]  # number of options of the goals before each goal
+    ranges: Annotated[Floats, "K"]  # neighbour ranges, growing [m]
     sight: float  # distance within which an item is seen [m]
     longest: float  # half the diagonal of the torus [m]
-    ranges: Annotated[Floats, "K"]  # neighbour ranges, growing [m]
-    # found for every observation
+    station_range: float  # distance to a station within which a robot is near it [m]
+    full_crowd: float  # number of robots in range that counts as 1
+    patience: float  # time without progress that counts as 1 [ticks]
+    reach: float  # of a robot's pose [m]
+    max_speed: float  # [m/s]
+    max_turn_rate: float  # [rad/s]
+    area: float  # share of the torus within 1 m of a robot
+    avoidance: int  # column of the sensor of the avoidance vector's length, -1 without one
+    avoiding: int  # number of the behaviour that avoids others, -1 without one
+    # filled for every observation
+    ticks: Annotated[Ints, "W"]  # since the reset of each world
+    held: Annotated[Ints, "C R"]  # option that serves each goal
     team: Annotated[Ints, "W"]  # number of robots present
     item: Annotated[Ints, "R"]  # nearest item in sight, -1 without one
     phases: Annotated[Ints, "R"]  # numbers of `PHASES`
-    # found for terms that need "stations"
-    station_distances: Annotated[Floats, "2 R"]  # to recycling and dump [m]
-    station_ways: Annotated[Floats, "2 3 R"]  # the ways to them, see `write_way`, by `longest`
-    # found for terms that need "neighbours"
+    station_distances: Annotated[Floats, "R 2"]  # to recycling and dump [m]
+    station_ways: Annotated[Floats, "R 2 3"]  # the ways to them, see `write_way`, by `longest`
     neighbour: Annotated[Ints, "R"]  # row of the nearest other robot within the largest range, -1 without one
-    within: Annotated[Ints, "K R"]  # number of other robots within each range
-    carriers: Annotated[Ints, "1 R"]  # number of other robots with cargo within the largest range
+    within: Annotated[Ints, "R K"]  # number of other robots within each range
+    carriers: Annotated[Ints, "R"]  # number of other robots with cargo within the largest range
 
 
 AROUND_RECORD = Recording(Around)
@@ -49,16 +71,22 @@ open_around = AROUND_RECORD.open
 
 @inlined
 def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats) -> float:
-    """Write the way of a row to a place (2,) [m] into column `row` of `way` (3, R); return the distance [m].
+    """Write the way of a row to a place (2,) [m] into `way` (3,); return the distance [m].
 
     The way is the distance by `scale`, at most 1, then the unit vector to the place in the robot's frame.
     """
     dx = nearest_image(place[0] - around.positions[row, 0], around.extent[0])
     dy = nearest_image(place[1] - around.positions[row, 1], around.extent[1])
     length = float(np.sqrt(dx * dx + dy * dy))
-    way[0, row], way[1, row], way[2, row] = min(length / scale, 1.0), 0.0, 0.0
+    way[0], way[1], way[2] = min(length / scale, 1.0), 0.0, 0.0
     if length > 0.0:
         cosine, sine = np.cos(around.headings[row]), np.sin(around.headings[row])
-        way[1, row] = min(max((cosine * dx + sine * dy) / length, -1.0), 1.0)
-        way[2, row] = min(max((cosine * dy - sine * dx) / length, -1.0), 1.0)
+        way[1] = min(max((cosine * dx + sine * dy) / length, -1.0), 1.0)
+        way[2] = min(max((cosine * dy - sine * dx) / length, -1.0), 1.0)
     return length
+
+
+@inlined
+def copy_way(way: Floats, out: Floats) -> None:
+    """Copy a way (3,) to the first places of `out`."""
+    out[0], out[1], out[2] = way[0], way[1], way[2]

@@ -1,8 +1,8 @@
-"""The choice of terms that an observation is made of.
+"""The configuration of an observation: its terms and their settings.
 
 Every component lies within [-1, 1] and is multiplied by the weight of its term. Directions are unit vectors in the
-robot's own frame (`_ahead`, `_left`); distances are divided by the longest way on the torus, or by the range within
-which the thing is seen, and are 1 where nothing is seen.
+robot's own frame (`_ahead`, `_left`). Distances are divided by the longest way on the torus, or by the range within
+which the thing is seen. A distance is 1 where nothing is seen.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ DEFAULT_TERMS = (
     "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
     "crowd", "carriers", "avoidance", "movement", "mission", "idle", "density", "holds",
 )  # fmt: skip
-"""What an observation is made of unless other terms are chosen; the modules of these terms are imported above."""
+"""The terms of an observation unless others are chosen, all of them compiled; their modules are imported above."""
 
 
 class TermConfig(Closed):
@@ -56,7 +56,7 @@ class ObservationConfig(Closed):
     terms: Annotated[tuple[Annotated[TermConfig, BeforeValidator(_by_name)], ...], Field(min_length=1)] = tuple(
         TermConfig(name=name) for name in DEFAULT_TERMS
     )
-    """The terms; a bare name stands for weight 1."""
+    """The terms; a bare name is the term of that name with weight 1."""
     neighbour_ranges: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0, 1.5, 2.5)
     """Centre distances within which robots are counted [m], growing; within the last one robots are neighbours."""
     station_range: Positive = 2.0
@@ -87,7 +87,7 @@ class ObservationConfig(Closed):
         return self
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
-        """Return the terms at work on what is `observed`."""
+        """Return the terms of what is `observed`."""
         return tuple(self._built(term, observed) for term in self.terms)
 
     def _built(self, term: TermConfig, observed: Observed) -> Term:

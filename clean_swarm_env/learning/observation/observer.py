@@ -1,32 +1,31 @@
-"""What a selector sees of each robot: the chosen terms, computed for all rows at once."""
+"""Observations of the robots: the chosen terms, computed for all rows at once."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
-from clean_swarm_env.learning.observation.config import ObservationConfig
-from clean_swarm_env.learning.observation.searches import find_items, find_neighbours, find_stations, list_present
-from clean_swarm_env.learning.observation.term import Observed
-from clean_swarm_env.learning.progress import MissionProgress
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.searches import search
+from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
+from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
-from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 
 Observations = NDArray[np.float32]
-SEARCHES = {"stations": find_stations, "neighbours": find_neighbours}
-"""What terms may need -> how it is found."""
 
 
 class Observer:
     """Observations (R, F) of a batch of worlds.
 
     Attributes:
-        names: (F,) of the components.
+        names: (F,) names of the components.
         width: F.
         bounds: (F,) float32, largest amount of each component.
         phases: (R,) int64, number of the phase each robot was in when it was last observed (`PHASES`).
@@ -35,74 +34,135 @@ class Observer:
 
     def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = config or ObservationConfig()
-        self._around = AROUND_RECORD.pack(around_robots(worlds, self.config.neighbour_ranges))
-        self._terms = self.config.build(Observed(worlds, progress, self._around))
-        needed = {need for term in self._terms for need in term.needs}
-        self._searches = [search for name, search in SEARCHES.items() if name in needed]
-        self.names = tuple(name for term in self._terms for name in term.components)
+        self._worlds = worlds
+        self._around = AROUND_RECORD.pack(around_robots(worlds, progress, self.config))
+        self._held = [(line, c.held) for line, c in zip(self._around.record.held, worlds.coordinators, strict=True)]
+        terms = self.config.build(Observed(worlds, progress, self._around))
+        self.names = tuple(name for term in terms for name in term.components)
         self.width = len(self.names)
-        sizes = [len(term.components) for term in self._terms]
-        self._lines = [slice(end - size, end) for size, end in zip(sizes, accumulate(sizes), strict=True)]
+        sizes = [len(term.components) for term in terms]
         self._weights: Observations = np.repeat([np.float32(term.weight) for term in self.config.terms], sizes)
         self.bounds: Observations = np.abs(self._weights)
         self.phases = self._around.record.phases
         self._rows: Ints = np.zeros(worlds.rows, dtype=np.int64)
-        self._seen: Floats = np.zeros((self.width, worlds.rows))
+        self._seen: Floats = np.zeros((worlds.rows, self.width))
         self._all = np.arange(worlds.worlds)
+        self._first: Ints = np.full(len(DEFAULT_TERMS), -1)  # first component of each compiled term, -1: not chosen
+        self._own: list[tuple[Term, Floats]] = []  # terms of the user's own, and where they write their components
+        for term, first, last in zip(terms, accumulate(sizes, initial=0), accumulate(sizes), strict=False):
+            if isinstance(term, CompiledTerm):
+                self._first[DEFAULT_TERMS.index(term.name)] = first
+            else:
+                self._own.append((term, self._seen.T[first:last]))
 
     def observe(self, observations: Observations, chosen: Ints | None = None) -> None:
-        """Fill `observations` (R, F) with what is so now, of all worlds or of the `chosen` (C,)."""
-        worlds, words = self._all if chosen is None else chosen, self._around.words
-        rows = self._rows[: list_present(words, worlds, self._rows)]
-        find_items(words, rows)
-        for search in self._searches:
-            search(words, rows)
+        """Write what is now into `observations` (R, F), for all worlds or for the `chosen` (C,)."""
+        worlds, around = self._all if chosen is None else chosen, self._around
+        around.record.ticks[:] = self._worlds.ticks
+        for line, held in self._held:
+            line[:] = held
+        rows = self._rows[: search(around.words, worlds, self._rows)]
         self._seen.fill(0.0)
-        for term, lines in zip(self._terms, self._lines, strict=True):
-            term.write(rows, self._seen[lines])
-        weigh(words, worlds, self._seen, self._weights, observations)
+        for term, out in self._own:
+            term.write(rows, out)
+        see(around.words, worlds, self._first, self._seen, self._weights, observations)
 
 
-def around_robots(worlds: Worlds, neighbour_ranges: tuple[float, ...]) -> Around:
-    """Return what is around the robots of `worlds`, with nothing found yet."""
-    garbage, physics = worlds.garbage, worlds.physics
+def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:
+    """Return what is around the robots of `worlds`, with nothing searched yet."""
+    physics, garbage, network, robots = worlds.physics, worlds.garbage, worlds.network, worlds.mission.robots
+    sizes = [len(coordinator.model.options) for coordinator in worlds.coordinators]
 
     def numbers(*shape: int) -> Ints:
         return np.zeros(shape, dtype=np.int64)
 
     return Around(
+        robots=worlds.robots,
         extent=worlds.extent,
         positions=physics.positions,
         headings=physics.headings,
+        bodies=physics.bodies,
         present=physics.present,
+        speed=worlds.drive.speed,
+        turn_rate=worlds.drive.turn_rate,
         cargo=garbage.cargo,
         recycled=garbage.recycled,
         items=garbage.positions,
         stage=garbage.stage,
+        done=garbage.done,
+        arrived=garbage.arrived,
         stations=worlds.stations,
+        readings=network.readings,
+        marks=network.state.mark_table,
+        limits=progress.limits,
+        idle=progress.idle,
+        first_options=np.cumsum([0, *sizes])[:-1],
+        ranges=np.array(config.neighbour_ranges),
         sight=worlds.floor.packed.record.sight,
         longest=0.5 * float(np.hypot(*worlds.extent)),
-        ranges=np.array(neighbour_ranges),
+        station_range=config.station_range,
+        full_crowd=config.full_crowd,
+        patience=max(config.patience / worlds.period, 1.0),
+        reach=max(robots.pose_diffusion + robots.pose_goal_radius, 1e-9),
+        max_speed=robots.max_speed,
+        max_turn_rate=robots.max_turn_rate,
+        area=float(np.pi / np.prod(worlds.extent)),
+        avoidance=network.model.sensor_index.get("rep_len", -1),
+        avoiding=avoidance_column(worlds),
+        ticks=numbers(worlds.worlds),
+        held=numbers(len(sizes), worlds.rows),
         team=numbers(worlds.worlds),
         item=numbers(worlds.rows),
         phases=numbers(worlds.rows),
-        station_distances=np.zeros((2, worlds.rows)),
-        station_ways=np.zeros((2, 3, worlds.rows)),
+        station_distances=np.zeros((worlds.rows, 2)),
+        station_ways=np.zeros((worlds.rows, 2, 3)),
         neighbour=numbers(worlds.rows),
-        within=numbers(len(neighbour_ranges), worlds.rows),
-        carriers=numbers(1, worlds.rows),
+        within=numbers(worlds.rows, len(config.neighbour_ranges)),
+        carriers=numbers(worlds.rows),
     )
 
 
-@lean_kernel
-def weigh(around: Words[Around], chosen: Ints, seen: Floats, weights: Observations, observations: Observations) -> None:
-    """Write `seen` (F, R) times `weights` (F,) into `observations` (R, F), for the worlds `chosen` (C,).
+See = Callable[[Around, Ints, int, Floats], None]
 
-    Robots that are not present see nothing.
+
+@inlined
+def see_nothing(around: Around, first: Ints, row: int, seen: Floats) -> None:
+    """Write no component."""
+
+
+def see_also(before: See, name: str) -> See:
+    """Return a function that writes the terms that `before` writes, and the term of DEFAULT_TERMS of this name."""
+    number, term = DEFAULT_TERMS.index(name), TERMS.find(name)
+    assert issubclass(term, CompiledTerm)
+    see_term = term.see
+
+    @inlined
+    def see_both(around: Around, first: Ints, row: int, seen: Floats) -> None:
+        before(around, first, row, seen)
+        if first[number] >= 0:
+            see_term(around, row, seen[first[number] :])
+
+    return see_both
+
+
+see_terms: See = see_nothing
+for _name in DEFAULT_TERMS:
+    see_terms = see_also(see_terms, _name)
+
+
+@lean_kernel
+def see(
+    around: Words[Around], chosen: Ints, first: Ints, seen: Floats, weights: Observations, observations: Observations
+) -> None:
+    """Write the terms that are chosen into `seen` (R, F), and that times `weights` (F,) into `observations` (R, F).
+
+    The worlds are those `chosen` (C,). `first` holds the first component of each term of DEFAULT_TERMS, -1 for a term
+    that is not chosen. Robots that are not present see nothing.
     """
     a = open_around(around)
-    robots = a.present.shape[0] // a.team.shape[0]
     for world in chosen:
-        for row in range(world * robots, (world + 1) * robots):
+        for row in range(world * a.robots, (world + 1) * a.robots):
+            if a.present[row]:
+                see_terms(a, first, row, seen[row])
             for k in range(weights.shape[0]):
-                observations[row, k] = np.float32(seen[k, row]) * weights[k] if a.present[row] else np.float32(0.0)
+                observations[row, k] = np.float32(seen[row, k]) * weights[k] if a.present[row] else np.float32(0.0)

@@ -1,4 +1,6 @@
-"""Searches that fill in fields of `Around` which several observation terms read; letters of shapes as there."""
+"""Searches that fill the fields of `Around` which several observation terms read; the letters of shapes are those of
+`Around`.
+"""  # noqa: D205
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from clean_swarm_env.learning.phases import APPROACH, PATROL, TO_DUMP, TO_RECYCL
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells, nearest_point
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from selforg.arrays import Ints
-from selforg.compiler.decorators import kernel, lean_kernel
+from selforg.compiler.decorators import kernel, part
 from selforg.compiler.records import Words
 from selforg.space import nearest_image
 
@@ -17,14 +19,30 @@ MARGIN = 1.0 + 1e-9
 """Factor by which cells are wider than the range of a search, for rounding."""
 
 
-@lean_kernel
+@kernel
+def search(around: Words[Around], chosen: Ints, rows: Ints) -> int:
+    """Find items, stations and neighbours of the robots in the worlds `chosen` (C,).
+
+    Lists the robots that are present in `rows` (R,) and returns their number.
+    """
+    count = list_present(around, chosen, rows)
+    find_items(around, rows[:count])
+    find_stations(around, rows[:count])
+    find_neighbours(around, rows[:count])
+    return count
+
+
+@part
 def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
-    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), and count the teams; return their number."""
+    """List in `rows` (R,) the robots present in the worlds `chosen` (C,), count the teams, return the number.
+
+    The phase of every robot of these worlds becomes PATROL.
+    """
     a = open_around(around)
-    robots, count = a.present.shape[0] // a.team.shape[0], 0
+    count = 0
     for world in chosen:
         before = count
-        for row in range(world * robots, (world + 1) * robots):
+        for row in range(world * a.robots, (world + 1) * a.robots):
             a.phases[row] = PATROL
             if a.present[row]:
                 rows[count] = row
@@ -37,19 +55,18 @@ def list_present(around: Words[Around], chosen: Ints, rows: Ints) -> int:
 def find_items(around: Words[Around], rows: Ints) -> None:
     """Find the nearest item in sight of each of `rows` (P,), and the phase."""
     a = open_around(around)
-    robots, items = a.present.shape[0] // a.team.shape[0], a.items.shape[1]
+    items = a.items.shape[1]
     cells = np.empty(cells_along(items, a.sight * MARGIN, a.extent), np.int64)
     links, lying, filled = np.empty(items, np.int64), np.empty(items, np.bool_), -1
     for row in rows:
-        world = row // robots
+        world = row // a.robots
         if world != filled:
             for item in range(items):
                 lying[item] = a.stage[world, item] == LYING
             fill_cells(a.items[world], 0, lying, a.extent, cells, links)
             filled = world
-        x, y, item = a.positions[row, 0], a.positions[row, 1], NOBODY
-        if items > 0:
-            item, _ = nearest_point(x, y, a.sight, a.items[world], lying, a.extent, cells, links)
+        x, y = a.positions[row, 0], a.positions[row, 1]
+        item, _ = nearest_point(x, y, a.sight, a.items[world], lying, a.extent, cells, links)
         a.item[row] = item
         if a.cargo[row] != NOTHING:
             a.phases[row] = TO_DUMP if a.recycled[row] == 1 else TO_RECYCLING
@@ -57,22 +74,21 @@ def find_items(around: Words[Around], rows: Ints) -> None:
             a.phases[row] = APPROACH
 
 
-@lean_kernel
+@part
 def find_stations(around: Words[Around], rows: Ints) -> None:
     """Find the distances and the ways of `rows` (P,) to both stations."""
     a = open_around(around)
-    robots = a.present.shape[0] // a.team.shape[0]
     for row in rows:
         for station in range(2):
-            place = a.stations[row // robots, station]
-            a.station_distances[station, row] = write_way(a, row, place, a.longest, a.station_ways[station])
+            place = a.stations[row // a.robots, station]
+            a.station_distances[row, station] = write_way(a, row, place, a.longest, a.station_ways[row, station])
 
 
 @kernel
 def find_neighbours(around: Words[Around], rows: Ints) -> None:
     """Find the nearest other robot in range of each of `rows` (P,), and count those within each range."""
     a = open_around(around)
-    robots, squares = a.present.shape[0] // a.team.shape[0], a.ranges * a.ranges
+    robots, squares = a.robots, a.ranges * a.ranges
     farthest = squares[-1]
     lines, columns = cells_along(robots, np.sqrt(farthest) * MARGIN, a.extent)
     cells, links, filled = np.empty((lines, columns), np.int64), np.empty(robots, np.int64), -1
@@ -83,7 +99,7 @@ def find_neighbours(around: Words[Around], rows: Ints) -> None:
             filled = first
         x, y = a.positions[row, 0], a.positions[row, 1]
         best, shortest, carriers = -1, farthest, 0
-        a.within[:, row] = 0
+        a.within[row] = 0
         line, column, walks = 0, 0, 1
         if lines > 0:
             line, column, walks = cell_at(y, lines, a.extent[1]), cell_at(x, columns, a.extent[0]), 9
@@ -101,7 +117,7 @@ def find_neighbours(around: Words[Around], rows: Ints) -> None:
                     continue
                 carriers += a.cargo[other] != NOTHING
                 for k in range(squares.shape[0]):
-                    a.within[k, row] += square <= squares[k]
+                    a.within[row, k] += square <= squares[k]
                 if best < 0 or square < shortest or (square == shortest and other < best):
                     best, shortest = other, square
-        a.neighbour[row], a.carriers[0, row] = best, carriers
+        a.neighbour[row], a.carriers[row] = best, carriers

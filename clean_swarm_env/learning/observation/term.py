@@ -1,11 +1,11 @@
-"""The blueprint of an observation term, and the registry in which all terms stand."""
+"""The base classes of observation terms, and the registry of all terms."""
 
 from __future__ import annotations
 
 import inspect
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.progress import MissionProgress
@@ -14,18 +14,16 @@ from selforg.arrays import Floats, Ints
 from selforg.compiler.records import Packed
 from selforg.registry import Registry
 
-Need = Literal["stations", "neighbours"]
-
 
 @dataclass(frozen=True)
 class Observed:
-    """What terms look at.
+    """The data that terms read.
 
     Attributes:
         worlds: the batch of worlds.
         progress: what happened in the last period.
-        around: what is around the robots, brought up to date before terms are written. NumPy code reads
-            `around.record`, kernels take `around.words`.
+        around: what is around the robots, filled before terms are written. NumPy code reads `around.record`, kernels
+            take `around.words`.
 
     """
 
@@ -37,9 +35,8 @@ class Observed:
 class Term(ABC):
     """A named group of components of an observation, each within [-1, 1].
 
-    A subclass is registered by a decorator and says here, and nowhere else, how the term is called, what its components
-    are, which settings it takes and how it is computed. Its docstring says what the components mean and by what they
-    are divided.
+    A subclass declares the name of the term, its components, its settings and how they are computed. The decorator
+    registers the subclass. Its docstring says what the components mean and by what they are divided.
 
         @TERMS.register
         class Eastness(Term):
@@ -58,19 +55,17 @@ class Term(ABC):
 
         ObservationConfig(terms=["cargo", {"name": "eastness", "factor": 0.5}])
 
-    Keyword-only parameters of the constructor are the settings: those that `ObservationConfig` has (such as
-    `neighbour_ranges`) come from there, others are given, or left out, beside the name of the term.
+    Keyword-only parameters of the constructor are the settings. Those that `ObservationConfig` has (such as
+    `neighbour_ranges`) are taken from there. The others are given beside the name of the term.
 
     Attributes:
-        name: of the term.
+        name: name of the term.
         components: names of the components; the class or the constructor sets them.
-        needs: searches whose results the term reads, see `Around`.
-        observed: what the term looks at.
+        observed: the data that the term reads.
 
     """
 
     name: ClassVar[str]
-    needs: ClassVar[tuple[Need, ...]] = ()
     components: tuple[str, ...] = ()
 
     def __init__(self, observed: Observed) -> None:
@@ -80,7 +75,7 @@ class Term(ABC):
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the components of `rows` (P,) into the columns `rows` of `out` (components, R), which holds zeros.
 
-        Rows are those of robots that are present, in rising order. What is written for other rows does not count.
+        The rows are those of robots that are present, in rising order. Other columns are ignored.
         """
 
     @classmethod
@@ -93,6 +88,18 @@ class Term(ABC):
         """Return the names of the settings, and whether each can be left out."""
         parameters = inspect.signature(cls).parameters.values()
         return {p.name: p.default is not p.empty for p in parameters if p.kind is p.KEYWORD_ONLY}
+
+
+class CompiledTerm(Term):
+    """A term of DEFAULT_TERMS: `see` writes it for one robot, and one kernel calls `see` of all these terms."""
+
+    @staticmethod
+    @abstractmethod
+    def see(around: Around, row: int, out: Floats) -> None:
+        """Write the components of a row into the first places of `out`, which holds zeros (compiled)."""
+
+    def write(self, rows: Ints, out: Floats) -> None:
+        """Do nothing: the kernel of `Observer` has written the components already."""
 
 
 TERMS: Registry[Term] = Registry("observation term", lambda term: term.name)

@@ -1,1 +1,1 @@
-"""The measures by which scenes tell success: pure functions and small counters over rows of robots."""
+"""The measures of scenes: pure functions and small counters over rows of robots."""

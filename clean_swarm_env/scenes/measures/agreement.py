@@ -1,4 +1,4 @@
-"""How fast robots that only hear their neighbours agree on the largest value."""
+"""Rounds until robots that only hear their neighbours agree on the largest value."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What robots have seen of the ground: covered area and how long ago each place was seen, on a grid of cells.
+"""Ground that robots have seen: covered area and time since each place was seen, on a grid of cells.
 
 A cell is seen while its middle lies within the sight of a robot. Shapes: W worlds, N robots a world, R = W * N,
 G x G cells.
@@ -10,21 +10,21 @@ from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
 
 UNSEEN = -1.0
-"""Time at which a cell was seen that never was."""
+"""Time of a cell that was never seen."""
 
 
 class Coverage:
-    """When each cell was last seen, by anybody of a world, or by each robot on its own.
+    """Time at which each cell was last seen, by any robot of a world, or by each robot on its own.
 
     Args:
-        rows_of: (R,) which map each robot draws on: its world's, or its own.
-        side: of the square that is mapped [m]; `corner` is its lower left corner, x and y alike [m].
+        rows_of: (R,) number of the map on which each robot draws: that of its world, or its own.
+        side: side of the square that is mapped [m]; `corner` is its lower left corner, x and y alike [m].
         sight: radius within which robots see [m].
         pitch: side of a cell [m]; the side must be a whole number of cells.
         closed: whether opposite edges of the square are one.
 
     Attributes:
-        seen: (maps, G, G) time [s], UNSEEN where nobody was.
+        seen: (maps, G, G) time [s], UNSEEN where no robot looked.
 
     """
 
@@ -36,7 +36,7 @@ class Coverage:
         self.seen: Floats = np.full((int(rows_of.max()) + 1, cells, cells), UNSEEN)
 
     def look(self, positions: Floats, now: float) -> None:
-        """Let robots at positions (R, 2) [m] see what is around them at `now` [s]."""
+        """Mark the cells that robots at positions (R, 2) [m] see at `now` [s]."""
         mark(positions, self._maps, now, self._corner, self._sight, self._pitch, self._closed, self.seen)
 
     @property
@@ -46,7 +46,7 @@ class Coverage:
         return count
 
     def idleness(self, now: float) -> Floats:
-        """Return how long ago a place was seen, on average over the map (maps,) [s]; since 0 s where it never was."""
+        """Return the mean time (maps,) [s] since places were seen; unseen places count from 0 s on."""
         idle: Floats = now - np.maximum(self.seen, 0.0).mean(axis=(1, 2))
         return idle
 

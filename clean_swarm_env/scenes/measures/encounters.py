@@ -1,4 +1,4 @@
-"""Counting how often robots run into things that do not move."""
+"""Counts of robots that run into things that do not move."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from selforg.arrays import Flags, Floats, Ints
 
 
 class Bumps:
-    """Events: a robot that comes closer to the middle of a thing than `distance` [m] and was not at the look before.
+    """Counts of robots that come closer to the middle of a thing than `distance` [m].
 
     Attributes:
-        events: (W,) so far. Things that a robot touches at its first look do not count.
+        events: (W,) so far. A robot that is close at the first look does not count.
 
     """
 

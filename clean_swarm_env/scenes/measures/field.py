@@ -1,8 +1,7 @@
 """The potential of a field of gradients, of which the Balch and Hybinette forces are the slope.
 
-The force towards an attractive gradient is clearance / diffusion, the one away from a repulsive one
-(diffusion - clearance) / diffusion (doi:10.1109/ROBOT.2000.844042); integrated along the way they give the heights
-below.
+The force towards an attractive gradient is clearance / diffusion. The force away from a repulsive one is
+(diffusion - clearance) / diffusion (doi:10.1109/ROBOT.2000.844042). Their integrals along the way are the heights.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How a group is ordered: common direction, spacing, and the spread around a centre.
+"""Order of a group: common direction, spacing, and the spread around a centre.
 
 Shapes: W worlds, N robots a world. Positions (W, N, 2) [m], headings (W, N) [rad].
 """

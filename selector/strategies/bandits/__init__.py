@@ -1,4 +1,4 @@
-"""Strategies that learn the value of each option from rewards."""
+"""Strategies that learn from rewards how good each option is."""
 
 from selforg.registry import import_modules
 

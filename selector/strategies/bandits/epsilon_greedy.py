@@ -1,4 +1,4 @@
-"""Mostly the best so far, now and then any other."""
+"""Epsilon-greedy: the best option so far, or any option with a small probability."""
 
 import numpy as np
 
@@ -14,9 +14,9 @@ class EpsilonGreedyParameters(PriorParameters):
     """How often to explore."""
 
     epsilon: Share = 0.1
-    """Probability of taking any option that can serve, all alike [-]."""
+    """Probability of taking any option that can serve, each with equal probability [-]."""
     decay: NonNegative = 0.0
-    """Rate at which that probability falls: it is epsilon * exp(-decay * rewards) [1/reward]."""
+    """Rate at which this probability falls, as epsilon * exp(-decay * number of rewards) [1/reward]."""
 
 
 @STRATEGIES.register

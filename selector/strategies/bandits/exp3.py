@@ -1,4 +1,4 @@
-"""Exponential weights, for rewards of which nothing is assumed, not even that they follow a law."""
+"""Exponential weights, for rewards that need not follow any distribution."""
 
 from typing import Annotated, Any, Self
 
@@ -15,16 +15,16 @@ from selforg.arrays import Floats, Ints
 
 
 class EXP3Parameters(Closed):
-    """How much to explore, and what rewards to expect."""
+    """How much to explore, and the range of the rewards."""
 
     gamma: Annotated[Number, Field(gt=0.0, le=1.0)] = 0.1
-    """Share of decisions in which any option is taken, all alike; also how fast weights move [-]."""
+    """Share of decisions in which any option is taken, with equal probability; also the step of the weights [-]."""
     lowest: Number = 0.0
-    """Reward that counts as 0; lower ones do too [reward]."""
+    """Reward that counts as 0, as do lower ones [reward]."""
     highest: Number = 1.0
-    """Reward that counts as 1; higher ones do too [reward]."""
+    """Reward that counts as 1, as do higher ones [reward]."""
     prior: NonNegative = 1.0
-    """Pseudo-count: every option begins as if it had been drawn this often and had brought its score [rewards]."""
+    """Pseudo-count: the score of each option counts as this many rewards at the beginning [rewards]."""
 
     @model_validator(mode="after")
     def _range(self) -> Self:
@@ -37,8 +37,8 @@ class EXP3Parameters(Closed):
 class EXP3(DecisionStrategy):
     """EXP3 (Auer, Cesa-Bianchi, Freund & Schapire 2002, doi:10.1137/S0097539701398375, figure 1).
 
-    Weights are kept as logarithms, whose largest is 0, so that they never overflow. Where options cannot serve, the
-    draw is among the others by the same formula.
+    Weights are kept as logarithms, whose largest is 0, so that they never overflow. The same formula is used for the
+    options that can serve if others cannot.
     """
 
     Parameters = EXP3Parameters
@@ -51,7 +51,7 @@ class EXP3(DecisionStrategy):
         return {"lowest": -1.0, "highest": 2.0}
 
     def _first_state(self) -> Arrays:
-        # one draw at the even chance 1 / O moves the logarithm by gamma * (reward * O) / O
+        # one draw with probability 1 / O changes the logarithm by gamma * (reward * O) / O
         first = self.parameters.prior * self.parameters.gamma * self._scaled(self.problem.scores)
         return {"log_weights": np.tile(first - first.max(), (self.groups, 1))}
 

@@ -1,4 +1,4 @@
-"""Thompson sampling: take each option as often as it is likely to be the best."""
+"""Thompson sampling: each option is taken with the probability that it is the best."""
 
 import numpy as np
 
@@ -12,14 +12,14 @@ from selforg.arrays import Floats, Ints
 
 
 class GaussianThompsonParameters(PriorParameters):
-    """What is believed of the rewards beforehand: a normal-inverse-gamma distribution around the expert's scores."""
+    """Prior distribution of the rewards: normal-inverse-gamma around the scores of the expert."""
 
     prior: Positive = 1.0
     """Pseudo-count: the expert's score of an option counts as this many rewards of that size [rewards]."""
     deviation: Positive = 1.0
-    """Standard deviation that a reward is expected to have [reward]."""
+    """Expected standard deviation of a reward [reward]."""
     shape: Positive = 1.0
-    """Half the number of rewards that this expectation counts as [rewards]."""
+    """Half the number of rewards that `deviation` counts as [rewards]."""
 
 
 @STRATEGIES.register

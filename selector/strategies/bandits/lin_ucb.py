@@ -1,4 +1,4 @@
-"""Upper confidence bounds that know the context."""
+"""Upper confidence bounds of rewards that are linear in the context."""
 
 from selector.strategies.bandits.linear_model import LinearModel
 from selector.strategies.choosing import best

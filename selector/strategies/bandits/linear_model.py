@@ -1,4 +1,4 @@
-"""Rewards as linear functions of the context, one for each option: what LinUCB and linear Thompson have in common."""
+"""Rewards as linear functions of the context, one for each option: the model of LinUCB and LinearThompson."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from selforg.compiler.decorators import kernel
 
 
 class LinearParameters(Closed):
-    """How far the expert is believed, and how wide the confidence is."""
+    """Weight of the scores of the expert, and how much to explore."""
 
     prior: Positive = 1.0
     """Ridge: pseudo-count of the expert's score as constant term, and of 0 as weight of every feature [rewards]."""
     exploration: NonNegative = 1.0
-    """Factor of the standard error of an estimate; 0: what is expected decides [reward]."""
+    """Factor of the standard error of an estimate; 0: the estimate alone decides [reward]."""
 
 
 class LinearModel(DecisionStrategy):
@@ -75,7 +75,7 @@ def predict(inverse: Floats, weights: Floats, groups: Ints, inputs: Floats, expe
 
 @kernel
 def learn(inverse: Floats, weights: Floats, groups: Ints, option: Ints, inputs: Floats, reward: Floats) -> None:
-    """Take K rewards into the regressions, one after the other: a rank-one update of each inverse."""
+    """Add K rewards to the regressions, one after the other, each by a rank-one update of an inverse."""
     count, width = inputs.shape
     product = np.empty(width)
     for k in range(count):

@@ -1,4 +1,4 @@
-"""Thompson sampling that knows the context."""
+"""Thompson sampling with rewards that are linear in the context."""
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from selforg.arrays import Ints
 class LinearThompson(LinearModel):
     """Thompson sampling with linear rewards (Agrawal & Goyal 2013, doi:10.48550/arXiv.1209.3352, algorithm 1).
 
-    With one model for each option, what is drawn of an option's weights counts only through their product with the
-    context, which is normal with the expected reward as mean and exploration * standard error as deviation; that
-    product is drawn. `exploration` is the paper's v, the standard deviation of the rewards' noise or more.
+    The paper draws the weights of each option. Only their product with the context counts, which is normal with the
+    expected reward as mean and exploration * standard error as deviation; so this product is drawn. `exploration` is
+    the paper's v, at least the standard deviation of the noise of the rewards.
     """
 
     @property

@@ -1,10 +1,45 @@
-"""Optimism in the face of uncertainty: the part that the strategies with upper confidence bounds have in common."""
+"""Upper confidence bounds: the choice that all strategies with such bounds make, and the bounds over recent rewards."""
+
+from typing import ClassVar
 
 import numpy as np
 
+from selector.documents.fields import NonNegative
+from selector.strategies.bandits.value_table import PriorParameters, weighted
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions
+from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
+
+
+class RecentParameters(PriorParameters):
+    """How wide the confidence bounds are."""
+
+    exploration: NonNegative = 1.0
+    """Range of the rewards, B of the paper [reward]."""
+    confidence: NonNegative = 0.5
+    """The paper's xi [-]; theory asks for more than 0.5."""
+
+
+class RecentUCB(DecisionStrategy):
+    """Upper confidence bounds over recent rewards, by Garivier & Moulines; subclasses keep `counts` and `totals`."""
+
+    Parameters = RecentParameters
+    parameters: RecentParameters
+    width: ClassVar[float]
+    """Factor of the bounds in the paper."""
+    counts: Floats  # (G, O) weight of the rewards that count
+    totals: Floats  # (G, O) weighted sum of these rewards
+
+    def estimates(self) -> Floats:
+        """Return the present estimate (G, O) of the reward of each option."""
+        means = self.totals / np.where(self.counts > 0.0, self.counts, 1.0)
+        return weighted(self.counts, means, self.parameters.prior, self.problem.scores)
+
+    def _select(self, decisions: Decisions) -> Ints:
+        settings = self.parameters
+        width = self.width * settings.exploration * np.sqrt(settings.confidence)
+        return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
 
 
 def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: float, scores: Floats) -> Ints:
@@ -14,10 +49,10 @@ def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: fl
 
     Args:
         decisions: K decisions.
-        means: (G, O) estimates.
-        pulls: (G, O) how often each option was tried, 0 or more, not necessarily whole.
+        means: (G, O) estimated rewards.
+        pulls: (G, O) number of trials, 0 or more, not necessarily whole.
         width: factor of the confidence interval.
-        scores: (O,) the expert's scores.
+        scores: (O,) the scores of the expert.
 
     """
     tried = pulls > 0.0

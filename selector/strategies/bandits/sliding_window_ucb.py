@@ -1,4 +1,4 @@
-"""Upper confidence bounds over the last steps only, for rewards that jump."""
+"""Upper confidence bounds over the rewards of the last steps, for rewards that jump."""
 
 from typing import Annotated
 
@@ -6,41 +6,33 @@ import numpy as np
 from pydantic import Field
 
 from selector.documents.arrays import Arrays
-from selector.documents.fields import NonNegative
-from selector.strategies.bandits.optimism import most_promising
-from selector.strategies.bandits.value_table import PriorParameters, weighted
-from selector.strategies.problem import Decisions, Outcomes
+from selector.strategies.bandits.optimism import RecentParameters, RecentUCB
+from selector.strategies.problem import Outcomes
 from selector.strategies.registry import STRATEGIES
-from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 
 
-class SlidingWindowUCBParameters(PriorParameters):
-    """How optimistic to be, and how far to look back."""
+class SlidingWindowUCBParameters(RecentParameters):
+    """How wide the bounds are, and how many steps count."""
 
     window: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
     """Number of steps whose rewards count, tau of the paper [steps]."""
-    exploration: NonNegative = 1.0
-    """Range of the rewards, B of the paper [reward]."""
-    confidence: NonNegative = 0.5
-    """The paper's xi [-]; theory asks for more than 0.5."""
 
 
 @STRATEGIES.register
-class SlidingWindowUCB(DecisionStrategy):
+class SlidingWindowUCB(RecentUCB):
     """Sliding-window UCB (Garivier & Moulines 2011, doi:10.1007/978-3-642-24412-4_16, algorithm 2).
 
-    A step is one update in which a group has rewards, be they of one robot or of all, so that the window does not
-    depend on the size of the team. The expert's scores do not leave the window.
+    A step is one update with rewards of any number of robots of a group, so that the window does not depend on the size
+    of the team. The scores of the expert do not leave the window.
     """
 
     Parameters = SlidingWindowUCBParameters
     parameters: SlidingWindowUCBParameters
-    step_counts: Floats  # (G, T, O) rewards in each of the last T steps
-    step_totals: Floats  # (G, T, O) their sums
-    counts: Floats  # (G, O) rewards in all of them
-    totals: Floats  # (G, O) their sums
-    cursor: Ints  # (G,) where the next step goes
+    width = 1.0
+    step_counts: Floats  # (G, T, O) number of rewards in each of the last T steps
+    step_totals: Floats  # (G, T, O) sum of these rewards
+    cursor: Ints  # (G,) index of the next step
 
     def _first_state(self) -> Arrays:
         shape = (self.groups, self.parameters.window, self.options)
@@ -52,16 +44,6 @@ class SlidingWindowUCB(DecisionStrategy):
             "cursor": np.zeros(self.groups, dtype=np.int64),
         }
 
-    def estimates(self) -> Floats:
-        """Return what each option is worth now (G, O)."""
-        means = self.totals / np.where(self.counts > 0.0, self.counts, 1.0)
-        return weighted(self.counts, means, self.parameters.prior, self.problem.scores)
-
-    def _select(self, decisions: Decisions) -> Ints:
-        settings = self.parameters
-        width = settings.exploration * np.sqrt(settings.confidence)
-        return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
-
     def _update(self, outcomes: Outcomes) -> None:
         touched = np.unique(outcomes.groups)
         now = self.cursor[touched]
@@ -70,11 +52,11 @@ class SlidingWindowUCB(DecisionStrategy):
             (self.step_counts, self.counts, np.ones(len(outcomes.option))),
             (self.step_totals, self.totals, outcomes.reward),
         ):
-            sums[touched] -= steps[touched, now]  # what leaves the window
+            sums[touched] -= steps[touched, now]  # the oldest step leaves the window
             steps[touched, now] = 0.0
             np.add.at(steps, place, added)
             sums[touched] += steps[touched, now]
         self.cursor[touched] = (now + 1) % self.parameters.window
-        # once a round the sums are made anew, so that what rounding leaves behind does not grow
+        # After T steps the sums are computed again, so that errors of rounding do not grow.
         round_begins = touched[self.cursor[touched] == 0]
         self.totals[round_begins] = self.step_totals[round_begins].sum(axis=1)

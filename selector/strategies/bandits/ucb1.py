@@ -11,10 +11,10 @@ from selforg.arrays import Ints
 
 
 class UCB1Parameters(PriorParameters):
-    """How optimistic to be."""
+    """How wide the confidence bounds are."""
 
     exploration: NonNegative = 1.0
-    """Factor of the confidence interval: the range of the rewards makes it the paper's [reward]."""
+    """Factor of the confidence interval [reward]; the range of the rewards gives the interval of the paper."""
 
 
 @STRATEGIES.register
@@ -28,5 +28,5 @@ class UCB1(ValueTable):
     parameters: UCB1Parameters
 
     def _select(self, decisions: Decisions) -> Ints:
-        width = self.parameters.exploration * np.sqrt(2.0)
-        return most_promising(decisions, self.estimates(), self.pulls(), width, self.problem.scores)
+        pulls, width = self.counts + self.parameters.prior, self.parameters.exploration * np.sqrt(2.0)
+        return most_promising(decisions, self.estimates(), pulls, width, self.problem.scores)

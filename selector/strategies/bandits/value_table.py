@@ -1,4 +1,4 @@
-"""What strategies without a context know: how often each option was rewarded, with what mean and spread."""
+"""Statistics of the rewards of each option, for strategies without a context: count, mean and spread."""
 
 from typing import Annotated
 
@@ -15,7 +15,7 @@ Pseudocount = Annotated[NonNegative, Field(le=1e12)]
 
 
 class PriorParameters(Closed):
-    """How far the expert is believed."""
+    """Weight of the scores of the expert."""
 
     prior: Pseudocount = 1.0
     """Pseudo-count: the expert's score of an option counts as this many rewards of that size [rewards]."""
@@ -34,12 +34,8 @@ class ValueTable(DecisionStrategy):
         shape = (self.groups, self.options)
         return {"counts": np.zeros(shape), "means": np.zeros(shape), "spreads": np.zeros(shape)}
 
-    def pulls(self) -> Floats:
-        """Return how often each option was tried (G, O), the pseudo-count included."""
-        return self.counts + self.parameters.prior
-
     def estimates(self) -> Floats:
-        """Return what each option is worth (G, O): the mean of its rewards and of the expert's score."""
+        """Return the estimated reward (G, O) of each option: the mean of its rewards and of the expert's score."""
         return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
 
     def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
@@ -54,13 +50,13 @@ class ValueTable(DecisionStrategy):
 
 
 def summed(place: tuple[Ints, Ints], values: Floats, shape: tuple[int, ...]) -> Floats:
-    """Return the sums (G, O) of `values` (K,) that belong to groups and options (K,)."""
+    """Return the sums (G, O) of `values` (K,) by group (K,) and option (K,), which `place` holds."""
     sums = np.bincount(place[0] * shape[1] + place[1], values, shape[0] * shape[1])
     return sums.astype(np.float64).reshape(shape)
 
 
 def merge_rewards(counts: Floats, means: Floats, spreads: Floats, count: Floats, mean: Floats, spread: Floats) -> None:
-    """Take further rewards into statistics (G, O): their count, mean and sum of squared deviations from it.
+    """Merge two sets of statistics (G, O): count, mean and sum of squared deviations; the first set is changed.
 
     Chan, Golub & LeVeque (1983), doi:10.1080/00031305.1983.10483115.
     """
@@ -73,7 +69,7 @@ def merge_rewards(counts: Floats, means: Floats, spreads: Floats, count: Floats,
 
 
 def weighted(counts: Floats, means: Floats, prior: float, scores: Floats) -> Floats:
-    """Return means (G, O) with `scores` (O,) as `prior` further rewards; the scores alone where there is no reward."""
+    """Return means (G, O) of the rewards and of `scores` (O,), which count as `prior` rewards."""
     total = counts + prior
     known = total > 0.0
     values = (counts * means + prior * scores) / np.where(known, total, 1.0)

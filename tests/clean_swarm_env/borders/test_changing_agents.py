@@ -1,4 +1,4 @@
-"""The PettingZoo border while robots leave and join: the library's own checks, whole episodes, who is there when."""
+"""The PettingZoo border while robots leave and join: the library's own checks, whole episodes, agents by step."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def _env(mode="option", **changes):
 
 
 def _episode(env, seed):
-    """Return who was there and what they saw and got, step by step."""
+    """Return the agents, their observations and rewards, step by step."""
     rng, steps = np.random.default_rng(seed), []
     observations, _ = env.reset(seed=seed)
     while env.agents:

@@ -1,4 +1,4 @@
-"""What docs/environment.md shows works, and its tables are those of the code."""
+"""The examples of docs/environment.md run, and its tables are those of the code."""
 
 import re
 from importlib.util import find_spec

@@ -24,7 +24,7 @@ END = ("duration_s", "garbage_done", "mission_collision_events", "completed")
 
 
 def stepped(envs, steps, seed=3):
-    """Seed and reset, then yield what each step brings."""
+    """Seed and reset, then yield the results of each step."""
     rng = np.random.default_rng(seed)
     envs.seed(seed)
     envs.reset()

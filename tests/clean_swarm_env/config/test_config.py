@@ -1,4 +1,4 @@
-"""Configuration files: what is shipped loads, and each mistake is one line with file, key, expected and given."""
+"""Configuration files: the shipped ones load, and each mistake is one line with file, key, expected and given."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Families: every scenario is one that can be run, the same for the same seed, and never of two splits."""
+"""Families: every scenario can be run, is the same for the same seed, and belongs to one split only."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Start configurations: uniform, apart, and the same for a seed whatever else is drawn."""
+"""Start configurations: uniform, apart, and the same for a seed, independent of other draws."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""The picture: what is drawn, where it shows at a seam, and that a wrong array is named."""
+"""The picture: its marks, their places at a seam, and the errors for wrong arrays."""
 
 import numpy as np
 import pytest

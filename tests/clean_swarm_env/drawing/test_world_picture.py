@@ -1,4 +1,4 @@
-"""The canvas of a world holds what the world holds."""
+"""The canvas of a world has the robots, items and pheromones of the world."""
 
 import numpy as np
 

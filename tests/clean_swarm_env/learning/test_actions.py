@@ -1,4 +1,4 @@
-"""What an action is: options with masks, and movement vectors in place of the network's."""
+"""Actions: options with masks, and movement vectors in place of those of the network."""
 
 import numpy as np
 import pytest
@@ -145,7 +145,7 @@ def steered_by_hand(batch: Batch) -> np.ndarray:
 
 @long_course
 def test_a_team_steered_by_hand_completes_its_mission_alone_as_in_a_batch():
-    """Robots that pass through each other: the paper's simulator, and nobody is in the way."""
+    """Robots pass through each other, as in the paper's simulator, so that none is in the way."""
     config, courses = mission("reference"), []
     for seeds, world in (([4], 0), ([3, 4, 5], 1)):
         batch = Batch(config, len(seeds), action=VELOCITY)

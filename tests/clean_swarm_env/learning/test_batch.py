@@ -14,12 +14,12 @@ def short(**changes):
 
 
 def policy(seed: int, episode: int, step: int, robots: int) -> np.ndarray:
-    """Return options (N,) that depend on what is going on in the world alone."""
+    """Return options (N,) that depend only on the state of the world."""
     return np.random.default_rng((seed, episode, step)).integers(0, 3, robots)
 
 
 def trajectory(batch: Batch, seeds: list[int], steps: int) -> list[list[tuple]]:
-    """Return what each world of the batch goes through, step by step, as bytes."""
+    """Return the course of each world of the batch, step by step, as bytes."""
     worlds, robots = batch.worlds.worlds, batch.robots
     observations = batch.reset(seeds)
     courses = [[observations[batch.worlds.rows_of(w)].tobytes()] for w in range(worlds)]
@@ -140,7 +140,7 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
 @long_course
 @pytest.mark.parametrize("family", ["shifting", "random"])
 def test_episodes_may_be_the_scenarios_of_a_family(family):
-    """Teams and garbage change in them: alone as in a batch, and absent robots see nothing and get nothing."""
+    """Teams and garbage change: a world is the same alone and in a batch, and absent robots see and get nothing."""
     alone = trajectory(Batch(family=family, knowledge="avoidance"), [5], 60)[0]
     batch = Batch(family=family, knowledge="avoidance", worlds=3)
     assert trajectory(batch, [4, 5, 6], 60)[1] == alone

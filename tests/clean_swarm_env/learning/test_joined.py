@@ -1,4 +1,4 @@
-"""Batches side by side beside each alone, what a source gives, what a shared seed deals out, wrong use."""
+"""Batches side by side against each alone, sources of scenarios, shared seeds, wrong use."""
 
 import numpy as np
 import pytest

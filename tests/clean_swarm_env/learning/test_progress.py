@@ -1,4 +1,4 @@
-"""What a period counts: avoiding is that of the coordinator of AvoidCollision, wherever it stands in the mission."""
+"""Counts of a period: "avoiding" is the coordinator of AvoidCollision, at any place in the mission."""
 
 import numpy as np
 import pytest

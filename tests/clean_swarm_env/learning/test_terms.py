@@ -33,10 +33,9 @@ class Eastness(Term):
 
 @TERMS.register
 class Alone(Term):
-    """Whether no other robot is nearer than half of the largest range, as a kernel of the user's own finds."""
+    """Whether no other robot is nearer than half of the largest range, by a kernel of the user's own."""
 
     name = "alone"
-    needs = ("neighbours",)
     components = ("alone", "not_alone")
 
     def write(self, rows, out):
@@ -55,7 +54,7 @@ def batch_of(*terms, worlds=2, config=CROWD):
 
 
 def course(batch, periods=25):
-    """Yield what the robots see in each period."""
+    """Yield the observations of each period."""
     options = np.random.default_rng(3).integers(0, 3, (periods, batch.rows))
     yield batch.reset(list(range(batch.worlds.worlds)))
     for chosen in options:

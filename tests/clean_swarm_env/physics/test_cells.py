@@ -29,3 +29,9 @@ def test_of_two_points_equally_near_the_first_one_is_found():
     cells, links = np.empty(cells_along(60, 1.0, extent), np.int64), np.empty(60, np.int64)
     fill_cells(places, 0, there, extent, cells, links)
     assert nearest_point(5.5, 5.0, 1.0, places, there, extent, cells, links) == (0, 0.5)
+
+
+def test_without_points_none_is_found():
+    nowhere, extent = np.empty((0, 2)), np.array([11.0, 11.0])
+    cells, links = np.empty(cells_along(0, 1.0, extent), np.int64), np.empty(0, np.int64)
+    assert nearest_point(5.0, 5.0, 1.0, nowhere, np.empty(0, np.bool_), extent, cells, links) == (NOBODY, np.inf)

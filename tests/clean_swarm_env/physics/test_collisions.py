@@ -1,4 +1,4 @@
-"""Collision counts against a naive count over all pairs, and what a sample and an event are."""
+"""Collision counts against a naive count over all pairs, and the definitions of sample and event."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 
 
 def close_pairs(positions, width, height, distance):
-    """Pairs (i, j), i < j, of the rows of one world that are closer than the distance, written as plainly as can be."""
+    """Return the pairs (i, j), i < j, of the rows of one world that are closer than the distance, naively."""
     pairs = set()
     for i in range(len(positions)):
         for j in range(i + 1, len(positions)):

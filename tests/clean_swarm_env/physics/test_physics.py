@@ -1,4 +1,4 @@
-"""The torus without a seam: free motion, contacts anywhere alike, same bits whoever else is there."""
+"""Physics on the torus: free motion, contacts at seams as anywhere, same bits alone and in a batch."""
 
 import math
 
@@ -131,7 +131,7 @@ def test_robots_pass_through_each_other_only_where_they_may():
 
 @pytest.mark.parametrize("seed", range(5))
 def test_free_motion_and_pymunk_are_one_integrator(seed):
-    """Pymunk asked in every substep gives what pymunk gives that is asked while robots touch."""
+    """Calling pymunk in every substep gives the same as calling it only while robots touch."""
     sparing, always = (placed(1, 2, seed, width=2.0, height=2.0) for _ in range(2))
     always._motion = ROBOT_MOTION.pack(always._motion.record._replace(search=ALWAYS_TOUCHING))
     engaged = []

@@ -1,4 +1,4 @@
-"""Worlds and what they hold refuse to be copied, at any moment: no copy shares memory with its original."""
+"""Worlds and their parts refuse to be copied at any moment, so that no copy shares memory with its original."""
 
 import copy
 import pickle

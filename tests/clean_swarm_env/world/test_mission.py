@@ -1,4 +1,4 @@
-"""Whole missions: they complete under every option, and their result says what happened."""
+"""Whole missions complete under every option, and their results are right."""
 
 import pytest
 

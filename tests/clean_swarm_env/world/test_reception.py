@@ -1,4 +1,4 @@
-"""Messages with a range and losses: what each robot has received, world by world."""
+"""Messages with a range and losses: the poses and pheromones that each robot has received, world by world."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), **changes):
 
 
 def _spread(worlds, ticks=1):
-    """Let poses be spread as in a tick, without moving; return how many poses each robot sees."""
+    """Spread poses as in a tick, without moving; return the number of poses that each robot sees."""
     for _ in range(ticks):
         worlds.minds.poses.update(worlds.physics.positions, worlds.physics.headings, worlds.now)
         worlds.minds.receive_poses()

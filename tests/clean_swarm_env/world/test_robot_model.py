@@ -1,4 +1,4 @@
-"""The robot model is the one of the reference experiment, and its sensors read what their names say."""
+"""The robot model is that of the reference experiment, and its sensors read the right values."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Teams that change: who is gone is nowhere, who is far is not disturbed, and cargo is not lost."""
+"""Teams that change: robots taken away leave nothing, distant robots are not affected, and cargo is not lost."""
 
 import numpy as np
 import pytest

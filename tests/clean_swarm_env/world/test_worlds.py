@@ -1,4 +1,4 @@
-"""Worlds: a world of a batch is the world alone, rows do not matter, and garbage goes its way."""
+"""Worlds: the same alone and in a batch and in any order of rows; items go through their stages."""
 
 import os
 import subprocess
@@ -214,7 +214,7 @@ def _switched(switch: str, config: str) -> list[float]:
 
 
 def test_compiled_and_plain_python_take_the_same_course():
-    """The kernels are plain functions: what the compiler makes of them must not differ from what they say."""
+    """The kernels are plain functions: compiled and plain they must give the same."""
     compiled = np.ravel([step["positions"] for step in course(worlds_at_start(mission(), [5], 0), 0, 40)])
     np.testing.assert_allclose(_switched("NUMBA_DISABLE_JIT", "mission()"), compiled, atol=1e-9)
 

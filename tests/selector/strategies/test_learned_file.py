@@ -12,7 +12,7 @@ import safetensors.numpy
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore, RewardSums
-from selector.strategies.learned_file import load_strategy, save_strategy, spec_of
+from selector.strategies.learned_file import description_of, load_strategy, save_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
@@ -50,10 +50,10 @@ def test_what_was_learned_serves_any_number_of_robots(tmp_path, name):
     first = made(name, {"prior": 2.0})
     live(first)
     save_strategy(tmp_path / "learned", first)
-    assert spec_of(tmp_path / "learned").name == name
-    assert spec_of(tmp_path / "learned").parameters["prior"] == 2.0
+    assert description_of(tmp_path / "learned").spec.name == name
+    assert description_of(tmp_path / "learned").spec.parameters["prior"] == 2.0
     for groups in (None, np.arange(9)):
-        second = made(name, spec_of(tmp_path / "learned").parameters, rows=9, groups=groups)
+        second = made(name, description_of(tmp_path / "learned").spec.parameters, rows=9, groups=groups)
         load_strategy(tmp_path / "learned", second)
         for key, value in second.learned().items():
             np.testing.assert_array_equal(value, np.broadcast_to(first.learned()[key], value.shape))

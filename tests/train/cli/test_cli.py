@@ -15,6 +15,7 @@ from selector.documents.find import files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
 from train.cli import app as cli
+from train.evaluation import pipeline
 from train.running import runs
 
 FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
@@ -25,6 +26,7 @@ def run(monkeypatch, capsys, tmp_path):
     """Run the command line in this process, on the fake mission, in an empty directory: code, output, errors."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
 
     def call(*words: object) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])

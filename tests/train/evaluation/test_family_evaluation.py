@@ -12,8 +12,9 @@ import yaml
 
 from clean_swarm_env.config.frames import grouped
 from clean_swarm_env.config.load import load_family
+from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
-from selector.strategies.learned_file import find_strategy, save_strategy, spec_of
+from selector.strategies.learned_file import description_of, save_strategy
 from selector.strategies.policy_file import find_policy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
@@ -153,7 +154,7 @@ def test_the_policy_that_ships_fits_the_families(family):
 
 @pytest.mark.parametrize("name", ["rules", "careful"])
 def test_the_learned_strategies_that_ship_fit_the_families_and_explore_no_more(name):
-    assert spec_of(find_strategy(name)).parameters["exploration"] == 0.0
+    assert description_of(find_file("strategies", name)).spec.parameters["exploration"] == 0.0
     scenario = load_family("random").scenario(0, 0, "test")
 
     def trial(offset):

@@ -134,8 +134,8 @@ def test_page_and_mapping_of_a_real_outcome():
 
 
 def test_the_command_knows_every_kind_of_ground():
-    assert goal_cli.GROUNDS == ("torus", "open")
-    assert {find(goal).setting.ground for goal in goals()} == set(goal_cli.GROUNDS)
+    assert goal_cli.ARENAS == ("torus", "open")
+    assert {find(goal).setting.ground for goal in goals()} == set(goal_cli.ARENAS)
 
 
 def test_the_page_in_the_docs_is_about_the_scenes_as_they_are():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from selector.documents.errors import DocumentError
-from selector.strategies.learned_file import features_of, load_strategy, spec_of
+from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from tests.train.learning.trainings import job, written
@@ -52,8 +52,9 @@ def test_the_best_option_of_each_situation_is_found_and_exported(tmp_path, monke
     training.advance()
     assert training.decisions == 1600
     path = training.export("command")
-    spec = spec_of(path)
-    assert (spec.parameters["exploration"], features_of(path)) == (0.0, SITUATIONS)
+    description = description_of(path)
+    spec = description.spec
+    assert (spec.parameters["exploration"], description.features) == (0.0, SITUATIONS)
     learned = spec.build(training.problem, row_keys(np.random.SeedSequence(0), 2), np.zeros(2, dtype=np.int64))
     load_strategy(path, learned)
     assert learned.select(np.eye(2)).tolist() == best.tolist()

@@ -8,7 +8,7 @@ import yaml
 from rich.console import Console
 
 from selector.documents.errors import DocumentError
-from selector.strategies.learned_file import find_strategy
+from selector.documents.find import find_file
 from selector.strategies.policy_file import find_policy
 from tests.train.learning.trainings import job, written
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
@@ -36,7 +36,7 @@ def own(tmp_path):
     changes = {"tasks": [{"family": "small", "worlds": 2}], "checkpoints": 1, "decisions": 20}
     written(directory / "training", "bandit", **changes).rename(directory / "training" / "mine.yaml")
     shutil.copytree(find_policy("general"), directory / "policies" / "mine")
-    shutil.copy(find_strategy("rules"), directory / "strategies" / "mine.safetensors")
+    shutil.copy(find_file("strategies", "rules"), directory / "strategies" / "mine.safetensors")
     return directory
 
 

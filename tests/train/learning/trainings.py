@@ -2,8 +2,8 @@
 
 import yaml
 
-from train.learning.checkpoints import TrainingFolder
 from train.learning.training import TrainingJob
+from train.running.run_folder import RunFolder
 
 COMMON = {
     "name": "tiny",
@@ -43,4 +43,4 @@ def written(directory, kind, **changes):
 
 def job(config, directory):
     """A training of seed 1 in a new directory."""
-    return TrainingJob(config, 1, TrainingFolder(directory, {}, resume=False), lambda _: None)
+    return TrainingJob(config, 1, RunFolder(directory, {"identity": {}}, resume=False), lambda _: None)

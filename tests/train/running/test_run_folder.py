@@ -5,7 +5,6 @@ import json
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.learning.checkpoints import TrainingFolder
 from train.running.run_folder import RunFolder, default_directory
 
 MANIFEST = {"identity": {"experiment": "x", "seed": 3, "configuration": {"mission": {"name": "m"}, "starts": [1, 2]}}}
@@ -72,12 +71,12 @@ def test_entries_that_may_grow_are_all_kept(tmp_path):
 
 
 def test_a_training_claims_its_directory_in_the_same_way(tmp_path):
-    TrainingFolder(tmp_path, {"seed": 1, "directories": ("a",)}, resume=False)
-    TrainingFolder(tmp_path, {"seed": 1, "directories": ("a",)}, resume=True)
+    RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=False)
+    RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=True)
     with pytest.raises(ConfigurationError, match="holds these results already; give --resume"):
-        TrainingFolder(tmp_path, {"seed": 1, "directories": ("a",)}, resume=False)
+        RunFolder(tmp_path, {"identity": {"seed": 1, "directories": ("a",)}}, resume=False)
     with pytest.raises(ConfigurationError, match="holds other results: seed: expected 2, got 1"):
-        TrainingFolder(tmp_path, {"seed": 2, "directories": ("a",)}, resume=True)
+        RunFolder(tmp_path, {"identity": {"seed": 2, "directories": ("a",)}}, resume=True)
 
 
 def test_default_directories_are_numbered_and_resumed_last(tmp_path, monkeypatch):

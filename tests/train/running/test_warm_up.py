@@ -6,8 +6,10 @@ import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.physics import tick
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
+from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
 from train.reports.text_table import flat
@@ -34,9 +36,9 @@ def task(limits):
     return RunTask("table1", "1", 0, "RepulsionGradient", mission, start, {}, BY_SCORE, (), run)
 
 
-def test_the_first_second_of_a_run_compiles_and_says_so(task, limits, capsys):
+def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
     warm_up.compile_first(task)
-    assert limits == [1.0]
+    assert limits == [300.0]
     assert capsys.readouterr().err == LINE
     assert task.mission.time_limit == 3000.0
 
@@ -56,7 +58,7 @@ class OneRun(pipeline.Evaluation):
         return pipeline.Publication("", [flat("", "", (), [])], "{}")
 
 
-@pytest.mark.parametrize(("compiled", "expected"), [(False, [1.0, 3000.0]), (True, [3000.0])])
+@pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])
 def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
     task, limits, compiled, expected, monkeypatch, tmp_path, capsys
 ):
@@ -89,3 +91,17 @@ def test_compiled_code_is_looked_for_in_the_folder_of_todays_sources(monkeypatch
 def test_what_a_mission_compiled_is_found(task):
     replace(task, run_mission=run_mission).beginning().run()
     assert warm_up.compiled_before()
+
+
+def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
+    short = replace(task, mission=task.mission.model_copy(update={"time_limit": 20.0}))
+    assert short.beginning().mission.time_limit == 20.0
+
+
+@pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild"), (tick, "settle_and_go_on")])
+def test_the_warm_up_calls_kernels_that_no_first_second_needs(task, module, kernel, monkeypatch):
+    called = []
+    compiled = getattr(module, kernel)
+    monkeypatch.setattr(module, kernel, lambda *given: called.append(kernel) or compiled(*given))
+    replace(task, run_mission=run_mission).beginning().run()
+    assert kernel in called

@@ -1,4 +1,4 @@
-"""Diagrams of behaviour networks: content (what there is), layout (where it goes), picture (Matplotlib)."""
+"""Diagrams of behaviour networks: content (boxes and links), layout (positions), picture (Matplotlib)."""
 
 from train.reports.network_diagram.content import configuration_panels as configuration_panels
 from train.reports.network_diagram.content import robot_panels as robot_panels

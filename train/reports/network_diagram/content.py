@@ -1,4 +1,4 @@
-"""What a diagram of a network shows: panels of columns with boxes, and the links between the boxes.
+"""The content of a diagram of a network: panels, which have columns of boxes, and links between boxes.
 
 A robot has one panel for each network, the outermost first. Its columns are sensors, preconditions, behaviours, effects
 and goals; those of a mechanism configuration begin with its mechanisms and the gradients that queries choose.
@@ -32,7 +32,7 @@ Options = Mapping[str, Sequence[str]]
 
 
 class BoxKind(Enum):
-    """What a box stands for."""
+    """Kind of a box."""
 
     MECHANISM = "mechanisms and targets"
     SENSOR = "sensors"
@@ -44,7 +44,7 @@ class BoxKind(Enum):
 
 
 class LinkKind(Enum):
-    """What a link says."""
+    """Meaning of a link."""
 
     READS = "is read by"
     NEEDED = "is needed by"
@@ -57,7 +57,7 @@ class LinkKind(Enum):
 
 @dataclass(frozen=True)
 class DiagramBox:
-    """One thing of the network; `lines` are its name and what is said about it."""
+    """A box for one part of the network; `lines` are its name and further text."""
 
     key: str
     kind: BoxKind
@@ -75,7 +75,7 @@ class DiagramLink:
 
 @dataclass(frozen=True)
 class NetworkPanel:
-    """One network: its title, its columns from left to right, none of them empty, and the links."""
+    """One network: its title, its columns from left to right without empty ones, and the links."""
 
     title: str
     columns: tuple[tuple[DiagramBox, ...], ...]
@@ -86,7 +86,7 @@ def robot_panels(path: Path, coordinators: Mapping[str, CoordinatorModel], knowl
     """Return the panels of a robot's document, one for each network; `coordinators` by goal.
 
     Raises:
-        DocumentError: a mistake in the file.
+        DocumentError: the file has a mistake.
 
     """
     options = {
@@ -99,7 +99,7 @@ def configuration_panels(path: Path) -> list[NetworkPanel]:
     """Return the panel of a mechanism configuration.
 
     Raises:
-        DocumentError: a mistake in the file.
+        DocumentError: the file has a mistake.
 
     """
     content = resolved(read_mapping(path), {})
@@ -159,8 +159,9 @@ class _Panel:
 
     def behaviour(self, behaviour: Behaviour, lines: Sequence[str], kind: BoxKind) -> None:
         key = f"behaviour.{behaviour.name}"
-        said = [] if behaviour.ready_threshold == Behaviour.ready_threshold else [_ready(behaviour)]
-        self.add(key, kind, behaviour.name, *lines, *said)
+        ready = behaviour.ready_threshold
+        from_when = [] if ready == Behaviour.ready_threshold else [f"ready from {ready:g}"]
+        self.add(key, kind, behaviour.name, *lines, *from_when)
         for _, face in behaviour.interfaces:
             for tree in face.preconditions:
                 self._condition(tree, key)
@@ -188,16 +189,10 @@ class _Panel:
                     self.link(effect, key, LinkKind.HELPS if change * direction > 0.0 else LinkKind.HINDERS)
 
     def finished(self, title: str) -> NetworkPanel:
-        together = [
-            {BoxKind.MECHANISM}, {BoxKind.SENSOR}, {BoxKind.CONDITION}, {BoxKind.BEHAVIOUR, BoxKind.COORDINATOR},
-            {BoxKind.EFFECT}, {BoxKind.GOAL},
-        ]  # fmt: skip
-        columns = (tuple(box for box in self.boxes.values() if box.kind in kinds) for kinds in together)
-        return NetworkPanel(title, tuple(column for column in columns if column), tuple(self.links.values()))
-
-
-def _ready(behaviour: Behaviour) -> str:
-    return f"ready from {behaviour.ready_threshold:g}"
+        columns: dict[BoxKind, list[DiagramBox]] = {kind: [] for kind in BoxKind if kind is not BoxKind.COORDINATOR}
+        for box in self.boxes.values():
+            columns[BoxKind.BEHAVIOUR if box.kind is BoxKind.COORDINATOR else box.kind].append(box)
+        return NetworkPanel(title, tuple(tuple(c) for c in columns.values() if c), tuple(self.links.values()))
 
 
 def _actions(declared: Mapping[str, Any]) -> list[str]:

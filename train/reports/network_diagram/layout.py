@@ -1,6 +1,6 @@
-"""Where the boxes of a panel go: columns from left to right, boxes near what they are linked with, nothing overlapping.
+"""The layout of a panel: columns from left to right, without overlaps, and linked boxes near each other.
 
-All lengths are points (1/72 inch); y grows downwards. Text is measured as the font draws it, so that it fits its box.
+All lengths are points (1/72 inch); y grows downwards. Text is measured in its font, so that it fits into its box.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,13 +18,13 @@ FONT, FONT_SIZE, LINE = "DejaVu Sans", 8.0, 11.0
 PADDING, BETWEEN, GAP = 6.0, 8.0, 62.0
 """Inside a box, between boxes of a column, and between columns [pt]."""
 HEADING, BORDER = 46.0, 16.0
-"""Room for title and headings above the boxes, and around everything [pt]."""
+"""Space for title and headings above the boxes, and around the panel [pt]."""
 LETTERS = 40
-"""Letters after which a line is broken."""
+"""Most letters of a line."""
 SCREEN_ROUNDING = 1.04
-"""Screens round the width of letters: a drawn line is up to so much longer than the font says."""
+"""Factor on the width of a line, because screens round the widths of its letters."""
 NAMELESS = (BoxKind.CONDITION, BoxKind.EFFECT)
-"""Boxes that have no name above what is said."""
+"""Boxes whose first line is not a name."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class PlacedBox:
 
     @property
     def middle(self) -> float:
-        """Height of the middle [pt]."""
+        """Vertical position of the middle [pt]."""
         return self.y + 0.5 * self.height
 
 
@@ -57,10 +57,10 @@ class PlacedPanel:
 
 
 def place_panel(panel: NetworkPanel) -> PlacedPanel:
-    """Return where everything of a panel goes.
+    """Return the panel with positions.
 
-    The behaviours (the column with the most links) stand in the order of the document; every other column is ordered
-    and placed by the mean height of what its boxes are linked with.
+    The behaviours (the column with most links) keep the order of the document; every other column is ordered and placed
+    by the mean height of the boxes to which its boxes are linked.
     """
     sized = {box.key: _sized(box) for column in panel.columns for box in column}
     tall = max(_height([sized[box.key] for box in column]) for column in panel.columns)
@@ -89,9 +89,9 @@ def place_panel(panel: NetworkPanel) -> PlacedPanel:
 def text_width(text: str, bold: bool = False) -> float:
     """Return the width of a line of text [pt]."""
     font = FontProperties(family=FONT, weight="bold" if bold else "normal")
-    if not text.strip():  # nothing to draw
+    if not text.strip():  # Matplotlib cannot measure empty text
         return 0.0
-    plain = text.replace("$", r"\$")  # no formula
+    plain = text.replace("$", r"\$")  # not the beginning of a formula
     return SCREEN_ROUNDING * float(TextPath((0.0, 0.0), plain, size=FONT_SIZE, prop=font).get_extents().x1)
 
 
@@ -134,7 +134,7 @@ def _spread(boxes: Sequence[PlacedBox], tall: float) -> list[float]:
 
 
 def _wishes(panel: NetworkPanel, boxes: Sequence[PlacedBox], placed: Mapping[str, PlacedBox]) -> list[float]:
-    """Return where the middle of each box should be: the mean of what it is linked with, or the end if with nothing."""
+    """Return the wanted middle of each box: the mean of the boxes to which it is linked; without links, infinity."""
     ends: dict[str, list[float]] = {box.box.key: [] for box in boxes}
     for link in panel.links:
         for key, other in ((link.start, link.end), (link.end, link.start)):
@@ -144,7 +144,7 @@ def _wishes(panel: NetworkPanel, boxes: Sequence[PlacedBox], placed: Mapping[str
 
 
 def _settled(boxes: Sequence[PlacedBox], wanted: Sequence[float], tall: float) -> list[float]:
-    """Return heights in the given order, near what is wanted, without overlap and within `tall`."""
+    """Return positions in the given order, near the wanted ones, without overlap and within `tall`."""
     heights: list[float] = []
     lowest = 0.0
     for box, middle in zip(boxes, wanted, strict=True):
@@ -158,10 +158,10 @@ def _settled(boxes: Sequence[PlacedBox], wanted: Sequence[float], tall: float) -
 
 
 def port_heights(placed: PlacedPanel, side: Callable[[str, str], tuple[str, str]]) -> dict[tuple[str, str], float]:
-    """Return for each link (start, end) the height [pt] at which it meets one of its boxes.
+    """Return for each link (start, end) the height [pt] at which it touches one of its boxes.
 
-    `side` returns for the keys of a link that of the box it meets, and that of the other one. Links meet a box in the
-    order of their other ends, so that they do not cross there.
+    `side` returns, for the keys of a link, the key of the box that it touches and the key of the other box. Links touch
+    a box in the order of their other ends, so that they do not cross there.
     """
     meeting: dict[str, list[tuple[float, tuple[str, str]]]] = {}
     for link in placed.panel.links:

@@ -1,4 +1,4 @@
-"""Draws placed panels with Matplotlib. Colours are those of Okabe and Ito; signs and dashes say the same as colours."""
+"""Drawing of placed panels with Matplotlib. Colours are those of Okabe and Ito; line styles repeat their meaning."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,9 +27,9 @@ from train.reports.network_diagram.layout import (
 )
 
 PICTURE_SUFFIXES: Final = (".svg", ".png", ".pdf")
-"""Endings of files that a picture can be saved to."""
+"""Endings of picture files."""
 LEGEND_ROOM: Final = 34.0
-"""Room for the legend under the panels [pt]."""
+"""Height of the legend under the panels [pt]."""
 TEXT, FRAME = "#1b1b1b", "#6b6b6b"
 FILLS: Final = {
     BoxKind.MECHANISM: "#f3e6ee",
@@ -53,7 +53,7 @@ STROKES: Final[dict[LinkKind, tuple[str, Literal["solid", "dashed", "dotted"]]]]
 
 
 def draw_panels(panels: Sequence[NetworkPanel]) -> Figure:
-    """Return a figure of the panels, one below the other, with a legend; it is as large as they need."""
+    """Return a figure with all panels, one below the other, and a legend; its size follows from the panels."""
     placed = [place_panel(panel) for panel in panels]
     used = [kind for kind in LinkKind if any(link.kind is kind for panel in panels for link in panel.links)]
     wide = max(*(panel.width for panel in placed), sum(text_width(kind.value) + 48.0 for kind in used) + 2 * BORDER)
@@ -112,7 +112,7 @@ def _draw_box(axes: Axes, placed: PlacedBox, top: float) -> None:
 
 
 def _draw_link(axes: Axes, start: tuple[float, float], end: tuple[float, float], kind: LinkKind) -> None:
-    """Draw a curve that leaves and arrives level, with a small arrow head."""
+    """Draw a curve with horizontal ends and a small arrow head."""
     colour, style = STROKES[kind]
     tip = (end[0] - 4.0, end[1])
     bend = min(0.6 * GAP, 0.5 * (tip[0] - start[0]))

@@ -1,4 +1,4 @@
-"""Conditions, effects and actions in the words that a diagram shows."""
+"""Text of conditions, effects and actions in a diagram."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -11,7 +11,7 @@ MINUS = "\N{MINUS SIGN}"
 
 
 def condition_in_words(tree: Tree | Optional) -> str:
-    """Return a condition as a reader would say it: `not carrying`, `dist_dump: 0 at 0 to 1 at 1 (linear)`."""
+    """Return a condition as text, such as `not carrying` or `dist_dump: none at 0, full at 1`."""
     match tree:
         case Optional(of=of):
             return f"optional: {condition_in_words(of)}"
@@ -33,7 +33,7 @@ def change_in_words(sensor: str, change: float) -> str:
 
 
 def component_in_words(declared: Mapping[str, Any]) -> str:
-    """Return a component of a configuration file by its type and what it refers to, such as `Move: avoidance`."""
+    """Return the type of a component and the names to which it refers, such as `Move: avoidance`."""
     referred = [f"{value}" for key, value in declared.items() if key in ("mechanism", "target", "name", "call")]
     if "value" in declared:
         referred.append(f"= {_plain(declared['value'])}")
@@ -42,7 +42,7 @@ def component_in_words(declared: Mapping[str, Any]) -> str:
 
 
 def option_in_words(name: str, score: float, parameters: Mapping[str, Any]) -> str:
-    """Return an option of a coordinator with its score and what it lays over its configuration."""
+    """Return an option of a coordinator with its score and parameters."""
     laid = ", ".join(f"{key} {_plain(value)}" for key, value in parameters.items())
     return f"{name}, score {score:g}" + (f": {laid}" if laid else "")
 
