@@ -38,7 +38,7 @@ Where targets are missed:
 - *Foraging*: the original's Exploration draws a new direction with every command, and with a command each 0.2 s a robot
   gets nowhere. With directions kept for 10 s (`leg: 10.0` in a copy of the file) the same option brings 4.24
   [3.53, 4.95] items a minute; what is left between that and ours is mostly the evaporation, which is too coarse to tell
-  the ends of a trail apart ([0045](decisions/0045-trail-age.md)). How often the original commands is not known.
+  the ends of a trail apart ([0044](decisions/0044-trail-age.md)). How often the original commands is not known.
 
 Written by `python -m docs.figures.write_original`. One goal: `clean-swarm run ReachGoal --knowledge original`, and
 `--option NAME` for another option of the file.
