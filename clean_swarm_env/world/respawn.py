@@ -46,6 +46,5 @@ class Arrivals:
     def _count_from(self, since: float, rate: float) -> None:
         """Compute the next arrival at `rate` [1/min]; the expected items count from the time `since` [ticks]."""
         self._rate, self._since = rate, since
-        waiting = self._expected * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
-        self._next_time = since + waiting if rate > 0.0 else float(NO_TICK)
+        self._next_time = since + self._expected * self._ticks_per_minute / rate if rate > 0.0 else float(NO_TICK)
         self.due = ceil(self._next_time)

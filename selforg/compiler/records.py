@@ -60,7 +60,6 @@ class Packed(Generic[Record]):
     """
 
     def __init__(self, recording: Recording[Record], record: Record) -> None:
-        self._recording = recording
         self.record = record
         self.words = recording.words_of(record)
 
