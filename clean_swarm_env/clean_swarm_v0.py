@@ -150,6 +150,10 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
             }
         return infos if len(agents) == len(infos) else {agent: infos[agent] for agent in agents}
 
+    def close(self) -> None:
+        """End the recording of a mission that is still going on."""
+        self._batch.close()
+
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or None without a render mode."""
         if self.render_mode is None:

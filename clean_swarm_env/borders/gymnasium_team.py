@@ -64,6 +64,10 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         info = _first(infos) | _first(infos.get("final_info", {}))
         return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), info
 
+    def close(self) -> None:
+        """End the recording of a mission that is still going on."""
+        self.batch.close()
+
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or None without a render mode."""
         if self.render_mode is None:

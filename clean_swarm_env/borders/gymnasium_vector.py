@@ -72,6 +72,10 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             infos,
         )
 
+    def close_extras(self, **_: object) -> None:
+        """End the recordings of missions that are still going on."""
+        self.batch.close()
+
     def _rows_of(self, actions: NDArray[Any]) -> NDArray[Any]:
         """Return the actions (R, ...) of rows."""
         if actions.shape != self.action_space.shape:
