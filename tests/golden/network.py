@@ -56,7 +56,7 @@ class RecordedPlanner(Planner):
     original counts.
     """
 
-    def __init__(self, goals: int, model: NetworkModel | None) -> None:
+    def __init__(self, goals: int, model: NetworkModel | None = None) -> None:
         self.memory = Forgetful(goals)
         self.answer: list[int] | None = None
         self._calls = 0
