@@ -8,6 +8,7 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
 from clean_swarm_env.world.mission import run_mission
+from selector.strategies.registry import StrategySpec
 from selforg.gradients.queries import Filter, Queries
 from tests.clean_swarm_env.courses import (
     begin,
@@ -19,6 +20,8 @@ from tests.clean_swarm_env.courses import (
     snapshot,
     worlds_at_start,
 )
+
+GRADIENT = StrategySpec(name="Fixed", parameters={"option": "RepulsionGradient"})
 
 CHANGING = {
     "events": [
@@ -192,7 +195,7 @@ def test_missions_complete_although_robots_fail_with_their_cargo():
     events = [{"at": 40.0, "do": "fail", "robots": [0, 1]}, {"at": 60.0, "do": "fail", "robots": [2]}]
     for seed in range(4):
         config = mission(events=events)
-        assert run_mission(config, random_start(config, seed, 0), seed, {}).completed
+        assert run_mission(config, random_start(config, seed, 0), seed, {}, GRADIENT).completed
 
 
 @long_course
