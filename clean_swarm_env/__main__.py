@@ -3,10 +3,10 @@
 from clean_swarm_env.siblings import call
 
 
-def main() -> None:
+def command_line() -> None:
     """Run the command line."""
     call("train.cli", "main")
 
 
 if __name__ == "__main__":
-    main()
+    command_line()
