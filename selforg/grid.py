@@ -62,12 +62,13 @@ def bucket_of(group: int, cell: int, buckets: Links) -> int:
 
 
 @part
-def near_cells(x: float, y: float, z: float, radius: float, cells: Floats, row: int, window: Ints) -> int:
+def near_cells(
+    x: float, y: float, z: float, radius: float, cells: Floats, row: int, members: float, window: Ints
+) -> int:
     """Write the cells that come within `radius` [m] of (x, y, z) into `window` (MOST_CELLS,) and return how many.
 
-    The grid is that of one row of `cells` (L, CELL_COLUMNS). Returns -1 where all members have to be looked at
-    anyway: the radius covers the grid, or more cells than `window` holds. Who lies in the grid does not matter, so that
-    something far away cannot change the order of a sum.
+    The grid is that of one row of `cells` (L, CELL_COLUMNS). Returns -1 if looking at all `members` of the grid one by
+    one is cheaper. The choice depends on no other grid, so that other grids cannot change the order of a sum.
     """
     padded = radius + SLACK
     number_i, width_i = int(cells[row, NUMBER_X]), cells[row, WIDTH_X]
@@ -77,7 +78,7 @@ def near_cells(x: float, y: float, z: float, radius: float, cells: Floats, row: 
     j0, j1, whole_j = axis_window(y, padded, number_j, width_j)
     k0, k1, whole_k = axis_window(z, padded, number_k, width_k)
     number = float(i1 - i0) * float(j1 - j0) * float(k1 - k0)
-    if number > len(window) or (whole_i and whole_j and whole_k):
+    if number > len(window) or number > members:
         return -1
     found = 0
     for k in range(k0, k1):

@@ -79,11 +79,12 @@ def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
     x, y, z = s.near[slot, c.X], s.near[slot, c.Y], s.near[slot, c.Z]
     for level in range(c.UNBOUNDED + 1):
         layer = first + level
-        if s.layers[layer, c.LAYER_COUNT] == 0:
+        members = whole(s.layers[layer, c.LAYER_COUNT])
+        if members == 0:
             continue
         cells = -1
         if level < c.UNBOUNDED:
-            cells = near_cells(x, y, z, radius, s.cells, level, s.window)
+            cells = near_cells(x, y, z, radius, s.cells, level, float(members), s.window)
         for index in range(max(cells, 1)):
             other = whole(s.layers[layer, c.LAYER_HEAD])
             if cells == 0:

@@ -56,13 +56,14 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[St
     for index in range(1, len(channels)):
         first = first_layer(int(channels[index]), space, store)
         for level in range(c.LEVELS):
+            members = whole(s.layers[first + level, c.LAYER_COUNT])
             looked_at = look.see & (c.SEE_MOVING if level == c.MOVING else c.SEE_STATIC)
-            if s.layers[first + level, c.LAYER_COUNT] == 0 or found >= look.limit or looked_at == 0:
+            if members == 0 or found >= look.limit or looked_at == 0:
                 continue
             cells = -1
             if level < c.UNBOUNDED:
                 within = radius + s.bounds[level]
-                cells = near_cells(look.x, look.y, look.z, within, s.cells, level, s.window)
+                cells = near_cells(look.x, look.y, look.z, within, s.cells, level, float(members), s.window)
             found = gather_layer(first + level, cells, found, look, sight, store)
     return found
 
@@ -135,7 +136,7 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
     if end - begin > CROWD and history == 0 and not hearing:  # cells know the newest poses only
         radius = max(look.margins[0], look.margins[1], look.margins[2]) + p.reach[team]
         only = min(team, 0)  # 0; Numba would compile `near_cells` once more for a constant
-        cells = near_cells(look.x, look.y, look.z, radius, p.cells, only, window)
+        cells = near_cells(look.x, look.y, look.z, radius, p.cells, only, float(end - begin), window)
     for index in range(end - begin if cells < 0 else cells):
         cell = int(window[index]) if cells >= 0 else 0
         other = int(p.members[begin + index]) if cells < 0 else whole(p.buckets[bucket_of(team, cell, p.buckets)])

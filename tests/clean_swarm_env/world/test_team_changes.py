@@ -68,7 +68,8 @@ def test_a_robot_out_of_reach_that_goes_changes_nothing_for_the_others(way, cont
             getattr(worlds.team, way)(np.array([4]))
         courses.append(_without_last(steps + course(worlds, 0, 100 - tick)))
     assert worlds.collisions.samples[0, 0] > 0  # they did meet
-    assert difference(*courses) == ""
+    # how many pheromones a world holds decides in which order those near a robot are summed: the last bit may differ
+    assert difference(*courses, within=1e-12) == ""
 
 
 @pytest.mark.parametrize("name", ["table1", "reference"])
