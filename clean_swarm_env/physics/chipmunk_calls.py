@@ -1,104 +1,169 @@
-"""Calls of Chipmunk's C functions from compiled code, by their addresses: what a substep in contact needs.
+"""Calls of Chipmunk's C functions from compiled code, by their addresses: a world in contact, for one control tick.
 
-A call from Python costs about as much as the work of a small space. The addresses come from `contact_space.py` as a
-table of handles, one row for each world. Compiled code leaves a world without handles to Python.
+A call from Python costs about as much as the work of a small space. `contact_space.py` has the addresses, and does the
+same through pymunk's public interface where compiled code cannot call C.
+
+A space lives for one tick at most. What Chipmunk keeps from step to step (impulses, corrections of overlaps, the order
+in which it meets contacts) is therefore no part of the state of a world, and a copy of the arrays is a copy of it.
 """
 
+from typing import Annotated, NamedTuple
+
+import numpy as np
 from numba import types
 from numba.extending import intrinsic, overload
 
+from clean_swarm_env.physics.motion import COPY_OFFSETS, RobotMotion, open_robot_motion
 from selforg.arrays import Ints
-from selforg.compiler.decorators import inlined
+from selforg.compiler.decorators import LEAN, part
 from selforg.compiler.llvm import LLVM, Compiler
+from selforg.compiler.records import Recording, Words
 
 IR: Compiler = LLVM.ir
+TYPES: Compiler = types  # they have no types themselves
 
-# handles (W, HANDLES) int64, addresses, all zero where a world has no space that compiled code may step
+COLLISION_SLOP = 0.005  # [m]; Chipmunk's own 0.1 would let discs of 0.25 m sink in visibly
+COPY_CATEGORY, COPY_MASK = 0b10, 0b01  # seam copies meet originals only, so that each pair meets once
+
+NAMES = (
+    "cpSpaceNew", "cpSpaceFree", "cpSpaceSetCollisionSlop", "cpSpaceAddBody", "cpSpaceAddShape", "cpSpaceStep",
+    "cpBodyNew", "cpBodyFree", "cpBodySetPosition", "cpBodySetVelocity", "cpBodySetForce", "cpBodyGetPosition",
+    "cpBodyGetVelocity", "cpBodyUpdatePosition", "cpCircleShapeNew", "cpShapeFree", "cpShapeSetFilter",
+)  # fmt: skip
 (
-    SPACE,
-    STEP,  # void (space, double timestep)
-    EACH,  # void (space, void (body, data), data)
-    WRITE_BODY,  # void (body, data), fields of the next body from an array
-    READ_BODY,  # void (body, data), fields of the next body into an array
-    BODIES,  # data: positions and velocities of all bodies
-    BODIES_DONE,  # int32 in that data: how many numbers have been read or written
-    FORCES,  # data: forces on all bodies
-    FORCES_DONE,
-    HANDLES,
-) = range(10)
+    SPACE_NEW, SPACE_FREE, SET_SLOP, ADD_BODY, ADD_SHAPE, SPACE_STEP, BODY_NEW, BODY_FREE, SET_POSITION, SET_VELOCITY,
+    SET_FORCE, GET_POSITION, GET_VELOCITY, UPDATE_POSITION, CIRCLE_NEW, SHAPE_FREE, SET_FILTER,
+) = range(len(NAMES))  # fmt: skip
 
 
-def step_space(function: int, space: int, timestep: float) -> None:
-    """Call `function` (space, timestep [s]); in compiled code only."""
+class Chipmunk(NamedTuple):
+    """Where Chipmunk's functions lie in the memory of this process."""
+
+    functions: Annotated[Ints, "NAMES"]  # addresses, all zero where compiled code cannot call them
+
+
+CHIPMUNK = Recording(Chipmunk)
+open_chipmunk = CHIPMUNK.open
+
+
+def call(function: int, arguments: tuple[float, ...]) -> None:
+    """Call the C function at an address; in compiled code only.
+
+    Whole numbers are passed as pointers or integers, others as doubles; a `cpVect` is passed as its two doubles.
+    """
     raise NotImplementedError("C functions are called from compiled code only")
 
 
-def each_body(function: int, space: int, visitor: int, data: int, done: int) -> None:
-    """Set the int32 at `done` to 0 and call `function` (space, visitor, data); in compiled code only."""
+def call_for_pointer(function: int, arguments: tuple[float, ...]) -> int:
+    """Call a C function that returns a pointer; in compiled code only."""
     raise NotImplementedError("C functions are called from compiled code only")
 
 
-def pointer_to(builder: Compiler, address: Compiler, kind: Compiler) -> Compiler:
-    """Return an address as a pointer to `kind`."""
-    return builder.inttoptr(address, kind.as_pointer())
+def call_for_vector(function: int, arguments: tuple[float, ...]) -> tuple[float, float]:
+    """Call a C function that returns a `cpVect`; in compiled code only."""
+    raise NotImplementedError("C functions are called from compiled code only")
 
 
-def typed_step(typing: Compiler, function: Compiler, space: Compiler, timestep: Compiler) -> Compiler:
-    """Return signature and code generator of `step_space`."""
-
-    def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
-        kind = IR.FunctionType(IR.VoidType(), [LLVM.voidptr_t, IR.DoubleType()])
-        called = pointer_to(builder, arguments[0], kind)
-        builder.call(called, [builder.inttoptr(arguments[1], LLVM.voidptr_t), arguments[2]])
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.int64, types.float64), generate
+VECTOR = IR.LiteralStructType([IR.DoubleType(), IR.DoubleType()])
+RESULTS = {
+    call: (types.void, IR.VoidType()),
+    call_for_pointer: (types.int64, IR.IntType(64)),
+    call_for_vector: (TYPES.UniTuple(types.float64, 2), VECTOR),
+}
 
 
-def typed_each(
-    typing: Compiler, function: Compiler, space: Compiler, visitor: Compiler, data: Compiler, done: Compiler
-) -> Compiler:
-    """Return signature and code generator of `each_body`."""
+def compile_calls(caller: Compiler) -> None:
+    """Give one of the callers above its code."""
+    result, kind = RESULTS[caller]
 
-    def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
-        builder.store(LLVM.int32_t(0), pointer_to(builder, arguments[4], LLVM.int32_t))
-        called = pointer_to(builder, arguments[0], IR.FunctionType(IR.VoidType(), [LLVM.voidptr_t] * 3))
-        builder.call(called, [builder.inttoptr(argument, LLVM.voidptr_t) for argument in arguments[1:4]])
-        return context.get_dummy_value()
+    def typed(typing: Compiler, function: Compiler, arguments: Compiler) -> Compiler:
+        doubles = [argument == types.float64 for argument in arguments]
 
-    return types.void(*[types.int64] * 5), generate
+        def generate(context: Compiler, builder: Compiler, signature: Compiler, given: Compiler) -> Compiler:
+            kinds = [IR.DoubleType() if double else IR.IntType(64) for double in doubles]
+            called = builder.inttoptr(given[0], IR.FunctionType(kind, kinds).as_pointer())
+            values = [builder.extract_value(given[1], index) for index in range(len(kinds))]
+            returned = builder.call(called, values)
+            if caller is call:
+                return context.get_dummy_value()
+            if caller is call_for_pointer:
+                return returned
+            return context.make_tuple(builder, result, [builder.extract_value(returned, axis) for axis in range(2)])
 
+        return result(types.int64, arguments), generate
 
-step_instruction: Compiler = intrinsic(typed_step)
-each_instruction: Compiler = intrinsic(typed_each)
+    instruction: Compiler = intrinsic(typed)
 
+    @overload(caller, jit_options=dict(LEAN))  # type: ignore[arg-type]  # (keys that Numba does not declare)
+    def compiled(function: Compiler, arguments: Compiler) -> Compiler:
+        def implementation(function: Compiler, arguments: Compiler) -> Compiler:
+            return instruction(function, arguments)
 
-@overload(step_space, inline="always")
-def compiled_step(function: Compiler, space: Compiler, timestep: Compiler) -> Compiler:
-    """Return the implementation of `step_space` in compiled code."""
-
-    def compiled(function: Compiler, space: Compiler, timestep: Compiler) -> None:
-        step_instruction(function, space, timestep)
-
-    return compiled
-
-
-@overload(each_body, inline="always")
-def compiled_each(function: Compiler, space: Compiler, visitor: Compiler, data: Compiler, done: Compiler) -> Compiler:
-    """Return the implementation of `each_body` in compiled code."""
-
-    def compiled(function: Compiler, space: Compiler, visitor: Compiler, data: Compiler, done: Compiler) -> None:
-        each_instruction(function, space, visitor, data, done)
-
-    return compiled
+        return implementation
 
 
-@inlined
-def touch(world: int, handles: Ints, current: bool, timestep: float) -> None:
-    """Run a substep of a world in Chipmunk: load bodies unless `current`, write forces, step, read bodies back."""
-    space, each = handles[world, SPACE], handles[world, EACH]
-    if not current:
-        each_body(each, space, handles[world, WRITE_BODY], handles[world, BODIES], handles[world, BODIES_DONE])
-    each_body(each, space, handles[world, WRITE_BODY], handles[world, FORCES], handles[world, FORCES_DONE])
-    step_space(handles[world, STEP], space, timestep)
-    each_body(each, space, handles[world, READ_BODY], handles[world, BODIES], handles[world, BODIES_DONE])
+for each in RESULTS:
+    compile_calls(each)
+
+
+@part
+def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> int:
+    """Return the address of a new space that holds the discs of a world, in the order of their rows.
+
+    Absent robots lie in it and touch nobody, so that the others are computed as they were.
+    """
+    c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
+    space = call_for_pointer(c[SPACE_NEW], ())
+    call(c[SET_SLOP], (space, COLLISION_SLOP))
+    for index in range(m.parts.shape[0]):
+        row, disc = world * m.parts.shape[0] + index, call_for_pointer(c[BODY_NEW], (1.0, np.inf))
+        call(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))  # circles at one place would all be pairs
+        m.parts[index, 0] = call_for_pointer(c[ADD_BODY], (space, disc))
+        circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, 0.0, 0.0))
+        if not m.present[row]:
+            call(c[SET_FILTER], (circle, 0, 0))
+        m.parts[index, 1] = call_for_pointer(c[ADD_SHAPE], (space, circle))
+    return space
+
+
+@part
+def touch(world: int, space: int, last: bool, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
+    """Run a substep of a world in Chipmunk: write `bodies` and `forces`, step, and read `bodies` back.
+
+    Chipmunk corrects overlaps when it moves bodies in its next step. After the `last` step of a space they are
+    corrected at once.
+    """
+    c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
+    robots = m.parts.shape[0]
+    for index in range(robots):
+        row, disc = world * robots + index, m.parts[index, 0]
+        call(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))
+        call(c[SET_VELOCITY], (disc, m.bodies[row, 2], m.bodies[row, 3]))
+        call(c[SET_FORCE], (disc, m.forces[row, 0], m.forces[row, 1]))
+        for bit in range(4):
+            if m.copies[row] & (1 << bit) and m.parts[index, 2 + bit] == 0:
+                x, y = COPY_OFFSETS[bit][0] * m.width, COPY_OFFSETS[bit][1] * m.height
+                circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, x, y))
+                call(c[SET_FILTER], (circle, 0, COPY_CATEGORY | COPY_MASK << 32))
+                m.parts[index, 2 + bit] = call_for_pointer(c[ADD_SHAPE], (space, circle))
+    call(c[SPACE_STEP], (space, m.timestep))
+    for index in range(robots):
+        row, disc = world * robots + index, m.parts[index, 0]
+        m.bodies[row, 2], m.bodies[row, 3] = call_for_vector(c[GET_VELOCITY], (disc,))
+        if last:
+            call(c[SET_VELOCITY], (disc, 0.0, 0.0))
+            call(c[UPDATE_POSITION], (disc, m.timestep))
+        m.bodies[row, 0], m.bodies[row, 1] = call_for_vector(c[GET_POSITION], (disc,))
+
+
+@part
+def free_space(space: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
+    """Give the memory of a space, its discs and circles back."""
+    c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
+    call(c[SPACE_FREE], (space,))
+    for index in range(m.parts.shape[0]):
+        for column in range(1, m.parts.shape[1]):
+            if m.parts[index, column] != 0:
+                call(c[SHAPE_FREE], (m.parts[index, column],))
+        call(c[BODY_FREE], (m.parts[index, 0],))
+        m.parts[index] = 0

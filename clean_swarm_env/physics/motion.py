@@ -17,10 +17,12 @@ NOBODY_TOUCHES: Final = 0  # search for contacts: robots never touch
 SEARCH_PAIRS: Final = 1  # look at every pair of a world
 ALWAYS_TOUCHING: Final = 2  # treat every world as in contact
 
-COPY_RIGHT: Final = 1  # seam copies of a body, one bit each: at (+width, 0),
-COPY_ABOVE: Final = 2  # at (0, +height),
-COPY_RIGHT_ABOVE: Final = 4  # at (+width, +height),
-COPY_RIGHT_BELOW: Final = 8  # at (+width, -height)
+SKIN: Final = 1e-9  # share of the radius added: robots exactly two radii apart touch in spite of rounding
+PERSISTENCE: Final = 3  # [substeps] for which Chipmunk remembers a contact
+
+COPY_RIGHT, COPY_ABOVE, COPY_RIGHT_ABOVE, COPY_RIGHT_BELOW = 1, 2, 4, 8  # seam copies of a body, one bit each
+COPY_OFFSETS: Final = ((1, 0), (0, 1), (1, 1), (1, -1))  # their places [world sizes], in the order of the bits
+PARTS: Final = 2 + len(COPY_OFFSETS)  # of a robot in Chipmunk: a body, its circle and the seam copies of the circle
 
 
 class RobotMotion(NamedTuple):
@@ -33,19 +35,18 @@ class RobotMotion(NamedTuple):
     forces: Annotated[Floats, "R 2"]  # [N]
     present: Annotated[Flags, "R"]  # robots that are not there touch nobody and do not move
     copies: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that each body needs
-    copied: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that pymunk has
     patience: Annotated[Ints, "W"]  # substeps until a world is free of contacts
-    handles: Annotated[Ints, "W HANDLES"]  # see `chipmunk_calls`
-    current: Annotated[Flags, "W"]  # pymunk has the present values of `bodies`
+    parts: Annotated[Ints, "N PARTS"]  # addresses in Chipmunk while a world is in contact, else 0
     left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
     search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
     height: float  # [m]
+    radius: float  # of a disc in Chipmunk [m]
     reach: float  # distance of two centres below which robots touch [m]
     zone: float  # distance from a seam within which a body needs copies [m]
     timestep: float  # [s]
     settling: int  # substeps for which a world stays in contact after its last touch
-    stiffness: float  # force by missing velocity [kg/s]
+    stiffness: float  # force by missing velocity [kg/s]; a robot has 1 kg, because their mass has no effect
 
 
 ROBOT_MOTION = Recording(RobotMotion)
@@ -79,8 +80,8 @@ def touching(first: int, end: int, m: RobotMotion) -> bool:
 
 
 @inlined
-def move(row: int, m: RobotMotion) -> bool:
-    """Move a body for one timestep; return whether it crossed a seam.
+def move(row: int, m: RobotMotion) -> None:
+    """Move a body for one timestep.
 
     Where the new place is wrapped, the start of the substep is shifted by the same world size. So start + velocity *
     timestep is the new place without another wrap.
@@ -89,17 +90,15 @@ def move(row: int, m: RobotMotion) -> bool:
     y = m.bodies[row, 1] + m.bodies[row, 3] * m.timestep
     m.positions[row, 0] = wrapped(x, m.width)
     m.positions[row, 1] = wrapped(y, m.height)
-    if m.positions[row, 0] == x and m.positions[row, 1] == y:
-        return False
-    m.bodies[row, 0] += m.positions[row, 0] - x
-    m.bodies[row, 1] += m.positions[row, 1] - y
-    return True
+    if m.positions[row, 0] != x or m.positions[row, 1] != y:
+        m.bodies[row, 0] += m.positions[row, 0] - x
+        m.bodies[row, 1] += m.positions[row, 1] - y
 
 
 @inlined
 def search_contacts(world: int, m: RobotMotion) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
-    robots = m.positions.shape[0] // m.patience.shape[0]
+    robots = m.parts.shape[0]
     first = world * robots
     if m.search == ALWAYS_TOUCHING or (m.search == SEARCH_PAIRS and touching(first, first + robots, m)):
         m.patience[world] = m.settling
@@ -111,7 +110,7 @@ def search_contacts(world: int, m: RobotMotion) -> bool:
 @inlined
 def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: RobotMotion) -> None:
     """Set the velocity that each robot of a world wants in this substep, turn robots and, where `free`, move them."""
-    robots = m.positions.shape[0] // m.patience.shape[0]
+    robots = m.parts.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         if not m.present[row]:
             continue
@@ -124,30 +123,13 @@ def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Rob
             move(row, m)
 
 
-@lean_kernel
-def fly(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion]) -> int:
-    """Run one substep of every world that is free of contacts; return the number of the others.
-
-    speed (R,) [m/s] along the heading at the beginning of the substep, turn_rate (R,) [rad/s]. A world is free when
-    its patience is 0; patience counts down from `settling` after the last contact. Headings turn in all worlds.
-    """
-    m = open_robot_motion(motion)
-    engaged = 0
-    for world in range(m.patience.shape[0]):
-        contact = search_contacts(world, m)
-        steer_world(world, not contact, speed, turn_rate, m)
-        engaged += contact
-    return engaged
-
-
-@lean_kernel
-def push(world: int, motion: Words[RobotMotion]) -> None:
+@inlined
+def push(world: int, m: RobotMotion) -> None:
     """Set forces and seam copies of a world in contact.
 
     The force gives the wanted velocity in one timestep. A present body within `zone` of a seam needs copies.
     """
-    m = open_robot_motion(motion)
-    robots = m.positions.shape[0] // m.patience.shape[0]
+    robots = m.parts.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         m.forces[row, 0] = m.stiffness * (m.wanted[row, 0] - m.bodies[row, 2])
         m.forces[row, 1] = m.stiffness * (m.wanted[row, 1] - m.bodies[row, 3])
@@ -167,11 +149,9 @@ def push(world: int, motion: Words[RobotMotion]) -> None:
 
 
 @lean_kernel
-def land(world: int, motion: Words[RobotMotion]) -> bool:
-    """Move the robots of a world by their velocities after the contacts; return whether any crossed a seam."""
+def land(world: int, motion: Words[RobotMotion]) -> None:
+    """Move the robots of a world by their velocities after the contacts."""
     m = open_robot_motion(motion)
-    robots, crossed = m.positions.shape[0] // m.patience.shape[0], False
+    robots = m.parts.shape[0]
     for row in range(world * robots, (world + 1) * robots):
-        if move(row, m):
-            crossed = True
-    return crossed
+        move(row, m)

@@ -6,6 +6,8 @@ moves by the velocity of the step before, finds contacts, then forces and contac
 finds contacts, changes velocities and then moves by them. So a world may change between the two at any substep, and a
 command acts at once. A world returns to free motion when Chipmunk no longer remembers its last contact.
 
+Robots that touch are put into a new space of pymunk in every control tick. Between ticks the arrays are all there is.
+
 Bodies near the left and the lower seam have copies of their disc, one world size away, so that discs meet across the
 seams. Copies meet originals only, so each pair meets exactly once. Pymunk's bodies do not rotate: `headings` does.
 """
@@ -14,31 +16,32 @@ from typing import Final
 
 import numpy as np
 
-from clean_swarm_env.physics import chipmunk_calls as calls
-from clean_swarm_env.physics import tick as ticking
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.contact_space import PERSISTENCE, SKIN, ContactSpace
+from clean_swarm_env.physics.contact_space import ContactSpace, chipmunk_functions
 from clean_swarm_env.physics.drive import DifferentialDrive, Orders
 from clean_swarm_env.physics.motion import (
     ALWAYS_TOUCHING,
     NOBODY_TOUCHES,
+    PARTS,
+    PERSISTENCE,
     ROBOT_MOTION,
     SEARCH_PAIRS,
+    SKIN,
     RobotMotion,
-    fly,
-    push,
+    land,
     wrapped_angle,
 )
 from clean_swarm_env.physics.settings import PhysicsSettings
-from clean_swarm_env.physics.uncopied import Uncopied
+from clean_swarm_env.physics.tick import begin_tick, land_and_go_on, substep_worlds
 from selforg.arrays import Flags, Floats
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
+CHIPMUNK: Final = chipmunk_functions()
 PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds two robots touch nearly always, and the search costs more
 
 
-class Physics(Uncopied):
+class Physics:
     """W worlds of N robots; rows w*N .. (w+1)*N - 1 of every array are the robots of world w (R = W * N rows).
 
     All robots start at the origin: call `place` for each world first. The same calls give the same bits. A world of a
@@ -48,7 +51,6 @@ class Physics(Uncopied):
     positions: (R, 2) float64 [m] in [0, width) x [0, height); the same C-contiguous array all the time.
     headings: (R,) float64 [rad] in (-pi, pi]; the same array all the time.
     bodies: (R, 4) float64, x and y where the last substep began [m], and the velocity after contacts [m/s].
-    velocities: (R, 2) float64 [m/s], those columns of `bodies` (a strided view).
     present: (R,) bool, read only: absent robots touch none and do not move. `place` makes all robots of a world
         present, `add` and `remove` change one.
 
@@ -68,9 +70,6 @@ class Physics(Uncopied):
         self.headings: Floats = np.zeros(rows)
         self.present: Flags = np.ones(rows, np.bool_)
         self.bodies: Floats = np.zeros((rows, 4))
-        self.velocities = self.bodies[:, 2:]
-        self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
-        self._blocks = [slice(world * robots, (world + 1) * robots) for world in range(worlds)]
         search = NOBODY_TOUCHES
         if settings.contacts == "solid" and robots > 1:
             search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
@@ -83,21 +82,25 @@ class Physics(Uncopied):
                 forces=np.zeros((rows, 2)),
                 present=self.present,
                 copies=np.zeros(rows, np.uint8),
-                copied=np.zeros(rows, np.uint8),
                 patience=np.zeros(worlds, np.int64),
-                handles=np.zeros((worlds, calls.HANDLES), np.int64),
-                current=np.zeros(worlds, np.bool_),
+                parts=np.zeros((robots, PARTS), np.int64),
                 left=np.zeros(worlds, np.int64),
                 search=search,
                 width=float(settings.width),
                 height=float(settings.height),
+                radius=radius * (1.0 + SKIN),
                 reach=2.0 * radius * (1.0 + SKIN),
                 zone=4.0 * radius,
                 timestep=float(settings.timestep),
                 settling=PERSISTENCE + 1,
-                stiffness=settings.mass / settings.timestep,
+                stiffness=1.0 / settings.timestep,
             )
         )
+
+    @property
+    def velocities(self) -> Floats:
+        """(R, 2) float64 [m/s], a view of those columns of `bodies`."""
+        return self.bodies[:, 2:]
 
     def place(self, world: int, positions: Floats, headings: Floats) -> None:
         """Put the robots of one world at places, at rest; nothing of their past is left.
@@ -117,39 +120,27 @@ class Physics(Uncopied):
             self.positions[row, 0] = wrapped(float(positions[offset, 0]), settings.width)
             self.positions[row, 1] = wrapped(float(positions[offset, 1]), settings.height)
             self.headings[row] = wrapped_angle(float(headings[offset]))
-        rows = self._blocks[world]
+        rows = slice(world * robots, (world + 1) * robots)
         self.bodies[rows, :2] = self.positions[rows]
         self.bodies[rows, 2:] = 0.0
         self.present[rows] = True
-        self._spaces[world] = None
-        motion = self._motion.record
-        motion.wanted[rows] = 0.0
-        motion.patience[world] = 0
-        motion.handles[world] = 0
-        motion.current[world] = False
+        self._motion.record.wanted[rows] = 0.0
+        self._motion.record.patience[world] = 0
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
         """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others are not affected."""
-        world = row // self.settings.robots
         self.positions[row, 0] = wrapped(x, self.settings.width)
         self.positions[row, 1] = wrapped(y, self.settings.height)
         self.headings[row] = wrapped_angle(heading)
         self.bodies[row, :2] = self.positions[row]
         self.bodies[row, 2:] = 0.0
-        self._set_present(world, row, True)
+        self.present[row] = True
 
     def remove(self, row: int) -> None:
         """Take a robot away: it touches no robot any more; the others are not affected."""
         self.bodies[row, 2:] = 0.0
         self._motion.record.wanted[row] = 0.0
-        self._set_present(row // self.settings.robots, row, False)
-
-    def _set_present(self, world: int, row: int, present: bool) -> None:
-        self.present[row] = present
-        self._motion.record.current[world] = False
-        space = self._spaces[world]
-        if space is not None:
-            space.let_touch(row - world * self.settings.robots, present)
+        self.present[row] = False
 
     def substep(self, speed: Floats, turn_rate: Floats) -> None:
         """Advance all worlds by one timestep.
@@ -157,39 +148,25 @@ class Physics(Uncopied):
         Each robot wants to move at `speed` (R,) [m/s] along the heading it has at the beginning of the substep, and
         does unless contacts prevent it; then its heading advances by `turn_rate` (R,) [rad/s] * timestep.
         """
-        if fly(speed, turn_rate, self._motion.words):
-            for world in np.flatnonzero(self._motion.record.patience).tolist():
-                push(world, self._motion.words)
-                self._touch(world)
-                ticking.settle(world, self._motion.words)
+        motion = self._motion
+        if substep_worlds(speed, turn_rate, motion.words, CHIPMUNK.words):
+            for world in np.flatnonzero(motion.record.left).tolist():
+                ContactSpace(world, motion.record).touch(last=True)
+                land(world, motion.words)
 
     def tick(
         self, now: float, substeps: int, orders: Packed[Orders], drive: DifferentialDrive, counter: CollisionCounter
     ) -> None:
         """Give `drive` its orders at `now` [s], advance all worlds by `substeps` timesteps and count after each.
 
-        This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn.
+        This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn, but for robots
+        that touch: within a tick a substep begins from the impulses of the one before.
         """
-        motion, counts = self._motion, counter.packed
-        if not ticking.begin_tick(now, substeps, orders.words, drive.packed.words, motion.words, counts.words):
+        motion, drives, counts = self._motion, drive.packed, counter.packed
+        if not begin_tick(now, substeps, orders.words, drives.words, motion.words, counts.words, CHIPMUNK.words):
             return
         for world in np.flatnonzero(motion.record.left).tolist():
-            left = int(motion.record.left[world])
+            left, space = int(motion.record.left[world]), ContactSpace(world, motion.record)
             while left:
-                self._touch(world)
-                left = ticking.settle_and_go_on(world, left, drive.packed.words, motion.words, counts.words)
-
-    def _touch(self, world: int) -> None:
-        """Run a substep of pymunk in a world whose forces and copies are set."""
-        space, rows, motion = self._spaces[world], self._blocks[world], self._motion.record
-        if space is None:
-            space = ContactSpace(self.settings, self.bodies[rows], motion.forces[rows])
-            for robot in np.flatnonzero(~self.present[rows]).tolist():
-                space.let_touch(robot, False)
-            self._spaces[world] = space
-            motion.handles[world] = space.handles()
-        if not motion.current[world]:
-            space.load()
-        space.set_copies(motion.copies[rows])
-        motion.copied[rows] = motion.copies[rows]
-        space.step(self.settings.timestep)
+                space.touch(last=left == 1)
+                left = land_and_go_on(world, left, drives.words, motion.words, counts.words, CHIPMUNK.words)

@@ -1,19 +1,22 @@
-"""A whole control period of the physics with its collision counts, in as few calls as contacts allow (compiled).
+"""A whole control period of the physics with its collision counts, in one call where compiled code calls Chipmunk.
 
-`go_on` runs a world through its substeps and calls Chipmunk while robots touch. It stops where bodies need other seam
-copies, or where the world has no space yet. Then Python updates pymunk and runs one substep, and `settle_and_go_on`
-continues. Substeps and counts are those of `Physics.substep` and `CollisionCounter.count` in turn, in the same order
-within each world.
+`go_on` runs a world through its substeps. Where Python has to let robots touch, it stops before the step of pymunk, and
+`land_and_go_on` continues. Substeps and counts are those of `CollisionCounter.count` after each substep, in the same
+order within each world.
 
 Shapes: W worlds, N robots a world, R = W * N rows.
 """
 
-from clean_swarm_env.physics.chipmunk_calls import SPACE, touch
+from clean_swarm_env.physics.chipmunk_calls import Chipmunk, free_space, make_space, open_chipmunk, touch
 from clean_swarm_env.physics.collisions import Counts, count_world, open_counts
 from clean_swarm_env.physics.drive import DriveState, Orders, open_drive, open_orders, steer_rows
 from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, steer_world
-from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.arrays import Floats
+from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words
+
+NO_SPACE, IN_PYTHON = 0, -1
+"""In place of the address of a space: nobody has touched in this tick; Python has to let robots touch."""
 
 
 @inlined
@@ -21,45 +24,55 @@ def count(world: int, motion: Words[RobotMotion], counts: Words[Counts]) -> None
     """Count one world and add the events to those of the tick."""
     m, c = open_robot_motion(motion), open_counts(counts)
     count_world(world, m.positions, m.present, counts)
-    robots = m.positions.shape[0] // m.patience.shape[0]
+    robots = m.parts.shape[0]
     for row in range(world * robots, (world + 1) * robots):
         c.entered_in_tick[row] += c.entered[row]
 
 
-@inlined
-def can_touch(world: int, m: RobotMotion) -> bool:
-    """Return whether Chipmunk can be called for the next substep of a world: it has a space with the right copies."""
-    robots = m.copies.shape[0] // m.handles.shape[0]
-    for row in range(world * robots, (world + 1) * robots):
-        if m.copies[row] != m.copied[row]:
-            return False
-    return bool(m.handles[world, SPACE] != 0)
-
-
-@lean_kernel
-def settle(world: int, motion: Words[RobotMotion]) -> None:
-    """Move the robots of a world by the velocities after a substep of pymunk."""
+@part
+def advance(
+    world: int,
+    space: int,
+    last: bool,
+    speed: Floats,
+    turn_rate: Floats,
+    motion: Words[RobotMotion],
+    chipmunk: Words[Chipmunk],
+) -> int:
+    """Run a world through a substep, the `last` one of its space or not; return the space, see `NO_SPACE`."""
     m = open_robot_motion(motion)
-    crossed = land(world, motion)
-    # Crossing a seam moves the body by a world size, and free motion moves it without pymunk: load it anew then.
-    m.current[world] = not crossed and m.patience[world] > 1
+    contact = search_contacts(world, m)
+    steer_world(world, not contact, speed, turn_rate, m)
+    if contact:
+        push(world, m)
+        if open_chipmunk(chipmunk).functions[0] == 0:
+            return IN_PYTHON
+        if space == NO_SPACE:
+            space = make_space(world, motion, chipmunk)
+        touch(world, space, last, motion, chipmunk)
+        land(world, motion)
+    return space
 
 
 @lean_kernel
-def go_on(world: int, left: int, drive: Words[DriveState], motion: Words[RobotMotion], counts: Words[Counts]) -> int:
+def go_on(
+    world: int,
+    left: int,
+    drive: Words[DriveState],
+    motion: Words[RobotMotion],
+    counts: Words[Counts],
+    chipmunk: Words[Chipmunk],
+) -> int:
     """Run a world through its `left` substeps; return those left, of which Python has to run the first."""
-    m, d = open_robot_motion(motion), open_drive(drive)
+    d, space = open_drive(drive), NO_SPACE
     while left > 0:
-        contact = search_contacts(world, m)
-        steer_world(world, not contact, d.speed, d.turn_rate, m)
-        if contact:
-            push(world, motion)
-            if not can_touch(world, m):
-                return left
-            touch(world, m.handles, bool(m.current[world]), m.timestep)
-            settle(world, motion)
+        space = advance(world, space, left == 1, d.speed, d.turn_rate, motion, chipmunk)
+        if space == IN_PYTHON:
+            return left
         count(world, motion, counts)
         left -= 1
+    if space != NO_SPACE:
+        free_space(space, motion, chipmunk)
     return 0
 
 
@@ -71,6 +84,7 @@ def begin_tick(
     drive: Words[DriveState],
     motion: Words[RobotMotion],
     counts: Words[Counts],
+    chipmunk: Words[Chipmunk],
 ) -> int:
     """Give the drives their orders at `now` [s] and run every world as far as compiled code can.
 
@@ -82,16 +96,34 @@ def begin_tick(
         c.entered_in_tick[row] = 0
     waiting = 0
     for world in range(m.left.shape[0]):
-        m.left[world] = go_on(world, substeps, drive, motion, counts)
+        m.left[world] = go_on(world, substeps, drive, motion, counts, chipmunk)
         waiting += m.left[world] > 0
     return waiting
 
 
 @lean_kernel
-def settle_and_go_on(
-    world: int, left: int, drive: Words[DriveState], motion: Words[RobotMotion], counts: Words[Counts]
+def land_and_go_on(
+    world: int,
+    left: int,
+    drive: Words[DriveState],
+    motion: Words[RobotMotion],
+    counts: Words[Counts],
+    chipmunk: Words[Chipmunk],
 ) -> int:
     """Continue a world after a substep that Python ran in pymunk; see `go_on`."""
-    settle(world, motion)
+    land(world, motion)
     count(world, motion, counts)
-    return go_on(world, left - 1, drive, motion, counts)
+    return go_on(world, left - 1, drive, motion, counts, chipmunk)
+
+
+@lean_kernel
+def substep_worlds(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> int:
+    """Run a substep of every world, speed (R,) [m/s], turn_rate (R,) [rad/s]; return how many wait for Python."""
+    m, waiting = open_robot_motion(motion), 0
+    for world in range(m.left.shape[0]):
+        space = advance(world, NO_SPACE, True, speed, turn_rate, motion, chipmunk)
+        m.left[world] = space == IN_PYTHON
+        waiting += m.left[world]
+        if space > NO_SPACE:
+            free_space(space, motion, chipmunk)
+    return waiting

@@ -48,7 +48,6 @@ class Floor(Uncopied):
                 radius=robots.radius,
                 contacts=world.contacts,
                 timestep=1.0 / world.physics_rate,
-                mass=robots.mass,
             )
         )
         self.drive = DifferentialDrive(
