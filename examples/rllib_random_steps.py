@@ -3,7 +3,7 @@
 RLlib pins other versions than this project and so needs an environment of its own:
 
     python3 -m venv rllib && rllib/bin/pip install 'ray[rllib]' torch && rllib/bin/pip install --no-deps clean-swarm
-    rllib/bin/pip install numba pymunk 'pettingzoo>=1.27' pydantic pyyaml typer rich scipy matplotlib sqlalchemy
+    rllib/bin/pip install numba 'pettingzoo>=1.27' pydantic pyyaml typer rich scipy matplotlib sqlalchemy
     rllib/bin/python examples/rllib_random_steps.py
 """
 

@@ -15,15 +15,13 @@ from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
 BORDERS = {
-    "pymunk": {"clean_swarm_env/physics/contact_space.py"},
-    "numba": {  # the compiler's own folder, and what calls C from compiled code
+    "numba": {
         "selforg/compiler/cache.py",
         "selforg/compiler/decorators.py",
         "selforg/compiler/llvm.py",
         "selforg/compiler/prefetch.py",
         "selforg/compiler/records.py",
         "selforg/compiler/switches.py",
-        "clean_swarm_env/physics/chipmunk_calls.py",
     },
 }
 """Libraries and the only files that may import them."""
@@ -84,7 +82,7 @@ def test_importing_does_not_import_torch(module):
 
 
 def test_help_is_quick_because_heavy_libraries_wait():
-    assert not _loaded_after("import train.cli.app") & {"matplotlib", "scipy", "pymunk", "numba"}
+    assert not _loaded_after("import train.cli.app") & {"matplotlib", "scipy", "numba"}
 
 
 @pytest.fixture(scope="module")

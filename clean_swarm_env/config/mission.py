@@ -41,8 +41,6 @@ class RobotConfig(Closed):
     """Number of robots for which there is room in memory, over the whole mission; 0: as many as the events need."""
     radius: Positive = 0.25
     """Radius of the disc [m]."""
-    mass: Positive = 1.0
-    """Mass of the disc [kg]."""
     max_speed: Positive = 1.0
     """Largest speed along the heading [m/s]."""
     max_turn_rate: Positive = 2.0

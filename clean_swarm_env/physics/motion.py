@@ -1,51 +1,29 @@
-"""Free motion on the torus: how robots move as long as none touches another (compiled, all worlds at once).
+"""Motion on the torus: velocities that robots want, and moves by the velocities that they have (compiled).
 
 Shapes: W worlds, N robots a world, R = W * N rows; world w has the rows w*N .. (w+1)*N - 1.
 """
 
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Recording, Words
-from selforg.space import nearest_image, wrapped
-
-NOBODY_TOUCHES: Final = 0  # search for contacts: robots never touch
-SEARCH_PAIRS: Final = 1  # look at every pair of a world
-ALWAYS_TOUCHING: Final = 2  # treat every world as in contact
-
-COPY_RIGHT: Final = 1  # seam copies of a body, one bit each: at (+width, 0),
-COPY_ABOVE: Final = 2  # at (0, +height),
-COPY_RIGHT_ABOVE: Final = 4  # at (+width, +height),
-COPY_RIGHT_BELOW: Final = 8  # at (+width, -height)
+from selforg.arrays import Flags, Floats
+from selforg.compiler.decorators import inlined
+from selforg.compiler.records import Recording
+from selforg.space import wrapped
 
 
 class RobotMotion(NamedTuple):
-    """The bodies of all worlds, and the sizes that their motion depends on."""
+    """The bodies of all worlds, and the torus on which they move."""
 
     positions: Annotated[Floats, "R 2"]  # in [0, width) x [0, height) [m]
     headings: Annotated[Floats, "R"]  # in (-pi, pi] [rad]
-    bodies: Annotated[Floats, "R 4"]  # x, y where the last substep began [m], and its velocity vx, vy [m/s]
-    wanted: Annotated[Floats, "R 2"]  # velocity that each robot wants [m/s]
-    forces: Annotated[Floats, "R 2"]  # [N]
+    velocities: Annotated[Floats, "R 2"]  # after contacts [m/s]
     present: Annotated[Flags, "R"]  # robots that are not there touch nobody and do not move
-    copies: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that each body needs
-    copied: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that pymunk has
-    patience: Annotated[Ints, "W"]  # substeps until a world is free of contacts
-    handles: Annotated[Ints, "W HANDLES"]  # see `chipmunk_calls`
-    current: Annotated[Flags, "W"]  # pymunk has the present values of `bodies`
-    left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
-    search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
+    extent: Annotated[Floats, "2"]  # width and height, as `physics.cells` takes them [m]
     width: float  # of the torus [m]
     height: float  # [m]
-    reach: float  # distance of two centres below which robots touch [m]
-    zone: float  # distance from a seam within which a body needs copies [m]
     timestep: float  # [s]
-    settling: int  # substeps for which a world stays in contact after its last touch
-    stiffness: float  # force by missing velocity [kg/s]
 
 
 ROBOT_MOTION = Recording(RobotMotion)
@@ -62,116 +40,15 @@ def wrapped_angle(angle: float) -> float:
 
 
 @inlined
-def touching(first: int, end: int, m: RobotMotion) -> bool:
-    """Return whether any two robots present in the rows first .. end - 1 touch."""
-    for i in range(first, end):
-        if not m.present[i]:
-            continue
-        for j in range(first, i):
-            if not m.present[j]:
-                continue
-            dx = nearest_image(m.positions[i, 0] - m.positions[j, 0], m.width)
-            if abs(dx) < m.reach:
-                dy = nearest_image(m.positions[i, 1] - m.positions[j, 1], m.height)
-                if dx * dx + dy * dy < m.reach * m.reach:
-                    return True
-    return False
+def steer_body(row: int, speed: Floats, turn_rate: Floats, m: RobotMotion) -> None:
+    """Give a robot the velocity that it wants, along the heading that it has, and then turn it."""
+    m.velocities[row, 0] = speed[row] * np.cos(m.headings[row])
+    m.velocities[row, 1] = speed[row] * np.sin(m.headings[row])
+    m.headings[row] = wrapped_angle(m.headings[row] + turn_rate[row] * m.timestep)
 
 
 @inlined
-def move(row: int, m: RobotMotion) -> bool:
-    """Move a body for one timestep; return whether it crossed a seam.
-
-    Where the new place is wrapped, the start of the substep is shifted by the same world size. So start + velocity *
-    timestep is the new place without another wrap.
-    """
-    x = m.bodies[row, 0] + m.bodies[row, 2] * m.timestep
-    y = m.bodies[row, 1] + m.bodies[row, 3] * m.timestep
-    m.positions[row, 0] = wrapped(x, m.width)
-    m.positions[row, 1] = wrapped(y, m.height)
-    if m.positions[row, 0] == x and m.positions[row, 1] == y:
-        return False
-    m.bodies[row, 0] += m.positions[row, 0] - x
-    m.bodies[row, 1] += m.positions[row, 1] - y
-    return True
-
-
-@inlined
-def search_contacts(world: int, m: RobotMotion) -> bool:
-    """Set the patience of a world for the substep that begins; return whether it is in contact."""
-    robots = m.positions.shape[0] // m.patience.shape[0]
-    first = world * robots
-    if m.search == ALWAYS_TOUCHING or (m.search == SEARCH_PAIRS and touching(first, first + robots, m)):
-        m.patience[world] = m.settling
-    elif m.patience[world] > 0:
-        m.patience[world] -= 1
-    return bool(m.patience[world] > 0)
-
-
-@inlined
-def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: RobotMotion) -> None:
-    """Set the velocity that each robot of a world wants in this substep, turn robots and, where `free`, move them."""
-    robots = m.positions.shape[0] // m.patience.shape[0]
-    for row in range(world * robots, (world + 1) * robots):
-        if not m.present[row]:
-            continue
-        m.wanted[row, 0] = speed[row] * np.cos(m.headings[row])
-        m.wanted[row, 1] = speed[row] * np.sin(m.headings[row])
-        m.headings[row] = wrapped_angle(m.headings[row] + turn_rate[row] * m.timestep)
-        if free:
-            m.bodies[row, 0], m.bodies[row, 1] = m.positions[row, 0], m.positions[row, 1]
-            m.bodies[row, 2], m.bodies[row, 3] = m.wanted[row, 0], m.wanted[row, 1]
-            move(row, m)
-
-
-@lean_kernel
-def fly(speed: Floats, turn_rate: Floats, motion: Words[RobotMotion]) -> int:
-    """Run one substep of every world that is free of contacts; return the number of the others.
-
-    speed (R,) [m/s] along the heading at the beginning of the substep, turn_rate (R,) [rad/s]. A world is free when
-    its patience is 0; patience counts down from `settling` after the last contact. Headings turn in all worlds.
-    """
-    m = open_robot_motion(motion)
-    engaged = 0
-    for world in range(m.patience.shape[0]):
-        contact = search_contacts(world, m)
-        steer_world(world, not contact, speed, turn_rate, m)
-        engaged += contact
-    return engaged
-
-
-@lean_kernel
-def push(world: int, motion: Words[RobotMotion]) -> None:
-    """Set forces and seam copies of a world in contact.
-
-    The force gives the wanted velocity in one timestep. A present body within `zone` of a seam needs copies.
-    """
-    m = open_robot_motion(motion)
-    robots = m.positions.shape[0] // m.patience.shape[0]
-    for row in range(world * robots, (world + 1) * robots):
-        m.forces[row, 0] = m.stiffness * (m.wanted[row, 0] - m.bodies[row, 2])
-        m.forces[row, 1] = m.stiffness * (m.wanted[row, 1] - m.bodies[row, 3])
-        needed = 0
-        if not m.present[row]:
-            m.copies[row] = needed
-            continue
-        if m.positions[row, 0] < m.zone:
-            needed |= COPY_RIGHT
-            if m.positions[row, 1] < m.zone:
-                needed |= COPY_RIGHT_ABOVE
-            if m.positions[row, 1] > m.height - m.zone:
-                needed |= COPY_RIGHT_BELOW
-        if m.positions[row, 1] < m.zone:
-            needed |= COPY_ABOVE
-        m.copies[row] = needed
-
-
-@lean_kernel
-def land(world: int, motion: Words[RobotMotion]) -> bool:
-    """Move the robots of a world by their velocities after the contacts; return whether any crossed a seam."""
-    m = open_robot_motion(motion)
-    robots, crossed = m.positions.shape[0] // m.patience.shape[0], False
-    for row in range(world * robots, (world + 1) * robots):
-        if move(row, m):
-            crossed = True
-    return crossed
+def move_body(row: int, vx: float, vy: float, m: RobotMotion) -> None:
+    """Move a robot by a velocity [m/s] for one timestep."""
+    m.positions[row, 0] = wrapped(m.positions[row, 0] + vx * m.timestep, m.width)
+    m.positions[row, 1] = wrapped(m.positions[row, 1] + vy * m.timestep, m.height)

@@ -1,56 +1,38 @@
 """Robots as discs on a torus: W worlds of N robots, driven by speed and turn rate.
 
-Pymunk computes the motion while robots touch. A world without contacts needs no solver: compiled code (motion.py) moves
-its robots by position += velocity * timestep. Both are the same integrator, cut at different points. Chipmunk's step
-moves by the velocity of the step before, finds contacts, then forces and contacts change the velocity. Here a substep
-finds contacts, changes velocities and then moves by them. So a world may change between the two at any substep, and a
-command acts at once. A world returns to free motion when Chipmunk no longer remembers its last contact.
+In a substep all robots take the velocities that they want, contacts change those of robots that touch, and all move by
+them. So a command acts at once. Pairs meet by the shortest way, so that the seams are like any other place. Discs do
+not turn: `headings` does.
 
-Bodies near the left and the lower seam have copies of their disc, one world size away, so that discs meet across the
-seams. Copies meet originals only, so each pair meets exactly once. Pymunk's bodies do not rotate: `headings` does.
+All that a world hands on to its next substep lies in arrays.
 """
-
-from typing import Final
 
 import numpy as np
 
-from clean_swarm_env.physics import chipmunk_calls as calls
-from clean_swarm_env.physics import tick as ticking
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.contact_space import PERSISTENCE, SKIN, ContactSpace
+from clean_swarm_env.physics.contacts import CONTACTS, Contacts, no_contacts
 from clean_swarm_env.physics.drive import DifferentialDrive, Orders
-from clean_swarm_env.physics.motion import (
-    ALWAYS_TOUCHING,
-    NOBODY_TOUCHES,
-    ROBOT_MOTION,
-    SEARCH_PAIRS,
-    RobotMotion,
-    fly,
-    push,
-    wrapped_angle,
-)
+from clean_swarm_env.physics.motion import ROBOT_MOTION, RobotMotion, wrapped_angle
 from clean_swarm_env.physics.settings import PhysicsSettings
-from clean_swarm_env.physics.uncopied import Uncopied
+from clean_swarm_env.physics.tick import run_period, substep_worlds
 from selforg.arrays import Flags, Floats
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
-PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds two robots touch nearly always, and the search costs more
 
-
-class Physics(Uncopied):
+class Physics:
     """W worlds of N robots; rows w*N .. (w+1)*N - 1 of every array are the robots of world w (R = W * N rows).
 
     All robots start at the origin: call `place` for each world first. The same calls give the same bits. A world of a
     batch has the bits that it has alone.
 
     settings: sizes of worlds and robots.
-    positions: (R, 2) float64 [m] in [0, width) x [0, height); the same C-contiguous array all the time.
-    headings: (R,) float64 [rad] in (-pi, pi]; the same array all the time.
-    bodies: (R, 4) float64, x and y where the last substep began [m], and the velocity after contacts [m/s].
-    velocities: (R, 2) float64 [m/s], those columns of `bodies` (a strided view).
+    positions: (R, 2) float64 [m] in [0, width) x [0, height).
+    headings: (R,) float64 [rad] in (-pi, pi].
+    velocities: (R, 2) float64 [m/s], after contacts.
     present: (R,) bool, read only: absent robots touch none and do not move. `place` makes all robots of a world
         present, `add` and `remove` change one.
+    All four are the same C-contiguous arrays all the time.
 
     >>> physics = Physics(PhysicsSettings(worlds=1, robots=2))
     >>> physics.place(0, np.array([[1.0, 5.0], [9.0, 5.0]]), np.zeros(2))
@@ -62,42 +44,25 @@ class Physics(Uncopied):
 
     def __init__(self, settings: PhysicsSettings) -> None:
         self.settings = settings
-        worlds, robots, radius = settings.worlds, settings.robots, settings.radius
-        rows = worlds * robots
+        rows = settings.worlds * settings.robots
         self.positions: Floats = np.zeros((rows, 2))
         self.headings: Floats = np.zeros(rows)
+        self.velocities: Floats = np.zeros((rows, 2))
         self.present: Flags = np.ones(rows, np.bool_)
-        self.bodies: Floats = np.zeros((rows, 4))
-        self.velocities = self.bodies[:, 2:]
-        self._spaces: list[ContactSpace | None] = [None] * worlds  # built at the first contact
-        self._blocks = [slice(world * robots, (world + 1) * robots) for world in range(worlds)]
-        search = NOBODY_TOUCHES
-        if settings.contacts == "solid" and robots > 1:
-            search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
+        width, height = float(settings.width), float(settings.height)
         self._motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
             RobotMotion(
                 positions=self.positions,
                 headings=self.headings,
-                bodies=self.bodies,
-                wanted=np.zeros((rows, 2)),
-                forces=np.zeros((rows, 2)),
+                velocities=self.velocities,
                 present=self.present,
-                copies=np.zeros(rows, np.uint8),
-                copied=np.zeros(rows, np.uint8),
-                patience=np.zeros(worlds, np.int64),
-                handles=np.zeros((worlds, calls.HANDLES), np.int64),
-                current=np.zeros(worlds, np.bool_),
-                left=np.zeros(worlds, np.int64),
-                search=search,
-                width=float(settings.width),
-                height=float(settings.height),
-                reach=2.0 * radius * (1.0 + SKIN),
-                zone=4.0 * radius,
+                extent=np.array([width, height]),
+                width=width,
+                height=height,
                 timestep=float(settings.timestep),
-                settling=PERSISTENCE + 1,
-                stiffness=settings.mass / settings.timestep,
             )
         )
+        self._contacts: Packed[Contacts] = CONTACTS.pack(no_contacts(settings))
 
     def place(self, world: int, positions: Floats, headings: Floats) -> None:
         """Put the robots of one world at places, at rest; nothing of their past is left.
@@ -117,39 +82,28 @@ class Physics(Uncopied):
             self.positions[row, 0] = wrapped(float(positions[offset, 0]), settings.width)
             self.positions[row, 1] = wrapped(float(positions[offset, 1]), settings.height)
             self.headings[row] = wrapped_angle(float(headings[offset]))
-        rows = self._blocks[world]
-        self.bodies[rows, :2] = self.positions[rows]
-        self.bodies[rows, 2:] = 0.0
+        rows = slice(world * robots, (world + 1) * robots)
+        self.velocities[rows] = 0.0
         self.present[rows] = True
-        self._spaces[world] = None
-        motion = self._motion.record
-        motion.wanted[rows] = 0.0
-        motion.patience[world] = 0
-        motion.handles[world] = 0
-        motion.current[world] = False
+        self._contacts.record.touching[world] = 0
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
         """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others are not affected."""
-        world = row // self.settings.robots
         self.positions[row, 0] = wrapped(x, self.settings.width)
         self.positions[row, 1] = wrapped(y, self.settings.height)
         self.headings[row] = wrapped_angle(heading)
-        self.bodies[row, :2] = self.positions[row]
-        self.bodies[row, 2:] = 0.0
-        self._set_present(world, row, True)
+        self.velocities[row] = 0.0
+        self.present[row] = True
 
     def remove(self, row: int) -> None:
         """Take a robot away: it touches no robot any more; the others are not affected."""
-        self.bodies[row, 2:] = 0.0
-        self._motion.record.wanted[row] = 0.0
-        self._set_present(row // self.settings.robots, row, False)
-
-    def _set_present(self, world: int, row: int, present: bool) -> None:
-        self.present[row] = present
-        self._motion.record.current[world] = False
-        space = self._spaces[world]
-        if space is not None:
-            space.let_touch(row - world * self.settings.robots, present)
+        self.velocities[row] = 0.0
+        self.present[row] = False
+        contacts, (world, robot) = self._contacts.record, divmod(row, self.settings.robots)
+        touching = (contacts.pairs[world] // self.settings.robots == robot) | (
+            contacts.pairs[world] % self.settings.robots == robot
+        )
+        contacts.impulses[world, touching] = 0.0  # it may come back before the next substep
 
     def substep(self, speed: Floats, turn_rate: Floats) -> None:
         """Advance all worlds by one timestep.
@@ -157,11 +111,7 @@ class Physics(Uncopied):
         Each robot wants to move at `speed` (R,) [m/s] along the heading it has at the beginning of the substep, and
         does unless contacts prevent it; then its heading advances by `turn_rate` (R,) [rad/s] * timestep.
         """
-        if fly(speed, turn_rate, self._motion.words):
-            for world in np.flatnonzero(self._motion.record.patience).tolist():
-                push(world, self._motion.words)
-                self._touch(world)
-                ticking.settle(world, self._motion.words)
+        substep_worlds(speed, turn_rate, self._motion.words, self._contacts.words)
 
     def tick(
         self, now: float, substeps: int, orders: Packed[Orders], drive: DifferentialDrive, counter: CollisionCounter
@@ -170,26 +120,12 @@ class Physics(Uncopied):
 
         This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn.
         """
-        motion, counts = self._motion, counter.packed
-        if not ticking.begin_tick(now, substeps, orders.words, drive.packed.words, motion.words, counts.words):
-            return
-        for world in np.flatnonzero(motion.record.left).tolist():
-            left = int(motion.record.left[world])
-            while left:
-                self._touch(world)
-                left = ticking.settle_and_go_on(world, left, drive.packed.words, motion.words, counts.words)
-
-    def _touch(self, world: int) -> None:
-        """Run a substep of pymunk in a world whose forces and copies are set."""
-        space, rows, motion = self._spaces[world], self._blocks[world], self._motion.record
-        if space is None:
-            space = ContactSpace(self.settings, self.bodies[rows], motion.forces[rows])
-            for robot in np.flatnonzero(~self.present[rows]).tolist():
-                space.let_touch(robot, False)
-            self._spaces[world] = space
-            motion.handles[world] = space.handles()
-        if not motion.current[world]:
-            space.load()
-        space.set_copies(motion.copies[rows])
-        motion.copied[rows] = motion.copies[rows]
-        space.step(self.settings.timestep)
+        run_period(
+            now,
+            substeps,
+            orders.words,
+            drive.packed.words,
+            self._motion.words,
+            self._contacts.words,
+            counter.packed.words,
+        )

@@ -19,13 +19,12 @@ class PhysicsSettings:
     radius: float = 0.25  # [m] of a robot's disc
     contacts: Contacts = "solid"  # "pass_through": robots drive through each other
     timestep: float = 0.05  # [s] of a substep
-    mass: float = 1.0  # [kg] of a robot
 
     def __post_init__(self) -> None:
         for name in ("worlds", "robots"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name}: expected at least 1, got {getattr(self, name)}")
-        for name in ("width", "height", "radius", "timestep", "mass"):
+        for name in ("width", "height", "radius", "timestep"):
             if not (getattr(self, name) > 0.0 and isfinite(getattr(self, name))):
                 raise ValueError(f"{name}: expected a positive number, got {getattr(self, name)}")
         if self.contacts not in get_args(Contacts):

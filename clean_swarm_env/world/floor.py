@@ -13,14 +13,13 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
-from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.garbage import NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
 from selforg.arrays import Floats, Ints
 from selforg.compiler.records import Packed
 
 
-class Floor(Uncopied):
+class Floor:
     """The owner of all arrays of bodies, items and stations.
 
     Attributes:
@@ -48,7 +47,6 @@ class Floor(Uncopied):
                 radius=robots.radius,
                 contacts=world.contacts,
                 timestep=1.0 / world.physics_rate,
-                mass=robots.mass,
             )
         )
         self.drive = DifferentialDrive(

@@ -13,7 +13,6 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.drive import ORDERS, Orders
-from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.cleaning_robot import robot_network
 from clean_swarm_env.world.reception import Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
@@ -57,7 +56,7 @@ class Inner(Protocol):
         """Begin anew in `rows` (K,)."""
 
 
-class Minds(Uncopied):
+class Minds:
     """The owner of all arrays of poses, buffers, networks and knowledge.
 
     Attributes:

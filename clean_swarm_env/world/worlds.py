@@ -13,7 +13,6 @@ import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
@@ -25,12 +24,12 @@ from selector.coordination.robots import hold_options
 from selforg.arrays import Flags, Floats, Ints
 
 
-class Worlds(Uncopied):
+class Worlds:
     """The batch of worlds of one mission.
 
     Call `reset` for every world, then `tick` as often as you like. Between ticks `hold` sets the options that serve the
     coordinated goals in each robot. With `explained` the robots' networks also note why each behaviour runs or does
-    not; the course is the same. Worlds cannot be copied (TypeError): make others of the same mission.
+    not; the course is the same.
 
     Attributes:
         mission: mission of the batch; `missions` (W,) are those of the worlds until their next resets.

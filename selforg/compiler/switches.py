@@ -10,8 +10,8 @@ COMPILED = not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
 PLAIN = os.environ.get("CLEAN_SWARM_PLAIN_NUMBA") == "1"
 """Whether only documented features of Numba are used: slower, the same bits.
 
-Records then reach compiled code as Numba's own named tuples, references to arrays are counted, and Chipmunk is called
-from Python. Set it when a new version of Numba breaks the undocumented features.
+Records then reach compiled code as Numba's own named tuples, and references to arrays are counted. Set it when a new
+version of Numba breaks the undocumented features.
 """
 
 CHECKED = os.environ.get("CLEAN_SWARM_CHECK_RECORDS") == "1"

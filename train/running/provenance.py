@@ -8,7 +8,7 @@ from pathlib import Path
 
 import configs
 
-PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
+PACKAGES = ("clean-swarm", "numpy", "numba", "scipy", "pydantic")
 """Packages that every result depends on."""
 FINGERPRINTED = ("knowledge", "mechanisms", "robots")
 """Kinds of files on which a run depends, besides its configuration."""

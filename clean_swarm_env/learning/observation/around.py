@@ -23,7 +23,7 @@ class Around(NamedTuple):
     extent: Annotated[Floats, "2"]  # of the torus [m]
     positions: Annotated[Floats, "R 2"]  # of the robots [m]
     headings: Annotated[Floats, "R"]  # [rad]
-    bodies: Annotated[Floats, "R 4"]  # see `Physics.bodies`
+    velocities: Annotated[Floats, "R 2"]  # of the robots, after contacts [m/s]
     present: Annotated[Flags, "R"]  # whether there is a robot in the row
     speed: Annotated[Floats, "R"]  # of the drive [m/s]
     turn_rate: Annotated[Floats, "R"]  # of the drive [rad/s]

@@ -81,7 +81,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         extent=worlds.extent,
         positions=physics.positions,
         headings=physics.headings,
-        bodies=physics.bodies,
+        velocities=physics.velocities,
         present=physics.present,
         speed=worlds.drive.speed,
         turn_rate=worlds.drive.turn_rate,

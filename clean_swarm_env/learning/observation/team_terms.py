@@ -52,7 +52,8 @@ class EncounterTerm(CompiledTerm):
         dy = nearest_image(around.positions[other, 1] - around.positions[row, 1], around.extent[1])
         length = np.sqrt(dx * dx + dy * dy)
         if length > 0.0:
-            vx, vy = around.bodies[row, 2] - around.bodies[other, 2], around.bodies[row, 3] - around.bodies[other, 3]
+            vx = around.velocities[row, 0] - around.velocities[other, 0]
+            vy = around.velocities[row, 1] - around.velocities[other, 1]
             closing = vx * (dx / length) + vy * (dy / length)
             out[2] = min(max(closing / (2.0 * around.max_speed), -1.0), 1.0)
 

@@ -220,7 +220,7 @@ def test_compiled_and_plain_python_take_the_same_course():
 
 
 def test_without_records_by_address_robots_that_touch_take_the_same_course():
-    """Records are named tuples then, references are counted, and Chipmunk is called from Python."""
+    """Records are named tuples then, and references are counted."""
     steps = course(worlds_at_start(CROWD, [5], 0), 0, 40)
     assert steps[-1]["events"][0] > 0  # they do touch
     assert _switched("CLEAN_SWARM_PLAIN_NUMBA", "CROWD") == np.ravel([step["positions"] for step in steps]).tolist()

@@ -62,7 +62,7 @@ def test_the_default_is_table_1_on_its_five_start_configurations(run, tmp_path):
     assert "1484.70" in out
     manifest = json.loads((directory / "manifest.json").read_text())
     assert manifest["identity"]["seed"] == 0
-    assert {"python", "numpy", "numba", "pymunk", "clean-swarm"} <= set(manifest["versions"])
+    assert {"python", "numpy", "numba", "clean-swarm"} <= set(manifest["versions"])
     assert len(manifest["identity"]["configuration"]["starts"]) == 5
     assert "knowledge/cleaning.yaml" in manifest["identity"]["files"]
 
