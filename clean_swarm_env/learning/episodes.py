@@ -6,8 +6,7 @@ Every episode is a `Scenario`. An episode of a series follows from a seed and it
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
-from itertools import count
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict
 
@@ -88,37 +87,73 @@ def episodes_of(mission: MissionConfig | str, settings: EpisodeSettings | None =
     size, knowledge = chosen.get("size"), chosen.get("knowledge")
     if family is None:
         given = load_mission(mission, directories) if isinstance(mission, str) else mission
-        return _of_mission(_with_knowledge(given, knowledge))
+        return MissionEpisodes(_with_knowledge(given, knowledge))
     drawn = load_family(family, directories) if isinstance(family, str) else family
     _check_size(drawn, size)
     known = drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)})
-    return _of_family(known, chosen.get("split", "train"), size)
+    return FamilyEpisodes(known, chosen.get("split", "train"), size)
 
 
-def _of_mission(mission: MissionConfig) -> Episodes:
-    def episodes(seed: int, first: int, step: int) -> Iterator[Scenario]:
-        return map(partial(episode, seed), count(first, step))
+@dataclass(frozen=True)
+class MissionEpisodes:
+    """The episodes of a mission: random starts."""
 
-    def episode(seed: int, number: int) -> Scenario:
-        start = random_start(mission, seed, number)
-        return Scenario(start.id, run_seed(seed, f"episode {number}"), mission, start)
+    mission: MissionConfig
 
-    return episodes
+    def __call__(self, seed: int, first: int, step: int) -> Iterator[Scenario]:
+        """Return the episodes of a seed; see `Episodes`."""
+        return DrawnEpisodes(self, seed, first, step)
+
+    def draw(self, seed: int, number: int) -> Scenario:
+        """Return an episode."""
+        start = random_start(self.mission, seed, number)
+        return Scenario(start.id, run_seed(seed, f"episode {number}"), self.mission, start)
+
+    def fits(self, scenario: Scenario) -> bool:
+        """Return whether an episode is one of those wanted."""
+        return True
 
 
-def _of_family(family: FamilyConfig, split: Split, size: Size | None) -> Episodes:
-    def episodes(seed: int, first: int, step: int) -> Iterator[Scenario]:
-        drawn = map(partial(episode, seed), count(first, step))
-        return drawn if size is None or not family.sizes else filter(fits, drawn)
+@dataclass(frozen=True)
+class FamilyEpisodes:
+    """The episodes of a family: scenarios of one split, those on the torus of `size` if given."""
 
-    def episode(seed: int, number: int) -> Scenario:
-        return family.scenario(seed, number, split)
+    family: FamilyConfig
+    split: Split
+    size: Size | None
 
-    def fits(scenario: Scenario) -> bool:
+    def __call__(self, seed: int, first: int, step: int) -> Iterator[Scenario]:
+        """Return the episodes of a seed; see `Episodes`."""
+        return DrawnEpisodes(self, seed, first, step)
+
+    def draw(self, seed: int, number: int) -> Scenario:
+        """Return an episode."""
+        return self.family.scenario(seed, number, self.split)
+
+    def fits(self, scenario: Scenario) -> bool:
+        """Return whether an episode is one of those wanted."""
         world = scenario.mission.world
-        return (world.width, world.height) == size
+        return self.size is None or not self.family.sizes or (world.width, world.height) == self.size
 
-    return episodes
+
+@dataclass
+class DrawnEpisodes:
+    """An iterator of episodes that can be copied and pickled; `number` is that of the next one."""
+
+    episodes: MissionEpisodes | FamilyEpisodes
+    seed: int
+    number: int
+    step: int
+
+    def __iter__(self) -> DrawnEpisodes:
+        return self
+
+    def __next__(self) -> Scenario:
+        while True:
+            scenario = self.episodes.draw(self.seed, self.number)
+            self.number += self.step
+            if self.episodes.fits(scenario):
+                return scenario
 
 
 def _check_size(family: FamilyConfig, size: Size | None) -> None:

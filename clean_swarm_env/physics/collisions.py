@@ -106,11 +106,11 @@ class CollisionCounter:
                 extent=extent,
                 before=np.zeros((rows, 2)),
                 counted=np.zeros(rows, np.bool_),
-                cells=np.empty(shape, np.int64),
-                links=np.empty(room, np.int64),
+                cells=np.zeros(shape, np.int64),
+                links=np.zeros(room, np.int64),
                 listed=np.full(worlds, UNLISTED),
-                pairs=np.empty((worlds, PAIRS_A_ROBOT * room, 2), np.int64),
-                origins=np.empty((worlds * room, 2)),
+                pairs=np.zeros((worlds, PAIRS_A_ROBOT * room, 2), np.int64),
+                origins=np.zeros((worlds * room, 2)),
             )
         )
 

@@ -5,7 +5,7 @@ Rows are robots, R = W * N. Bodies, items and stations are on the `floor`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -106,8 +106,6 @@ class Minds:
                 counts=np.zeros(len(self._movers), dtype=np.int64),
             )
         )
-        self._running = tuple(zip(self._movers.values(), self.packed.record.running, strict=True))
-        self._moved: list[tuple[MovementMechanism, Ints]] = []  # mechanisms of this tick, and the rows that they moved
 
     def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
         space = Torus(mission.world.width, mission.world.height)
@@ -225,16 +223,22 @@ class Minds:
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write a movement vector for every robot in which a behaviour that moves runs."""
         begin_orders(floor.words, self.packed.words)
-        commands, counts = self.commands, self.packed.record.counts.tolist()
-        self._moved = [(mechanism, rows[:k]) for (mechanism, rows), k in zip(self._running, counts, strict=True) if k]
-        for mechanism, rows in self._moved:
+        commands = self.commands
+        for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
             inner.act(now, commands)
 
+    def _moved(self) -> Iterator[tuple[MovementMechanism, Ints]]:
+        """Return the mechanisms of this tick, and the rows that they move."""
+        record = self.packed.record
+        for mechanism, rows, count in zip(self._movers.values(), record.running, record.counts.tolist(), strict=True):
+            if count:
+                yield mechanism, rows[:count]
+
     def leave(self, now: float) -> None:
         """Deposit and spread what others perceive from the next tick on: pheromones of the patrol, and gradients."""
-        for mechanism, rows in self._moved:
+        for mechanism, rows in self._moved():
             if mechanism is self.patrol:
                 self.patrol.deposit(now, rows)
         for inner in self._inner:

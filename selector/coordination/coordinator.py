@@ -55,7 +55,7 @@ class Coordinator:
         self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
         self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to be reset
         self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those to reset
-        self._in_use: list[tuple[int, Ints]] = []
+        self._in_use: list[tuple[int, int]] = []  # options that any row holds, and by how many
         self._acted: list[RunningConfiguration] = []
         self.reset(np.arange(parent.rows))
 
@@ -89,18 +89,17 @@ class Coordinator:
         self._list_in_use()
 
     def _list_in_use(self) -> None:
-        """List the options that any row holds, with these rows."""
-        self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
+        self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]
 
     def sense(self, now: float) -> None:
         """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
-        for k, rows in self._in_use:
-            self.contents[k].robots.sense(now, rows)
+        for k, count in self._in_use:
+            self.contents[k].robots.sense(now, self._members[k, :count])
 
     def act(self, now: float, commands: Commands) -> None:
         """Step the held configurations where the parent runs the coordinator; movements go into `commands`."""
-        for k, rows in self._in_use:
-            content = self.contents[k]
+        for k, count in self._in_use:
+            content, rows = self.contents[k], self._members[k, :count]
             network = content.network
             number, stale = take_turns(
                 rows, self.parent.state.mark_table, self.index, network.state.mark_table, self._stale, self._turns
