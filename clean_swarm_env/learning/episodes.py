@@ -5,7 +5,7 @@ Every episode is a `Scenario`. An episode of a series follows from a seed and it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict
@@ -21,7 +21,7 @@ Size = tuple[float, float]
 """Width and height of a torus [m]."""
 EpisodeSource = Callable[[int], Scenario | None]
 """Function from the number of a world to its next scenario, None if there is none left."""
-Episodes = Callable[[int, int, int], Iterator[Scenario]]
+Episodes = Callable[[int, int, int], "DrawnEpisodes"]
 """Function from a seed, a first number and a step to the episodes of these numbers, without end."""
 
 
@@ -40,7 +40,7 @@ class Series:
 
     def __init__(self, episodes: Episodes, worlds: int) -> None:
         self._episodes = episodes
-        self._running: list[Iterator[Scenario] | None] = [None] * worlds
+        self._running: list[DrawnEpisodes | None] = [None] * worlds
 
     def __call__(self, world: int) -> Scenario:
         """Return the next episode of a world."""
@@ -57,6 +57,15 @@ class Series:
             if seed is not None or self._running[world] is None:
                 known = np.random.SeedSequence().entropy if seed is None else seed
                 self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
+
+    def next_of(self, world: int) -> tuple[int, int, int] | None:
+        """Return seed, number and step of the next episode of a world; None before its first."""
+        running = self._running[world]
+        return None if running is None else (running.seed, running.number, running.step)
+
+    def go_on(self, world: int, following: tuple[int, int, int] | None) -> None:
+        """Make a world go on with an episode as `next_of` names it."""
+        self._running[world] = None if following is None else self._episodes(*following)
 
     def share(self, seed: int) -> None:
         """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
@@ -100,7 +109,7 @@ class MissionEpisodes:
 
     mission: MissionConfig
 
-    def __call__(self, seed: int, first: int, step: int) -> Iterator[Scenario]:
+    def __call__(self, seed: int, first: int, step: int) -> DrawnEpisodes:
         """Return the episodes of a seed; see `Episodes`."""
         return DrawnEpisodes(self, seed, first, step)
 
@@ -122,7 +131,7 @@ class FamilyEpisodes:
     split: Split
     size: Size | None
 
-    def __call__(self, seed: int, first: int, step: int) -> Iterator[Scenario]:
+    def __call__(self, seed: int, first: int, step: int) -> DrawnEpisodes:
         """Return the episodes of a seed; see `Episodes`."""
         return DrawnEpisodes(self, seed, first, step)
 

@@ -7,7 +7,10 @@ not turn: `headings` does.
 All that a world hands on to its next substep lies in arrays.
 """
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contacts import CONTACTS, Contacts, no_contacts
@@ -15,7 +18,7 @@ from clean_swarm_env.physics.drive import DifferentialDrive, Orders
 from clean_swarm_env.physics.motion import ROBOT_MOTION, RobotMotion, wrapped_angle
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.physics.tick import run_period, substep_worlds
-from selforg.arrays import Flags, Floats
+from selforg.arrays import Flags, Floats, Lasting
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
@@ -86,6 +89,15 @@ class Physics:
         self.velocities[rows] = 0.0
         self.present[rows] = True
         self._contacts.record.touching[world] = 0
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next substep."""
+        return Lasting((self.positions, self.headings, self.velocities, self.present))
+
+    def of_worlds(self) -> tuple[NDArray[Any], ...]:
+        """Return what worlds hand on to the next substep: arrays (W, ...)."""
+        contacts = self._contacts.record
+        return contacts.touching, contacts.pairs, contacts.impulses
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
         """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others are not affected."""

@@ -5,7 +5,10 @@ Rows are robots, R = W * N. What robots know and decide is in `minds`.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import cells_along
@@ -15,7 +18,7 @@ from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.world.garbage import NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Floats, Ints, Lasting, together
 from selforg.compiler.records import Packed
 
 
@@ -91,6 +94,21 @@ class Floor:
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next tick."""
+        own = Lasting((self.garbage.cargo, self.garbage.recycled))
+        return together((own, self.physics.lasting(), self.drive.lasting(), self.collisions.lasting()))
+
+    def of_worlds(self) -> tuple[NDArray[Any], ...]:
+        """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""
+        items = self.garbage
+        own = (self.stations, items.positions, items.stage, items.leftover, items.done, items.arrived)
+        return (*own, *self.physics.of_worlds(), *self.collisions.of_worlds())
+
+    def restore(self, world: int) -> None:
+        """Go on from what has been written to the arrays of a world."""
+        self.collisions.restore(world)
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
         """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting, together
 from selforg.compiler.records import Packed
 from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
@@ -54,6 +54,12 @@ class Inner(Protocol):
 
     def reset(self, rows: Ints) -> None:
         """Begin anew in `rows` (K,)."""
+
+    def lasting(self) -> Lasting:
+        """Return what it hands on to the next tick."""
+
+    def restore(self) -> None:
+        """Go on from what has been written to those arrays."""
 
 
 class Minds:
@@ -174,6 +180,28 @@ class Minds:
         self.directions.reset(rows, streams[: len(rows)])
         self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
         self.reception.begin(world, mission, seed)
+
+    @property
+    def buffers(self) -> tuple[SoBuffer, ...]:
+        """The buffers."""
+        return tuple(self._buffers.values())
+
+    @property
+    def generators(self) -> tuple[list[Any], ...]:
+        """The random draws of the rows (R,): directions, chances of mechanisms, and losses of messages."""
+        return self.directions.generators, self._chances, self.reception.generators
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next tick, but for the buffers and the random draws."""
+        own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
+        inner = (part.lasting() for part in self._inner)
+        return together((own, self.network.lasting(), self._memory.lasting(), *inner))
+
+    def restore(self) -> None:
+        """Go on from what has been written to those arrays."""
+        self.directions.restore()
+        for inner in self._inner:
+            inner.restore()
 
     def begin(self, rows: Ints) -> None:
         """Clear the networks and the knowledge of `rows` (K,)."""

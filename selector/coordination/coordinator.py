@@ -12,7 +12,7 @@ import numpy as np
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import Ints
+from selforg.arrays import Ints, Lasting, together
 from selforg.compiler.decorators import lean_kernel
 from selforg.components import Commands
 from selforg.network.network import BehaviourNetwork
@@ -66,6 +66,15 @@ class Coordinator:
             content.forget(rows)
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
+        self.restore()
+
+    def lasting(self) -> Lasting:
+        """Return the options held, and what their configurations know of each row; then call `restore`."""
+        own = Lasting((self.held, self._stale))
+        return together((own, *(content.lasting() for content in self.contents)))
+
+    def restore(self) -> None:
+        """Take the options that are held from `held`, which has been written to."""
         group(self.held, self._members, self._counts)
         self._list_in_use()
 

@@ -42,15 +42,17 @@ def random_batch(rng: np.random.Generator, worlds: int | None = None, velocity: 
     return batch
 
 
+def actions_of(batch: Batch, rng: np.random.Generator) -> np.ndarray:
+    """Return random actions of all rows."""
+    if batch.action.mode == "velocity":
+        return rng.uniform(-1.0, 1.0, (batch.rows, 2))
+    return np.stack([rng.integers(len(options), size=batch.rows) for options in batch.options.values()], axis=1)
+
+
 def advance(batch: Batch, rng: np.random.Generator, steps: int) -> list[bytes]:
     """Take random steps; return observations, rewards and ends of each."""
     seen = []
     for _ in range(steps):
-        if batch.action.mode == "velocity":
-            actions = rng.uniform(-1.0, 1.0, (batch.rows, 2))
-        else:
-            counts = [len(options) for options in batch.options.values()]
-            actions = np.stack([rng.integers(count, size=batch.rows) for count in counts], axis=1)
-        step = batch.step(actions)
+        step = batch.step(actions_of(batch, rng))
         seen += [part.tobytes() for part in step[:4]] + [repr(batch.finished).encode()]
     return seen
