@@ -68,7 +68,7 @@ class WorldStates:
             bytes_of(self._rows, rows),
             bytes_of(self._worlds, slice(world, world + 1)),
             self._agendas.of(world),
-            tuple(state_of_team(buffer, world) for buffer in self._minds.buffers),
+            tuple(state_of_team(buffer, world) for buffer in self._minds.buffers.values()),
             tuple(states_of(generators[rows]) for generators in self._minds.generators),
         )
 
@@ -84,7 +84,7 @@ class WorldStates:
         for times in (*self._times, minds.poses.own[:, :, POSE_STAMP]):
             times[rows] += later
         minds.poses.row_table[rows, ROW_TEAM] = world
-        for buffer, saved in zip(minds.buffers, state.buffers, strict=True):
+        for buffer, saved in zip(minds.buffers.values(), state.buffers, strict=True):
             put_team_state(buffer, world, saved, later)
         for generators, streams in zip(minds.generators, state.streams, strict=True):
             generators[rows] = [generator_at(stream) for stream in streams]

@@ -78,6 +78,12 @@ class RunningConfiguration:
         asked = (*(mechanism.lasting() for mechanism in self.mechanisms.values()), *(s.lasting() for s in sources))
         return together((self.network.lasting(), self._memory.lasting(), *asked))
 
+    @property
+    def view_distance(self) -> float:
+        """The longest view distance of a mechanism that moves the robot [m]; 0 without one."""
+        seen = [m.view_distance for m in self.mechanisms.values() if isinstance(m, MovementMechanism)]
+        return float(max(seen, default=0.0))
+
     def forget(self, rows: Ints) -> None:
         """Reset memory and decisions of `rows` (K,) to their first values, and drop kept movements."""
         self._memory.reset(rows)
