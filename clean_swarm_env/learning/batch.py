@@ -215,6 +215,8 @@ class Batch:
         call. The further course has the same bits; what ended in the last period, and vectors of the last action, are
         no part of a state. ValueError says what does not fit.
         """
+        if self.recorder is not None:
+            raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
         states, chosen = from_bytes(state), self._numbers(worlds)
         if not isinstance(states, list) or len(states) not in (1, len(chosen)):
             raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(states)}")
@@ -224,6 +226,10 @@ class Batch:
         self._finished.clear()
         self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
         return self.observations
+
+    def steps(self, world: int) -> int:
+        """Return how many decision periods of its mission a world has done."""
+        return -(-int(self.progress.elapsed[world]) // self._ticks_per_step)
 
     def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
         """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""

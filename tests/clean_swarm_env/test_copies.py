@@ -13,7 +13,10 @@ import pytest
 
 import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.scenes import SCENES, Setting, goals
 from clean_swarm_env.scenes.served import ServedTeam, expertise
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
@@ -149,7 +152,7 @@ def test_a_gymnasium_environment_is_copied(way, name):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_gymnasium_vector_environment_is_copied(way):
-    envs = gymnasium.make_vec("CleanSwarmRobots-v0", num_envs=10, mission=SHORT)
+    envs = RobotVectorEnv(2, mission=SHORT)
     envs.reset(seed=2)
     twin = WAYS[way](envs)
     for _ in range(35):  # over the end of the missions
@@ -157,6 +160,12 @@ def test_a_gymnasium_vector_environment_is_copied(way):
         for ours, its in zip(envs.step(actions)[:4], twin.step(actions)[:4], strict=True):
             assert np.array_equal(ours, its)
     assert differing(envs.unwrapped.batch, twin.unwrapped.batch) == []
+
+
+def test_a_batch_that_records_says_that_it_cannot_be_copied(tmp_path):
+    """Both would write the same files."""
+    with pytest.raises(TypeError, match="a batch that records its missions cannot be copied"):
+        copy.deepcopy(Batch(SHORT, record=RecordSettings(tmp_path)))
 
 
 @pytest.mark.parametrize("goal", goals())

@@ -8,7 +8,11 @@ import sys
 import numpy as np
 import pytest
 
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
+from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.world_state import HEADER
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.buffer import SoBuffer
@@ -37,7 +41,8 @@ def check_state(seed):
     advance(other, rng, int(rng.integers(1, 30)))
     other.set_state(state)
     own, copies = slice(world * robots, (world + 1) * robots), other.worlds.worlds
-    assert np.array_equal(other.masks(), np.tile(batch.masks()[own], (copies, 1)))
+    if batch.action.mode == "option":
+        assert np.array_equal(other.masks(), np.tile(batch.masks()[own], (copies, 1)))
     for _ in range(12):
         actions = actions_of(batch, rng)
         one, many = batch.step(actions), other.step(np.tile(actions[own], (copies, 1)))
@@ -93,6 +98,53 @@ def test_a_batch_looks_ahead_and_comes_back():
     assert any(b"Finished" in part for part in course)
     assert np.array_equal(batch.set_state(state), seen)
     assert advance(batch, np.random.default_rng(1), 40) == course
+
+
+def test_an_environment_goes_back_and_another_one_goes_on():
+    """Agents that are gone, and cycles that are left, are those of the state."""
+
+    def play(env):
+        seen = []
+        while env.agents:
+            answers = env.step(dict.fromkeys(env.agents, 1))
+            seen += [{agent: np.asarray(part).tolist() for agent, part in answer.items()} for answer in answers[:4]]
+        return seen
+
+    settings = {"family": "shifting", "max_cycles": 150}
+    env, other = clean_swarm_v0.parallel_env(**settings), clean_swarm_v0.parallel_env(**settings)
+    env.reset(seed=2)
+    for _ in range(100):
+        env.step(dict.fromkeys(env.agents, 0))
+    assert len(env.agents) < len(env.possible_agents)
+    state, course = env.get_state(), play(env)
+    seen, infos = env.set_state(state)
+    assert seen.keys() == infos.keys() == set(env.agents)
+    assert play(env) == course
+    assert len(course) == 4 * 50
+    other.set_state(state)
+    assert play(other) == course
+    over = env.get_state()
+    other.set_state(over)
+    assert other.agents == []
+
+
+def test_a_gymnasium_environment_and_a_vector_go_on_from_one_state():
+    env, envs = CleanSwarmTeam(SHORT), TeamVectorEnv(3, mission=SHORT)
+    env.reset(seed=2)
+    for _ in range(10):
+        env.step(np.ones(5, np.int64))
+    assert np.array_equal(envs.set_state(env.get_state()), np.tile(env.batch.observations.ravel(), (3, 1)))
+    for _ in range(10):
+        one, many = env.step(np.zeros(5, np.int64)), envs.step(np.zeros((3, 5), np.int64))
+        assert np.array_equal(many[0], np.tile(one[0], (3, 1)))
+        assert many[1].tolist() == [one[1]] * 3
+
+
+def test_a_batch_that_records_takes_no_state(tmp_path):
+    batch = Batch(SHORT)
+    batch.reset([1])
+    with pytest.raises(ValueError, match="set_state: expected a batch that records nothing"):
+        Batch(SHORT, record=RecordSettings(tmp_path)).set_state(batch.get_state())
 
 
 def test_a_state_goes_on_in_another_process(tmp_path):

@@ -1,5 +1,9 @@
 """What holds for every registered strategy, whoever wrote it."""
 
+import copy
+import gc
+import pickle
+
 import numpy as np
 import pytest
 
@@ -299,3 +303,15 @@ def test_what_does_not_fit_is_refused(fresh, use, message):
     with pytest.raises(ValueError, match=message):
         use(strategy)
     same(before, strategy.state_dict())
+
+
+@pytest.mark.parametrize("way", [copy.deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])
+def test_a_copy_learns_on_by_itself_and_decides_as_the_original(fresh, way):
+    strategy = fresh()
+    live(strategy, contexts(4))
+    twin, orphan = way(strategy), way(strategy)
+    course = live(twin, contexts(12))
+    np.testing.assert_array_equal(live(strategy, contexts(12)), course)
+    del strategy, twin
+    gc.collect()
+    np.testing.assert_array_equal(live(orphan, contexts(12)), course)
