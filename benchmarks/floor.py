@@ -18,10 +18,8 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.physics.chipmunk_calls import HANDLES
+from benchmarks.pymunk_space import OFFSETS, PymunkSpace, find_copies, push_bodies, wrap_bodies
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.contact_space import ContactSpace
-from clean_swarm_env.physics.motion import NOBODY_TOUCHES, ROBOT_MOTION, RobotMotion, land, push
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -62,40 +60,15 @@ class Floor:
         self._wanted = np.stack([np.cos(headings), np.sin(headings)], axis=2)  # (WALK, R, 2) [m/s]
         self._walked = 0
         self._settings = settings
-        rows = len(places)
-        bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
         # A body moves by up to 0.2 m until the copies are checked again; `everywhere` takes the whole world.
-        zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
-        # One world of all rows and a timestep of 0: then `land` only wraps the places.
-        self._motion = ROBOT_MOTION.pack(
-            RobotMotion(
-                positions=places,
-                headings=np.zeros(rows),
-                bodies=bodies,
-                wanted=np.zeros((rows, 2)),
-                forces=np.zeros((rows, 2)),
-                present=np.ones(rows, np.bool_),
-                copies=np.zeros(rows, np.uint8),
-                copied=np.zeros(rows, np.uint8),
-                patience=np.zeros(1, np.int64),
-                handles=np.zeros((1, HANDLES), np.int64),
-                current=np.zeros(1, np.bool_),
-                left=np.zeros(1, np.int64),
-                search=NOBODY_TOUCHES,
-                width=settings.width,
-                height=settings.height,
-                reach=0.0,
-                zone=zone,
-                timestep=0.0,
-                settling=0,
-                stiffness=settings.mass / settings.timestep,
-            )
-        )
+        self._zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
+        self._bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
+        self._forces = np.zeros_like(places)
+        self._copies = np.zeros((len(places), len(OFFSETS)), np.bool_)
         self._blocks = [
             slice(world * settings.robots, (world + 1) * settings.robots) for world in range(settings.worlds)
         ]
-        forces = self._motion.record.forces
-        self._spaces = [ContactSpace(settings, bodies[block], forces[block]) for block in self._blocks]
+        self._spaces = [PymunkSpace(settings, self._bodies[block], self._forces[block]) for block in self._blocks]
         for space in self._spaces:
             space.load()
 
@@ -106,19 +79,17 @@ class Floor:
 
     def tick(self, wanted: NDArray[np.float64]) -> None:
         """Run four substeps with the wanted velocities (R, 2) [m/s], after the copies are checked."""
-        motion = self._motion
-        crossed = land(0, motion.words)
-        np.copyto(motion.record.wanted, wanted)
-        push(0, motion.words)
+        size, timestep = (self._settings.width, self._settings.height), self._settings.timestep
+        crossed = wrap_bodies(self._bodies, *size)
+        find_copies(self._bodies, *size, self._zone, self._copies)
         for space, block in zip(self._spaces, self._blocks, strict=True):
             if crossed:
                 space.load()
-            space.set_copies(motion.record.copies[block])
-        for substep in range(SUBSTEPS):
-            if substep:
-                push(0, motion.words)
+            space.set_copies(self._copies[block])
+        for _ in range(SUBSTEPS):
+            push_bodies(self._bodies, wanted, timestep, self._forces)
             for space in self._spaces:
-                space.step(self._settings.timestep)
+                space.step(timestep)
 
 
 def lattice(settings: PhysicsSettings, rng: np.random.Generator) -> NDArray[np.float64]:

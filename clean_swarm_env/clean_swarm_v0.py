@@ -144,6 +144,21 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         self.agents = [] if terminated or truncated else after
         return result
 
+    def get_state(self) -> bytes:
+        """Return the state of the mission, from which this or another environment goes on; see `Batch.get_state`."""
+        return self._batch.get_state()
+
+    def set_state(self, state: bytes) -> tuple[dict[str, Observations], AgentInfos]:
+        """Go on from a state of an environment or of a world of a batch; return observations and infos.
+
+        The counts of the last period are no part of it. ValueError says what does not fit.
+        """
+        seen = self._batch.set_state(state).copy()
+        progress, steps = self._batch.progress, self._batch.steps(0)
+        over = bool(progress.outcome[0]) or steps == self._cycles
+        self.agents, self._left = [] if over else self.at_work(), (self._cycles or 0) - steps
+        return self._of(self.at_work(), seen), self._of(self.at_work(), robot_infos(self._batch))
+
     def everyone(self) -> tuple[Observations, AgentInfos]:
         """Return the present observations (N, F) and the infos of all possible agents."""
         return self._batch.observations.copy(), dict(zip(self.possible_agents, robot_infos(self._batch), strict=True))

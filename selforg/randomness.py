@@ -56,6 +56,15 @@ class DirectionStream:
             self.cursor[int(row)] = self.block
         self.low[0] = True
 
+    @property
+    def generators(self) -> list[np.random.Generator | None]:
+        """The generators of the rows, None for rows that are not random."""
+        return self._generators
+
+    def restore(self) -> None:
+        """Draw what is missing, after `vectors`, `cursor` and `generators` have been written to."""
+        self.low[0] = True
+
     def refill(self) -> None:
         """Draw for every row that has used half of its block; does nothing unless `low` is set."""
         if not self.low[0]:

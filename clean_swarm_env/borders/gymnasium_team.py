@@ -66,6 +66,16 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         self._over = bool(terminated[0] or truncated[0])
         return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
 
+    def get_state(self) -> bytes:
+        """Return the state of the mission, from which this or another environment goes on; see `Batch.get_state`."""
+        return self.batch.get_state()
+
+    def set_state(self, state: bytes) -> Observations:
+        """Go on from a state; return the observation. ValueError says what does not fit."""
+        observation: Observations = self._envs.set_state(state)[0]
+        self._over = bool(self.batch.progress.outcome[0])
+        return observation
+
     def action_masks(self) -> NDArray[np.bool_]:
         """Return which options can serve next, those of each robot one after the other (for sb3-contrib).
 

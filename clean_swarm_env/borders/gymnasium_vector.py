@@ -30,6 +30,7 @@ from clean_swarm_env.borders.spaces import action_space, check_render_mode, obse
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.world.mission_end import RUNNING
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -114,6 +115,16 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             np.repeat(truncated, self._per_world),
             infos,
         )
+
+    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
+        """Return the states of `worlds`, or of all; see `Batch.get_state`."""
+        return self.batch.get_state(worlds)
+
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds`, or all, go on from a state, see `Batch.set_state`; return all observations."""
+        observations = self._joined(self.batch.set_state(state, worlds))
+        self._over = (self.batch.progress.outcome != RUNNING) & (self.autoreset_mode != AutoresetMode.SAME_STEP)
+        return observations
 
     def close_extras(self, **_: object) -> None:
         """End the recordings of missions that are still going on."""

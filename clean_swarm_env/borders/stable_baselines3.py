@@ -34,6 +34,7 @@ from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
 from clean_swarm_env.learning.given import seeds_from
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from selforg.arrays import Flags
 
 
@@ -120,6 +121,19 @@ class RobotVecEnv(VecEnv):
             infos[row]["episode"] = {"r": float(self._returns[row]), "l": length, "t": elapsed}
             self._returns[row] = 0.0
         self._lengths[end.world] = 0
+
+    def get_state(self) -> bytes:
+        """Return the states of all worlds, with what episodes have brought so far; see `Batch.get_state`."""
+        return to_bytes(([batch.get_state() for batch in self.batches], self._returns, self._lengths))
+
+    def set_state(self, state: bytes) -> Observations:
+        """Go on from a state of as many worlds; return the observations. ValueError says what does not fit."""
+        states, returns, lengths = from_bytes(state)
+        if len(states) != len(self.batches):
+            raise ValueError(f"state: expected {len(self.batches)} batches, got {len(states)}")
+        seen = [batch.set_state(own) for batch, own in zip(self.batches, states, strict=True)]
+        self._returns[:], self._lengths[:], self.finished = returns, lengths, ()
+        return np.concatenate(seen)
 
     def action_masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve next."""

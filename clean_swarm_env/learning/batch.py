@@ -17,6 +17,7 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
+from clean_swarm_env.learning.batch_state import BatchStates
 from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
 from clean_swarm_env.learning.observation.config import ObservationConfig
@@ -27,6 +28,7 @@ from clean_swarm_env.recording.recorder import Recorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
+from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
@@ -163,6 +165,7 @@ class Batch:
         self._gained: Floats = np.zeros(self.rows)
         self._finished: list[Finished] = []
         self.doing: list[Scenario | None] = [None] * worlds
+        self._states = BatchStates(self.worlds, self._series, self.doing, self.progress, self.observations)
         self._begun = False
 
     def reset(
@@ -200,6 +203,41 @@ class Batch:
         self._begun = True
         self.observer.observe(self.observations, worlds)
         return self.observations
+
+    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
+        """Return the states of `worlds` (K,), or of all, as bytes that say their version."""
+        return to_bytes([self._states.take(world) for world in self._numbers(worlds)])
+
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds` (K,), or all, go on from `get_state`, of this or another batch of the same frame and options.
+
+        The state holds K worlds, or one that all K go on from. Returns the observations (R, F), valid until the next
+        call. The further course has the same bits; what ended in the last period, and vectors of the last action, are
+        no part of a state. ValueError says what does not fit.
+        """
+        if self.recorder is not None:
+            raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
+        states, chosen = from_bytes(state), self._numbers(worlds)
+        if not isinstance(states, list) or len(states) not in (1, len(chosen)):
+            raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(states)}")
+        for number, world in enumerate(chosen):
+            self._states.put(world, states[number % len(states)])
+        self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
+        self._finished.clear()
+        self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
+        return self.observations
+
+    def steps(self, world: int) -> int:
+        """Return how many decision periods of its mission a world has done."""
+        return -(-int(self.progress.elapsed[world]) // self._ticks_per_step)
+
+    def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
+        """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""
+        chosen = list(range(self.worlds.worlds)) if worlds is None else [int(world) for world in worlds]
+        for world in chosen:
+            if not 0 <= world < self.worlds.worlds:
+                raise ValueError(f"worlds: expected 0 to {self.worlds.worlds - 1}, got {world}")
+        return chosen
 
     def share(self, seed: int) -> None:
         """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""

@@ -6,9 +6,8 @@ Every episode is a `Scenario`. An episode of a series follows from a seed and it
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
-from itertools import count
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import TypedDict
 
 import numpy as np
@@ -30,7 +29,7 @@ Size = tuple[float, float]
 """Width and height of a torus [m]."""
 EpisodeSource = Callable[[int], Scenario | None]
 """Function from the number of a world to its next scenario, None if there is none left."""
-Episodes = Callable[[int, int, int], Iterator[Scenario]]
+Episodes = Callable[[int, int, int], "DrawnEpisodes"]
 """Function from a seed, a first number and a step to the episodes of these numbers, without end."""
 
 
@@ -49,7 +48,7 @@ class Series:
 
     def __init__(self, episodes: Episodes, worlds: int) -> None:
         self._episodes = episodes
-        self._running: list[Iterator[Scenario] | None] = [None] * worlds
+        self._running: list[DrawnEpisodes | None] = [None] * worlds
 
     def __call__(self, world: int) -> Scenario:
         """Return the next episode of a world."""
@@ -66,6 +65,15 @@ class Series:
             if seed is not None or self._running[world] is None:
                 known = np.random.SeedSequence().entropy if seed is None else seed
                 self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
+
+    def next_of(self, world: int) -> tuple[int, int, int] | None:
+        """Return seed, number and step of the next episode of a world; None before its first."""
+        running = self._running[world]
+        return None if running is None else (running.seed, running.number, running.step)
+
+    def go_on(self, world: int, following: tuple[int, int, int] | None) -> None:
+        """Make a world go on with an episode as `next_of` names it."""
+        self._running[world] = None if following is None else self._episodes(*following)
 
     def share(self, seed: int) -> None:
         """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
@@ -99,42 +107,77 @@ def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings |
         for name in ("split", "size"):
             if chosen.get(name) is not None:
                 raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
-        return _of_mission(
-            _with_knowledge(mission_from("table1" if mission is None else mission, directories), knowledge)
-        )
+        given = mission_from("table1" if mission is None else mission, directories)
+        return MissionEpisodes(_with_knowledge(given, knowledge))
     if mission is not None:
         raise ValueError("family: expected a mission or a family, got both")
     drawn = family_from(family, directories)
     size = None if size is None else (size[0], size[1])
     _check_size(drawn, size)
     known = drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)})
-    return _of_family(known, chosen.get("split", "train"), size)
+    return FamilyEpisodes(known, chosen.get("split", "train"), size)
 
 
-def _of_mission(mission: MissionConfig) -> Episodes:
-    def episodes(seed: int, first: int, step: int) -> Iterator[Scenario]:
-        return map(partial(episode, seed), count(first, step))
+@dataclass(frozen=True)
+class MissionEpisodes:
+    """The episodes of a mission: random starts."""
 
-    def episode(seed: int, number: int) -> Scenario:
-        start = random_start(mission, seed, number)
-        return Scenario(start.id, run_seed(seed, f"episode {number}"), mission, start)
+    mission: MissionConfig
 
-    return episodes
+    def __call__(self, seed: int, first: int, step: int) -> DrawnEpisodes:
+        """Return the episodes of a seed; see `Episodes`."""
+        return DrawnEpisodes(self, seed, first, step)
+
+    def draw(self, seed: int, number: int) -> Scenario:
+        """Return an episode."""
+        start = random_start(self.mission, seed, number)
+        return Scenario(start.id, run_seed(seed, f"episode {number}"), self.mission, start)
+
+    def fits(self, scenario: Scenario) -> bool:
+        """Return whether an episode is one of those wanted."""
+        return True
 
 
-def _of_family(family: FamilyConfig, split: Split, size: Size | None) -> Episodes:
-    def episodes(seed: int, first: int, step: int) -> Iterator[Scenario]:
-        drawn = map(partial(episode, seed), count(first, step))
-        return drawn if size is None or not family.sizes else filter(fits, drawn)
+@dataclass(frozen=True)
+class FamilyEpisodes:
+    """The episodes of a family: scenarios of one split, those on the torus of `size` if given."""
 
-    def episode(seed: int, number: int) -> Scenario:
-        return family.scenario(seed, number, split)
+    family: FamilyConfig
+    split: Split
+    size: Size | None
 
-    def fits(scenario: Scenario) -> bool:
+    def __call__(self, seed: int, first: int, step: int) -> DrawnEpisodes:
+        """Return the episodes of a seed; see `Episodes`."""
+        return DrawnEpisodes(self, seed, first, step)
+
+    def draw(self, seed: int, number: int) -> Scenario:
+        """Return an episode."""
+        return self.family.scenario(seed, number, self.split)
+
+    def fits(self, scenario: Scenario) -> bool:
+        """Return whether an episode is one of those wanted."""
         world = scenario.mission.world
-        return (world.width, world.height) == size
+        return self.size is None or not self.family.sizes or (world.width, world.height) == self.size
 
-    return episodes
+
+@dataclass
+class DrawnEpisodes:
+    """An iterator of episodes that can be copied and pickled; `number` is that of the next one."""
+
+    episodes: MissionEpisodes | FamilyEpisodes
+    seed: int
+    number: int
+    step: int
+
+    def __iter__(self) -> DrawnEpisodes:
+        return self
+
+    def __next__(self) -> Scenario:
+        while True:
+            scenario = self.episodes.draw(self.seed, self.number)
+            self.number += self.step
+            if self.episodes.fits(scenario):
+                return scenario
 
 
 def _check_size(family: FamilyConfig, size: Size | None) -> None:

@@ -107,6 +107,14 @@ class MissionProgress:
         followed.had_recycled[rows] = followed.recycled[rows]
         followed.had_done[world] = followed.done[world]
 
+    def of_rows(self) -> tuple[Ints, ...]:
+        """Return what robots hand on to the next period: arrays (R,)."""
+        return self.idle, self._followed.record.had, self._followed.record.had_recycled
+
+    def of_worlds(self) -> tuple[Ints, ...]:
+        """Return what worlds hand on to the next period: arrays (W,)."""
+        return self.limits, self.elapsed, self.outcome, self._followed.record.had_done
+
     def stay(self, world: int) -> None:
         """Stop counting a world without a next scenario until it is reset; its last outcome remains."""
         if self.outcome[world] == RUNNING:

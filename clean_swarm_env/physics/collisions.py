@@ -11,7 +11,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
 from selforg.space import nearest_image
@@ -106,13 +106,26 @@ class CollisionCounter:
                 extent=extent,
                 before=np.zeros((rows, 2)),
                 counted=np.zeros(rows, np.bool_),
-                cells=np.empty(shape, np.int64),
-                links=np.empty(room, np.int64),
+                cells=np.zeros(shape, np.int64),
+                links=np.zeros(room, np.int64),
                 listed=np.full(worlds, UNLISTED),
-                pairs=np.empty((worlds, PAIRS_A_ROBOT * room, 2), np.int64),
-                origins=np.empty((worlds * room, 2)),
+                pairs=np.zeros((worlds, PAIRS_A_ROBOT * room, 2), np.int64),
+                origins=np.zeros((worlds * room, 2)),
             )
         )
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next count."""
+        record = self.packed.record
+        return Lasting((self.in_contact, self.entered, record.before, record.counted))
+
+    def of_worlds(self) -> tuple[Ints, ...]:
+        """Return what worlds hand on to the next count: arrays (W, ...); then call `restore`."""
+        return self.samples, self.events
+
+    def restore(self, world: int) -> None:
+        """Go on from what has been written to the arrays of a world."""
+        self.packed.record.listed[world] = UNLISTED
 
     def reset(self, world: int) -> None:
         """Set the counts of a world to zero; a pair that is close at its next count is an event again."""
@@ -122,7 +135,7 @@ class CollisionCounter:
         self.in_contact[rows] = False
         self.entered[rows] = 0
         self.packed.record.counted[rows] = False
-        self.packed.record.listed[world] = UNLISTED
+        self.restore(world)
 
     def count(self, positions: Floats, present: Flags | None = None) -> None:
         """Count all worlds once: the robots `present` (R,) or all; positions (R, 2) [m] in [0, width) x [0, height)."""

@@ -7,7 +7,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
 
@@ -97,6 +97,10 @@ class DifferentialDrive:
         """
         turning = self._nowhere if in_place is None else in_place
         steer(vectors, has_command, turning, headings, now, self.packed.words)
+
+    def lasting(self) -> Lasting:
+        """Return what the drives hand on to the next tick."""
+        return Lasting((self.speed, self.turn_rate), (self._commanded_at,))
 
     def reset(self, rows: Ints | slice) -> None:
         """Stop the robots in `rows`, as at the beginning."""

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NoReturn, SupportsIndex
 
 import numpy as np
 
@@ -97,6 +97,10 @@ class Recorder:
         self._channels = [channel for sampled in arrays for channel, _ in sampled.parts]
         self._at = 0
         self._joined = worlds.team.joined.tobytes()
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        """Raise TypeError: two recorders would write one file."""
+        raise TypeError("a batch that records its missions cannot be copied, because both would write the same files")
 
     def begin(self, world: int, about: Mapping[str, Any]) -> Path:
         """Record the mission of a world that has just been reset; return the file.

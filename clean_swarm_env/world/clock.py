@@ -39,9 +39,9 @@ class Clock:
         """Control periods (W,) since the reset of each world."""
         return self.tick - self._begun
 
-    def begin(self, world: int) -> None:
-        """Count the ticks of a world from 0 again."""
-        self._begun[world] = self.tick
+    def begin(self, world: int, ticks: int = 0) -> None:
+        """Count the ticks of a world from `ticks` on."""
+        self._begun[world] = self.tick - ticks
 
     def advance(self) -> None:
         """Count one control period."""

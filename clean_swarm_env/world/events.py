@@ -133,6 +133,15 @@ class Agendas:
         self.over[world] = agenda.over
         self._due = 0
 
+    def of(self, world: int) -> Agenda | None:
+        """Return the agenda of a world, None before its first reset."""
+        return self._agendas[world]
+
+    def put(self, world: int, agenda: Agenda | None) -> None:
+        """Replace the agenda of a world."""
+        self._agendas[world] = agenda
+        self._due = 0
+
     def apply_due(self) -> None:
         """Apply the events that are due at this tick in any world."""
         clock = self._affected.clock

@@ -5,7 +5,10 @@ Rows are robots, R = W * N. What robots know and decide is in `minds`.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import cells_along
@@ -13,14 +16,13 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
-from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.garbage import NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Floats, Ints, Lasting, together
 from selforg.compiler.records import Packed
 
 
-class Floor(Uncopied):
+class Floor:
     """The owner of all arrays of bodies, items and stations.
 
     Attributes:
@@ -80,8 +82,8 @@ class Floor(Uncopied):
                 nearest=np.full(worlds * mission.rows, NOTHING, dtype=np.int64),
                 picked=np.zeros((worlds * mission.rows, 2), dtype=np.int64),
                 lying=np.zeros(mission.item_rows, dtype=np.bool_),
-                cells=np.empty(cells, dtype=np.int64),
-                links=np.empty(mission.item_rows, dtype=np.int64),
+                cells=np.zeros(cells, dtype=np.int64),
+                links=np.zeros(mission.item_rows, dtype=np.int64),
                 sight=sight,
                 at_item=garbage.at_distance,
                 at_station=mission.stations.reach,
@@ -92,6 +94,21 @@ class Floor(Uncopied):
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next tick."""
+        own = Lasting((self.garbage.cargo, self.garbage.recycled))
+        return together((own, self.physics.lasting(), self.drive.lasting(), self.collisions.lasting()))
+
+    def of_worlds(self) -> tuple[NDArray[Any], ...]:
+        """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""
+        items = self.garbage
+        own = (self.stations, items.positions, items.stage, items.leftover, items.done, items.arrived)
+        return (*own, *self.physics.of_worlds(), *self.collisions.of_worlds())
+
+    def restore(self, world: int) -> None:
+        """Go on from what has been written to the arrays of a world."""
+        self.collisions.restore(world)
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
         """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""

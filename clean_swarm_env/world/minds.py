@@ -5,15 +5,14 @@ Rows are robots, R = W * N. Bodies, items and stations are on the `floor`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.drive import ORDERS, Orders
-from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.cleaning_robot import robot_network
 from clean_swarm_env.world.reception import Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
@@ -22,7 +21,7 @@ from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting, together
 from selforg.compiler.records import Packed
 from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
@@ -56,8 +55,14 @@ class Inner(Protocol):
     def reset(self, rows: Ints) -> None:
         """Begin anew in `rows` (K,)."""
 
+    def lasting(self) -> Lasting:
+        """Return what it hands on to the next tick."""
 
-class Minds(Uncopied):
+    def restore(self) -> None:
+        """Go on from what has been written to those arrays."""
+
+
+class Minds:
     """The owner of all arrays of poses, buffers, networks and knowledge.
 
     Attributes:
@@ -108,8 +113,6 @@ class Minds(Uncopied):
                 counts=np.zeros(len(self._movers), dtype=np.int64),
             )
         )
-        self._running = tuple(zip(self._movers.values(), self.packed.record.running, strict=True))
-        self._moved: list[tuple[MovementMechanism, Ints]] = []  # mechanisms of this tick, and the rows that they moved
 
     def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
         space = Torus(mission.world.width, mission.world.height)
@@ -179,6 +182,23 @@ class Minds(Uncopied):
         self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
         self.reception.begin(world, mission, seed)
 
+    @property
+    def generators(self) -> tuple[list[Any], ...]:
+        """The random draws of the rows (R,): directions, chances of mechanisms, and losses of messages."""
+        return self.directions.generators, self._chances, self.reception.generators
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next tick, but for the buffers and the random draws."""
+        own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
+        inner = (part.lasting() for part in self._inner)
+        return together((own, self.network.lasting(), self._memory.lasting(), *inner))
+
+    def restore(self) -> None:
+        """Go on from what has been written to those arrays."""
+        self.directions.restore()
+        for inner in self._inner:
+            inner.restore()
+
     def begin(self, rows: Ints) -> None:
         """Clear the networks and the knowledge of `rows` (K,)."""
         self.network.reset(rows)
@@ -227,16 +247,22 @@ class Minds(Uncopied):
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write a movement vector for every robot in which a behaviour that moves runs."""
         begin_orders(floor.words, self.packed.words)
-        commands, counts = self.commands, self.packed.record.counts.tolist()
-        self._moved = [(mechanism, rows[:k]) for (mechanism, rows), k in zip(self._running, counts, strict=True) if k]
-        for mechanism, rows in self._moved:
+        commands = self.commands
+        for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
             inner.act(now, commands)
 
+    def _moved(self) -> Iterator[tuple[MovementMechanism, Ints]]:
+        """Return the mechanisms of this tick, and the rows that they move."""
+        record = self.packed.record
+        for mechanism, rows, count in zip(self._movers.values(), record.running, record.counts.tolist(), strict=True):
+            if count:
+                yield mechanism, rows[:count]
+
     def leave(self, now: float) -> None:
         """Deposit and spread what others perceive from the next tick on: pheromones of the patrol, and gradients."""
-        for mechanism, rows in self._moved:
+        for mechanism, rows in self._moved():
             if mechanism is self.patrol:
                 self.patrol.deposit(now, rows)
         for inner in self._inner:

@@ -65,6 +65,15 @@ class Reception:
             raise ValueError("delivery: expected a mission with delivery.own_contents, got one whose robots share all")
         self._reaches[world], self._losses[world] = reach, loss
 
+    @property
+    def generators(self) -> list[np.random.Generator]:
+        """The random draws of the rows (R,): which messages get lost."""
+        return self._generators
+
+    def of_worlds(self) -> tuple[Floats, ...]:
+        """Return range and losses: arrays (W,)."""
+        return self._reaches, self._losses
+
     def listen(self) -> None:
         """Deliver the poses that have just been spread."""
         if self._poses is not None:

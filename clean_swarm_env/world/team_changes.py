@@ -16,7 +16,7 @@ from clean_swarm_env.config.starts import START_GAP, nearest_distance
 from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.registry import unknown
 
 Place = tuple[float, float, float]
@@ -125,4 +125,12 @@ class Team:
         """Stop the drives of `rows` (K,) and clear their networks and knowledge."""
         self._floor.drive.reset(rows)
         self._minds.begin(rows)
+        self.restore()
+
+    def lasting(self) -> Lasting:
+        """Return which robots work; then call `restore`."""
+        return Lasting((self.working,))
+
+    def restore(self) -> None:
+        """List the robots that work from `working`, which has been written to."""
         self.at_work = None if self.working.all() else np.flatnonzero(self.working)

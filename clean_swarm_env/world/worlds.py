@@ -13,24 +13,24 @@ import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.physics.uncopied import Uncopied
 from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided, handle_cargo_in_reach
+from clean_swarm_env.world.world_state import WorldState, WorldStates, from_bytes, to_bytes
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import hold_options
 from selforg.arrays import Flags, Floats, Ints
 
 
-class Worlds(Uncopied):
+class Worlds:
     """The batch of worlds of one mission.
 
     Call `reset` for every world, then `tick` as often as you like. Between ticks `hold` sets the options that serve the
     coordinated goals in each robot. With `explained` the robots' networks also note why each behaviour runs or does
-    not; the course is the same. Worlds cannot be copied (TypeError): make others of the same mission.
+    not; the course is the same.
 
     Attributes:
         mission: mission of the batch; `missions` (W,) are those of the worlds until their next resets.
@@ -62,6 +62,7 @@ class Worlds(Uncopied):
         self.minds = Minds(mission, models, worlds, directories, explained)
         self.team = Team(mission, self.floor, self.minds, self._clock)
         self._agendas = Agendas(Affected(self.floor, self.minds, self.team, self._clock))
+        self._states = WorldStates(self.floor, self.minds, self.team, self._agendas, self._clock)
         self._steered: Floats | None = None
         self.extent, self.stations, self.garbage = self.floor.extent, self.floor.stations, self.floor.garbage
         self.physics, self.drive, self.collisions = self.floor.physics, self.floor.drive, self.floor.collisions
@@ -107,6 +108,29 @@ class Worlds(Uncopied):
         self.minds.show_items(world, items, self.now)
         self.team.begin(world, np.array(start.robots))
         self._agendas.begin(world, mission, stream)
+
+    def state_of(self, world: int) -> WorldState:
+        """Return all that the further course of a world depends on, but for vectors by which it is steered.
+
+        Parts of it belong to the world until they are packed by `to_bytes`.
+        """
+        return self._states.take(world, self.missions[world])
+
+    def put_state(self, world: int, state: WorldState) -> None:
+        """Make a world go on from a state, of this or another batch of one frame, which it then owns.
+
+        ValueError says what does not fit.
+        """
+        self._states.put(world, state, self.mission)
+        self.missions[world] = state.mission
+
+    def get_state(self, world: int = 0) -> bytes:
+        """Return the state of a world as bytes that say their version."""
+        return to_bytes(self.state_of(world))
+
+    def set_state(self, state: bytes, world: int = 0) -> None:
+        """Make a world go on from the bytes of `get_state`; ValueError says what does not fit."""
+        self.put_state(world, from_bytes(state))
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
         """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""

@@ -12,7 +12,7 @@ from selector.configurations.host import Host
 from selector.documents.errors import DocumentError
 from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec
 from selector.vocabulary.constructors import Reference, checked_parameters
-from selforg.arrays import Ints
+from selforg.arrays import Ints, Lasting, together
 from selforg.components import (
     DecisionSource,
     GoalSource,
@@ -71,6 +71,12 @@ class RunningConfiguration:
     def network(self) -> BehaviourNetwork:
         """The network of the configuration."""
         return self.robots.network
+
+    def lasting(self) -> Lasting:
+        """Return what network, memory, mechanisms and sources know of each row."""
+        sources = (*self._movements.values(), *self._decisions.values(), *self._targets.values())
+        asked = (*(mechanism.lasting() for mechanism in self.mechanisms.values()), *(s.lasting() for s in sources))
+        return together((self.network.lasting(), self._memory.lasting(), *asked))
 
     @property
     def view_distance(self) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import Ints
+from selforg.arrays import Ints, Lasting, together
 from selforg.compiler.decorators import lean_kernel
 from selforg.components import Commands
 from selforg.network.network import BehaviourNetwork
@@ -55,7 +55,7 @@ class Coordinator:
         self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
         self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to be reset
         self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those to reset
-        self._in_use: list[tuple[int, Ints]] = []
+        self._in_use: list[tuple[int, int]] = []  # options that any row holds, and by how many
         self._acted: list[RunningConfiguration] = []
         self.reset(np.arange(parent.rows))
 
@@ -66,6 +66,15 @@ class Coordinator:
             content.forget(rows)
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
+        self.restore()
+
+    def lasting(self) -> Lasting:
+        """Return the options held, and what their configurations know of each row; then call `restore`."""
+        own = Lasting((self.held, self._stale))
+        return together((own, *(content.lasting() for content in self.contents)))
+
+    def restore(self) -> None:
+        """Take the options that are held from `held`, which has been written to."""
         group(self.held, self._members, self._counts)
         self._list_in_use()
 
@@ -94,18 +103,17 @@ class Coordinator:
         return tuple(k for k, _ in self._in_use)
 
     def _list_in_use(self) -> None:
-        """List the options that any row holds, with these rows."""
-        self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]
+        self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]
 
     def sense(self, now: float) -> None:
         """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
-        for k, rows in self._in_use:
-            self.contents[k].robots.sense(now, rows)
+        for k, count in self._in_use:
+            self.contents[k].robots.sense(now, self._members[k, :count])
 
     def act(self, now: float, commands: Commands) -> None:
         """Step the held configurations where the parent runs the coordinator; movements go into `commands`."""
-        for k, rows in self._in_use:
-            content = self.contents[k]
+        for k, count in self._in_use:
+            content, rows = self.contents[k], self._members[k, :count]
             network = content.network
             number, stale = take_turns(
                 rows, self.parent.state.mark_table, self.index, network.state.mark_table, self._stale, self._turns

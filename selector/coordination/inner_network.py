@@ -9,7 +9,7 @@ import numpy as np
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import Ints
+from selforg.arrays import Ints, Lasting, together
 from selforg.components import Commands
 from selforg.network.nesting import rows_inside, shared_columns
 from selforg.network.network import BehaviourNetwork
@@ -60,6 +60,13 @@ class InnerNetwork:
     def network(self) -> BehaviourNetwork:
         """The network itself, without the networks inside."""
         return self.configuration.network
+
+    def lasting(self) -> Lasting:
+        """Return what the network knows of each row, and the networks inside."""
+        return together((self.configuration.lasting(), *(inner.lasting() for inner in self.inner)))
+
+    def restore(self) -> None:
+        """Do nothing: all that the network knows lies in `lasting`."""
 
     def reset(self, rows: Ints) -> None:
         """Clear network and memory of `rows` (K,), and those of the networks inside."""

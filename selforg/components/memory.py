@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Lasting
 from selforg.network.model.behaviours import Sensor, SensorKind
 from selforg.network.step.readings import reading_of
 
@@ -39,6 +39,10 @@ class RobotMemory:
         """Reset all values of `rows` (K,) to the first ones."""
         for remembered in self._remembered.values():
             remembered.reset(rows)
+
+    def lasting(self) -> Lasting:
+        """Return all values."""
+        return Lasting(tuple(remembered.values for remembered in self._remembered.values()))
 
 
 class Remembered:

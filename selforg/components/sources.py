@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
@@ -32,6 +32,10 @@ class Source(ABC):
     def _ask(self, now: float, rows: Ints) -> None:
         """Renew the answers for `rows` (K,), of which there is at least one."""
 
+    @abstractmethod
+    def lasting(self) -> Lasting:
+        """Return the answers, and what decides when they are renewed."""
+
 
 class MovementSource(Source):
     """Answers of a movement mechanism.
@@ -53,6 +57,10 @@ class MovementSource(Source):
     def forget(self, rows: Ints) -> None:
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
         self._asked[rows] = -np.inf
+
+    def lasting(self) -> Lasting:
+        """Return movements and when they were asked for."""
+        return Lasting((self.vectors, self.active), (self._asked,))
 
     def _ask(self, now: float, rows: Ints) -> None:
         if self.hold > 0.0:
@@ -79,6 +87,10 @@ class GoalSource(Source):
         self.clearance: Floats = np.zeros(rows)
         self.present: Flags = np.zeros(rows, dtype=np.bool_)
 
+    def lasting(self) -> Lasting:
+        """Return the gradients chosen last."""
+        return Lasting((self.offsets, self.clearance, self.present))
+
     def _ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
         clearance = pairs[:, PAIR_DISTANCE] - pairs[:, PAIR_GOAL_RADIUS] - self._poses.own[rows, 0, GOAL_RADIUS]
@@ -99,6 +111,10 @@ class DecisionSource(Source):
         self.values: Floats = mechanism.values.copy()
         self.states: Ints = mechanism.state_codes.copy()
         self.differs: Flags = np.zeros(len(self.values), dtype=np.bool_)
+
+    def lasting(self) -> Lasting:
+        """Return the decisions made last."""
+        return Lasting((self.values, self.states, self.differs))
 
     def _ask(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.decide(now, rows)

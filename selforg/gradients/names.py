@@ -28,6 +28,10 @@ class Codes:
         """Return the name with a number from `first` on."""
         return self._names[code - self._first]
 
+    def numbered(self) -> tuple[str, ...]:
+        """Return the names that were used, by their numbers from `first` on."""
+        return tuple(self._names)
+
     def names(self) -> list[str]:
         """Return the names that were used, sorted."""
         return sorted(self._names)

@@ -12,7 +12,7 @@ from typing import Any, Unpack, final
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair_room import PairRoom
@@ -53,6 +53,10 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
     def example(cls) -> dict[str, Any]:
         """Return the keyword arguments with which the contract tests build the class."""
         return {}
+
+    def lasting(self) -> Lasting:
+        """Return what the mechanism remembers of each row, for states of worlds; most remember nothing."""
+        return Lasting()
 
 
 class MovementMechanism(Mechanism):

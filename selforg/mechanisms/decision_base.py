@@ -7,7 +7,7 @@ from typing import Unpack, final
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.options import LookOptions
@@ -85,6 +85,10 @@ class DecisionMechanism(Mechanism):
         """Give `rows` (R,) their first value and state back."""
         chosen = np.asarray(rows, dtype=np.int64)
         self.values[chosen], self.state_codes[chosen] = self._first_values[chosen], self._first_state
+
+    def lasting(self) -> Lasting:
+        """Return what the rows have decided."""
+        return Lasting((self.values, self.state_codes))
 
     def state_names(self, decision: Decision) -> list[str]:
         """Return the names of the decided states, (R,)."""

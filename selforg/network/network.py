@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import Floats, Ints, Lasting
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Words
 from selforg.network.model.model import NetworkModel
@@ -77,6 +77,11 @@ class BehaviourNetwork:
         chosen = self._all if rows is None else rows
         self.begin(chosen)
         self.readings[chosen] = 0.0
+
+    def lasting(self) -> Lasting:
+        """Return states and plans."""
+        fields = (*self.state.packed.record, *self.plans.packed.record)
+        return Lasting(tuple(field for field in fields if isinstance(field, np.ndarray)))
 
     def begin(self, rows: Ints) -> None:
         """Return to the first step in `rows` (K,), with the readings that they have."""

@@ -36,7 +36,7 @@ class Observer:
         self.config = config or ObservationConfig()
         self._worlds = worlds
         self._around = AROUND_RECORD.pack(around_robots(worlds, progress, self.config))
-        self._held = [(line, c.held) for line, c in zip(self._around.record.held, worlds.coordinators, strict=True)]
+        self._held = [coordinator.held for coordinator in worlds.coordinators]
         terms = self.config.build(Observed(worlds, progress, self._around))
         self.names = tuple(name for term in terms for name in term.components)
         self.width = len(self.names)
@@ -48,23 +48,23 @@ class Observer:
         self._seen: Floats = np.zeros((worlds.rows, self.width))
         self._all = np.arange(worlds.worlds)
         self._first: Ints = np.full(len(DEFAULT_TERMS), -1)  # first component of each compiled term, -1: not chosen
-        self._own: list[tuple[Term, Floats]] = []  # terms of the user's own, and where they write their components
+        self._own: list[tuple[Term, slice]] = []  # terms of the user's own, and their components
         for term, first, last in zip(terms, accumulate(sizes, initial=0), accumulate(sizes), strict=False):
             if isinstance(term, CompiledTerm):
                 self._first[DEFAULT_TERMS.index(term.name)] = first
             else:
-                self._own.append((term, self._seen.T[first:last]))
+                self._own.append((term, slice(first, last)))
 
     def observe(self, observations: Observations, chosen: Ints | None = None) -> None:
         """Write what is now into `observations` (R, F), for all worlds or for the `chosen` (C,)."""
         worlds, around = self._all if chosen is None else chosen, self._around
         around.record.ticks[:] = self._worlds.ticks
-        for line, held in self._held:
-            line[:] = held
+        for number, held in enumerate(self._held):
+            around.record.held[number] = held
         rows = self._rows[: search(around.words, worlds, self._rows)]
         self._seen.fill(0.0)
-        for term, out in self._own:
-            term.write(rows, out)
+        for term, components in self._own:
+            term.write(rows, self._seen.T[components])
         see(around.words, worlds, self._first, self._seen, self._weights, observations)
 
 

@@ -40,15 +40,15 @@ def scratch_for(model: PackedModel) -> Packed[Scratch]:
     effects, wishes = len(model.effect_owner), len(model.wish_owner)
     return SCRATCH.pack(
         Scratch(
-            leaf_satisfaction=np.empty(leaves),
-            leaf_wish=np.empty(leaves),
-            node_satisfaction=np.empty(nodes),
-            operational=np.empty(behaviours, dtype=np.int64),
-            live_effect=np.empty(effects, dtype=np.int64),
-            live_wish=np.empty(wishes, dtype=np.int64),
-            counts=np.empty((COUNTS, sensors), dtype=np.int64),
-            goal_share=np.empty(goals),
-            order=np.empty(behaviours, dtype=np.int64),
-            counted=np.empty(behaviours, dtype=np.int64),
+            leaf_satisfaction=np.zeros(leaves),
+            leaf_wish=np.zeros(leaves),
+            node_satisfaction=np.zeros(nodes),
+            operational=np.zeros(behaviours, dtype=np.int64),
+            live_effect=np.zeros(effects, dtype=np.int64),
+            live_wish=np.zeros(wishes, dtype=np.int64),
+            counts=np.zeros((COUNTS, sensors), dtype=np.int64),
+            goal_share=np.zeros(goals),
+            order=np.zeros(behaviours, dtype=np.int64),
+            counted=np.zeros(behaviours, dtype=np.int64),
         )
     )

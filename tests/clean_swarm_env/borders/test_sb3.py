@@ -1,5 +1,9 @@
 """The border to Stable-Baselines3: rows beside the batch, ends of episodes, wrappers, seeds, attributes, learning."""
 
+import copy
+import pickle
+
+import cloudpickle
 import numpy as np
 import pytest
 
@@ -192,3 +196,25 @@ def test_ppo_learns_on_a_mix_of_missions_and_families():
     model.learn(40 * envs.num_envs)
     assert len(model.ep_info_buffer) > 0
     assert all(np.isfinite(tensor.numpy()).all() for tensor in model.policy.state_dict().values())
+
+
+@pytest.mark.parametrize("way", [copy.deepcopy, lambda envs: pickle.loads(cloudpickle.dumps(envs))])
+def test_a_vecenv_is_copied_and_goes_back(way):
+    """Over the end of missions: returns and lengths of episodes are copied and kept in states, too."""
+
+    def play(envs):
+        steps = [envs.step(np.full(envs.num_envs, k % 2)) for k in range(35)]
+        ends = [info["episode"] | {"t": 0} for *_, infos in steps for info in infos if "episode" in info]
+        return [(seen.tolist(), rewards.tolist(), dones.tolist()) for seen, rewards, dones, _ in steps], ends
+
+    envs = RobotVecEnv(2, mission=SHORT)
+    envs.seed(3)
+    envs.reset()
+    for _ in range(10):
+        envs.step(np.zeros(10, np.int64))
+    twin, state = way(envs), envs.get_state()
+    course = play(envs)
+    assert len(course[1]) >= 10
+    assert play(twin) == course
+    envs.set_state(state)
+    assert play(envs) == course

@@ -1,5 +1,9 @@
 """What holds for every registered strategy, whoever wrote it."""
 
+import copy
+import gc
+import pickle
+
 import numpy as np
 import pytest
 
@@ -152,8 +156,8 @@ def test_inputs_are_left_alone_and_not_kept(fresh):
     before = [array.copy() for array in (context, options, reward, allowed)]
     strategy.select(context, allowed)
     strategy.update(options, reward, context)
-    for array, copy in zip((context, options, reward, allowed), before, strict=True):
-        np.testing.assert_array_equal(array, copy)
+    for array, kept in zip((context, options, reward, allowed), before, strict=True):
+        np.testing.assert_array_equal(array, kept)
         assert array.flags.writeable
     state = strategy.state_dict()
     for array in (context, options, reward, allowed):
@@ -299,3 +303,15 @@ def test_what_does_not_fit_is_refused(fresh, use, message):
     with pytest.raises(ValueError, match=message):
         use(strategy)
     same(before, strategy.state_dict())
+
+
+@pytest.mark.parametrize("way", [copy.deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])
+def test_a_copy_learns_on_by_itself_and_decides_as_the_original(fresh, way):
+    strategy = fresh()
+    live(strategy, contexts(4))
+    twin, orphan = way(strategy), way(strategy)
+    course = live(twin, contexts(12))
+    np.testing.assert_array_equal(live(strategy, contexts(12)), course)
+    del strategy, twin
+    gc.collect()
+    np.testing.assert_array_equal(live(orphan, contexts(12)), course)
