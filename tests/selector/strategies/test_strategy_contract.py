@@ -1,8 +1,8 @@
 """What holds for every registered strategy, whoever wrote it."""
 
-import copy
 import gc
 import pickle
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -305,7 +305,7 @@ def test_what_does_not_fit_is_refused(fresh, use, message):
     same(before, strategy.state_dict())
 
 
-@pytest.mark.parametrize("way", [copy.deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])
+@pytest.mark.parametrize("way", [deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])
 def test_a_copy_learns_on_by_itself_and_decides_as_the_original(fresh, way):
     strategy = fresh()
     live(strategy, contexts(4))
