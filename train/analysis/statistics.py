@@ -81,6 +81,17 @@ def summarise(values: Floats) -> Summary:
     return Summary(mean, float(np.median(values)), float(values.std()), ci95)
 
 
+def half_width(count: float, variance: float) -> float | None:
+    """Return half the width of the 95 % interval of a mean by Student; None for less than two numbers.
+
+    Args:
+        count: of the numbers.
+        variance: their mean squared deviation from their mean.
+
+    """
+    return float(scipy.stats.t.ppf(0.975, count - 1) * np.sqrt(variance / (count - 1))) if count > 1 else None
+
+
 def ratio_of_means(a: Floats, b: Floats) -> Ratio:
     """Return mean(a) / mean(b) for paired `a` and `b` (K,) with its bootstrap interval over the pairs."""
     if b.mean() == 0.0:

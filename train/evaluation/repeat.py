@@ -1,5 +1,6 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
+import json
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,7 +14,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import one_line
 from selforg.registry import unknown
 from train.running.provenance import fingerprints, versions
-from train.running.run_folder import MANIFEST, read_manifest
+from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
 
 LISTED = 8
@@ -35,9 +36,10 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     directories = tuple(Path(name) for name in identity.get("directories", []))
     _check_same_files(identity.get("files"), directories, path)
     try:
-        experiment = ExperimentConfig.model_validate(identity.get("configuration"))
+        given = ExperimentConfig.model_validate(identity.get("configuration"))
     except ValidationError as error:
         raise ConfigurationError(one_line(error, f"{path}: identity.configuration", ExperimentConfig)) from error
+    experiment = given.model_copy(update={"mission": given.mission.beginning_with(manifest.get(LEARNED_BEFORE, {}))})
     seed = identity.get("seed")
     if not isinstance(seed, int):
         raise ConfigurationError(f"{path}: identity.seed: expected a whole number, got {seed!r}")
@@ -45,7 +47,16 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     names = [task.condition for task in tasks]
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
-    return tasks[0 if condition is None else names.index(condition)]
+    task = tasks[0 if condition is None else names.index(condition)]
+    options = _chosen(directory).get((task.scenario, task.condition))
+    return task.serving(options) if options else task
+
+
+def _chosen(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
+    """Return the options that served each mission of an evaluation that learned: goal -> option by run."""
+    path = directory / CHOSEN_OPTIONS
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return {(one["scenario"], one["condition"]): one["options"] for one in map(json.loads, lines)}
 
 
 def changed_versions(directory: Path) -> list[str]:

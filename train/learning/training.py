@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from clean_swarm_env.config.mission import MissionConfig
+from selector.knowledge import Knowledge, load_knowledge
+from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.validation import CheckpointHistory, measured
@@ -40,6 +43,13 @@ class TrainingJob:
     """Called repeatedly with the number of decisions made."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    memory: Memory | None = None
+    """The knowledge store, which gets the rewards if the training learns for it."""
+
+
+def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Knowledge:
+    """Return what experts say of the options of a mission; what missions taught is on another scale than rewards."""
+    return replace(load_knowledge(mission.knowledge, directories), learned={})
 
 
 class Training(ABC):

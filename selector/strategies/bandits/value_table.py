@@ -31,15 +31,13 @@ class ValueTable(DecisionStrategy):
     spreads: Floats  # (G, O) sum of squared deviations from the mean
 
     def _first_state(self) -> Arrays:
-        shape = (self.groups, self.options)
-        return {"counts": np.zeros(shape), "means": np.zeros(shape), "spreads": np.zeros(shape)}
+        count, mean, variance = self.problem.rewards
+        known = {"counts": count, "means": mean, "spreads": count * variance}
+        return {name: np.tile(values, (self.groups, 1)) for name, values in known.items()}
 
     def estimates(self) -> Floats:
         """Return the estimated reward (G, O) of each option: the mean of its rewards and of the expert's score."""
         return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
-
-    def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
-        merge_rewards(self.counts, self.means, self.spreads, count, mean, count * variance)
 
     def _update(self, outcomes: Outcomes) -> None:
         place, shape = (outcomes.groups, outcomes.option), self.counts.shape
