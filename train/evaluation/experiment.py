@@ -96,11 +96,14 @@ class ExperimentEvaluation(Evaluation):
             changes = {"starts": tuple(random_start(chosen.mission, request.seed, index) for index in range(count))}
         self.experiment = chosen.model_copy(update=changes)
         check_mission(self.experiment, directories, request.experiment)
-        self.mission, self.scenarios = self.experiment.mission, [start.id for start in self.experiment.starts]
-        store = replace(request.store, url=request.store.url or self.mission.store or None)
-        own = self.mission.model_copy(update={"store": ""})
-        context, source = mission_context(own.name), f"experiment {chosen.name}, seed {request.seed}, {starts}"
-        self.memory = store.memory(knowledge_of(own, directories), context, source)
+        store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
+        self.mission = self.experiment.mission.model_copy(update={"store": ""})
+        self.scenarios = [start.id for start in self.experiment.starts]
+        context, source = (
+            mission_context(chosen.mission.name),
+            f"experiment {chosen.name}, seed {request.seed}, {starts}",
+        )
+        self.memory = store.memory(knowledge_of(self.mission, directories), context, source)
         self.total = len(self.experiment.conditions) * len(self.scenarios)
         self.manifest = {
             "identity": {

@@ -20,6 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.store.exact_sums import REWARD_LIMIT
 from selector.strategies.strategy import DecisionStrategy
 from train.knowledge_store import Memory
@@ -52,7 +53,7 @@ class Evaluation(ABC):
         total: number of runs.
         growing: name of a mapping in the identity to which entries can be added later; empty: none.
         memory: the knowledge store of this evaluation, if any.
-        mission: the mission, which `begin_with` changes.
+        mission: the mission; before the runs begin it gets what was learned of its options.
         scenarios: names of the scenarios, in the order in which missions learn.
         directories: the user's own directories of configurations.
         scored: condition -> goal -> option, where runs of fixed options are scored for the store.
@@ -64,15 +65,11 @@ class Evaluation(ABC):
     words: list[str]
     total: int
     growing = ""
-    memory: Memory | None
+    memory: Memory | None = None
     mission: MissionConfig
     scenarios: list[str]
     directories: tuple[Path, ...]
     scored: Mapping[str, Mapping[str, str]]
-
-    def begin_with(self, learned: Mapping[str, Any]) -> None:
-        """Let all missions begin with what was learned of options, as the manifest holds it."""
-        self.mission = self.mission.beginning_with(learned)
 
     @abstractmethod
     def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
@@ -103,6 +100,8 @@ class Execution:
     """Whether to do only the runs that are missing in the directory."""
     console: Console
     """Shows the tables; the standard error shows the progress."""
+    record: RecordSettings | None = None
+    """How the runs are recorded, in a directory below that of the results; they are not unless given."""
 
 
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:
@@ -112,10 +111,11 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     if memory is not None and not execution.resume:
         memory.check_new()
     folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
-    evaluation.begin_with(folder.learned)
+    if folder.learned:
+        evaluation.mission = evaluation.mission.beginning_with(folder.learned)
     results = Results(folder)
     try:
-        _run_missing(evaluation, results, execution.workers)
+        _run_missing(evaluation, results, execution)
     except (KeyboardInterrupt, BrokenProcessPool) as end:
         results.close()
         broken = isinstance(end, BrokenProcessPool)
@@ -138,14 +138,18 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     return FINISHED
 
 
-def _run_missing(evaluation: Evaluation, results: Results, workers: int) -> None:
+def _run_missing(evaluation: Evaluation, results: Results, execution: Execution) -> None:
     tasks = evaluation.tasks({record.key for record in results.records})
     if tasks and not compiled_before():
         compile_first(tasks[0])
+    settings = execution.record
+    if settings is not None:
+        settings = replace(settings, directory=results.folder.path / settings.directory)
+        tasks = [task.recorded(settings) for task in tasks]
     done = evaluation.total - sum(task.runs for task in tasks)
     memory = evaluation.memory
     in_turn = memory if memory is not None and memory.learns and not evaluation.scored else None
-    runs = each_done(tasks, workers) if in_turn is None else _lessons(evaluation, in_turn, results)
+    runs = each_done(tasks, execution.workers) if in_turn is None else _lessons(evaluation, in_turn, results, settings)
     with _progress(evaluation.total, done) as advance, closing(runs) as each:
         for records in each:
             for record in records:
@@ -153,7 +157,9 @@ def _run_missing(evaluation: Evaluation, results: Results, workers: int) -> None
                 advance()
 
 
-def _lessons(evaluation: Evaluation, memory: Memory, results: Results) -> Generator[list[RunRecord], None, None]:
+def _lessons(
+    evaluation: Evaluation, memory: Memory, results: Results, settings: RecordSettings | None
+) -> Generator[list[RunRecord], None, None]:
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 
     The store gets the score of a run once the run is on the disk. A kill in between loses the score; none counts twice.
@@ -164,8 +170,8 @@ def _lessons(evaluation: Evaluation, memory: Memory, results: Results) -> Genera
         for condition, strategies in choosers.items():
             chosen = {goal: strategy.select(NO_CONTEXT) for goal, strategy in strategies.items()}
             options = {goal: strategies[goal].problem.options[number[0]] for goal, number in chosen.items()}
-            record = done.get((scenario, condition))
-            found = [record] if record else evaluation.task_with(scenario, condition, options).run()
+            record, task = done.get((scenario, condition)), evaluation.task_with(scenario, condition, options)
+            found = [record] if record else (task.recorded(settings) if settings else task).run()
             score = mission_score(evaluation.mission, found[0].result.cost_s)
             choice = {"scenario": scenario, "condition": condition, "options": options, "score": score}
             choices += json.dumps(choice) + "\n"

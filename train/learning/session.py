@@ -6,7 +6,7 @@ import json
 import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,14 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
-from train.running.run_folder import LEARNED_BEFORE, RunFolder
+from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 from train.running.warm_up import announce, compiled_before
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
@@ -44,6 +45,8 @@ class TrainingRequest:
     """The knowledge store."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    record: bool = False
+    """Whether the missions of validations are recorded."""
 
     @property
     def directory(self) -> Path:
@@ -79,11 +82,13 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     memory = _memory(request, config)
     known = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
     folder = RunFolder(request.directory, {"identity": identity, **known}, resume=request.resume)
+    record = RecordSettings(Path(RECORDINGS)) if request.record else None
+    job = TrainingJob(config, request.seed, folder, directories=request.directories, record=record, memory=memory)
     if not compiled_before():
         announce()
     try:
         with _progress(config) as on_progress:
-            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories, memory))
+            training = made(replace(job, on_progress=on_progress))
             on_progress(training.decisions)
             while not training.finished:
                 training.advance()

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.knowledge import Knowledge, load_knowledge
 from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
@@ -39,10 +40,13 @@ class TrainingJob:
     """Seed of everything random."""
     folder: RunFolder
     """Directory of the training, which continues from the checkpoint there."""
-    on_progress: Callable[[int], None]
+    on_progress: Callable[[int], None] = lambda _: None
     """Called repeatedly with the number of decisions made."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    record: RecordSettings | None = None
+    """How the missions of validations are recorded, in a directory below that of the training; they are not unless
+    given."""
     memory: Memory | None = None
     """The knowledge store, which gets the rewards if the training learns for it."""
 
@@ -129,4 +133,11 @@ class Training(ABC):
     def _measured(self) -> dict[str, float]:
         if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
             return {}
-        return measured(self.curriculum.validation, self._pilot_maker(), self.trials)
+        return measured(self.curriculum.validation, self._pilot_maker(), replace(self.trials, record=self._recording()))
+
+    def _recording(self) -> RecordSettings | None:
+        record, name = self.job.record, f"checkpoint-{self.checkpoint}"
+        if record is None:
+            return None
+        directory = self.job.folder.path / record.directory / name
+        return replace(record, directory=directory, about={"experiment": self.config.name, "condition": name})

@@ -13,9 +13,10 @@ from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import write_whole
 
 MANIFEST = "manifest.json"
+RECORDINGS = "recordings"
+"""Directory of the recordings below a run folder."""
 LEARNED_BEFORE = "learned"
 """Key of the manifest for what was known at the beginning."""
-
 CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
 
