@@ -19,6 +19,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MultipleLocator
 
 from selector.documents.reading import read_value
 from selector.knowledge import Knowledge, knowledge_from
@@ -26,6 +27,7 @@ from selector.knowledge import Knowledge, knowledge_from
 PAGE = Path(__file__).parents[1] / "scores.md"
 FILE, GOAL = Path(__file__).parents[1] / "pictures" / "scores.png", "AvoidCollision"
 MISSIONS, JOINS = 30, 15  # missions of the first process, and after which of them the second one begins
+COSTS = [60, 100, 200, 400, 600]  # [s] marked on the axis
 COLOURS = ("#c44e52", "#4c72b0", "#55a868")
 LEARN = "evaluate --family rooms --configs my --store s.sqlite --learn --strategy UCB1:exploration=0.05,prior=0"
 ALONE = "evaluate --family rooms --configs my --strategy fixed --output alone --scenarios"
@@ -85,6 +87,8 @@ def draw_costs(axes: Axes, known: Knowledge, first: list[tuple[str, float, float
         axes.axhline(alone[name], color=colour, lw=1.0, ls="--")
         axes.annotate(f"{alone[name]:.0f} s", (0.2, alone[name]), (0, 2), textcoords="offset points", fontsize=8)
     axes.set_yscale("log")
+    axes.set_yticks(COSTS, COSTS)
+    axes.minorticks_off()
     axes.set_xlabel("mission")
 
 
@@ -118,11 +122,12 @@ def main(file: Path) -> None:
             shown.append(float(np.mean(before)) if before else option.score)
         joined.step(range(len(shown)), shown, where="post", color=colour, lw=1.8)
     learned.set_title("one process learns from wrong scores", fontsize=10)
-    joined.set_title(f"a second one begins when {JOINS} missions are known", fontsize=10)
+    joined.set_title(f"a second one joins after {JOINS} missions", fontsize=10)
     learned.axvline(JOINS, color="0.7", lw=1.0, ls=":")
     for axes in (learned, joined, costs, later):
         axes.grid(alpha=0.25)
         axes.set_xlim(left=0)
+        axes.xaxis.set_major_locator(MultipleLocator(5))
     figure.savefig(file, dpi=110, metadata={"Software": "clean-swarm"})
     for label, some in (("first", first), ("second", second)):
         print(label, {name: [one[0] for one in some].count(name) for name in names}, end="; ")

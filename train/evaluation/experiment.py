@@ -22,8 +22,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
-from train.analysis.reference import Measured
-from train.analysis.report import report_of, summary_json
+from train.analysis.report import Measured, report_of, summary_json
 from train.evaluation.pipeline import Choosers, Evaluation
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
@@ -112,6 +111,7 @@ class ExperimentEvaluation(Evaluation):
                 "configuration": self.experiment.model_dump(mode="json"),
                 "files": fingerprints(directories),
                 "directories": [str(directory) for directory in directories],
+                **({"learns": True} if self.learns_in_turn else {}),
             },
             "starts_from": self.starts_from,
             "versions": versions(),

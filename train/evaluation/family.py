@@ -70,7 +70,7 @@ class FamilyRequest:
             words += [word for text in self.strategies for word in ("--strategy", text)]
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--knowledge", self.knowledge] if self.knowledge is not None else []
-        words += ["--goal", self.goal] if self.goal is not None else []
+        words += ["--goal", self.goal] if self.goal is not None and not self.scoring else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
 
 
@@ -168,7 +168,8 @@ class FamilyEvaluation(Evaluation):
     growing = "strategies"
 
     def __init__(self, request: FamilyRequest) -> None:
-        self._request, self.words, self.directories = request, request.words, request.directories
+        self._request, self.words = request, request.words
+        self.directories = tuple(path.resolve() for path in request.directories)
         self.family = _family(request)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
@@ -184,8 +185,9 @@ class FamilyEvaluation(Evaluation):
         store = replace(request.store, url=request.store.url or self.family.mission.store or None)
         if store.learn and not self.scored:
             self.choosers()  # a strategy that cannot choose for a whole mission is an error
-        context, source = mission_context(self.family.name), f"family {self.family.name}, seed {request.seed}"
-        self.memory = store.memory(knowledge_of(self.mission, request.directories), context, source)
+        source = f"family {self.family.name}, {self.goal}, seed {request.seed}"
+        known = knowledge_of(self.mission, request.directories)
+        self.memory = store.memory(known, mission_context(self.family.name), source)
         self.manifest = {
             "identity": {
                 "family": self.family.model_dump(mode="json"),
@@ -195,9 +197,10 @@ class FamilyEvaluation(Evaluation):
                     entrant.label: [identified(member, request.directories) for member in entrant.members]
                     for entrant in self.entrants
                 },
-                "files": fingerprints(request.directories),
+                "files": fingerprints(self.directories),
+                **({"learns": True} if self.learns_in_turn else {}),
             },
-            "directories": [str(path.resolve()) for path in request.directories],
+            "directories": [str(path) for path in self.directories],
             "versions": versions(),
             **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
         }

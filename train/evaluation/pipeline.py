@@ -12,6 +12,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,12 @@ class Evaluation(ABC):
     mission: MissionConfig
     scenarios: list[str]
     directories: tuple[Path, ...]
-    scored: Mapping[str, Mapping[str, str]]
+    scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+
+    @property
+    def learns_in_turn(self) -> bool:
+        """Whether missions run one after the other, each with options chosen by what those before have brought."""
+        return self.memory is not None and self.memory.learns and not self.scored
 
     @abstractmethod
     def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
@@ -147,9 +153,8 @@ def _run_missing(evaluation: Evaluation, results: Results, execution: Execution)
         settings = replace(settings, directory=results.folder.path / settings.directory)
         tasks = [task.recorded(settings) for task in tasks]
     done = evaluation.total - sum(task.runs for task in tasks)
-    memory = evaluation.memory
-    in_turn = memory if memory is not None and memory.learns and not evaluation.scored else None
-    runs = each_done(tasks, execution.workers) if in_turn is None else _lessons(evaluation, in_turn, results, settings)
+    in_turn = evaluation.learns_in_turn
+    runs = _lessons(evaluation, results, settings) if in_turn else each_done(tasks, execution.workers)
     with _progress(evaluation.total, done) as advance, closing(runs) as each:
         for records in each:
             for record in records:
@@ -158,13 +163,14 @@ def _run_missing(evaluation: Evaluation, results: Results, execution: Execution)
 
 
 def _lessons(
-    evaluation: Evaluation, memory: Memory, results: Results, settings: RecordSettings | None
+    evaluation: Evaluation, results: Results, settings: RecordSettings | None
 ) -> Generator[list[RunRecord], None, None]:
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 
     The store gets the score of a run once the run is on the disk. A kill in between loses the score; none counts twice.
     """
-    done = {record.key: record for record in results.records}
+    memory, done = evaluation.memory, {record.key: record for record in results.records}
+    assert memory is not None
     choosers, choices, given = evaluation.choosers(), "", set()
     for scenario in evaluation.scenarios:
         for condition, strategies in choosers.items():

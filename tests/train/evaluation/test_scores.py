@@ -168,7 +168,9 @@ def test_the_same_missions_are_not_learned_again(run, tmp_path):
     before = held()
     code, _, err = run("evaluate", "--family", "rooms", "--store", "s.sqlite", "--learn", *UCB, "--scenarios", 1)
     assert code == 2
-    assert err.startswith("error: s.sqlite: holds what 'family rooms, seed 0' learned already; take another --seed")
+    assert err.startswith(
+        "error: s.sqlite: holds what 'family rooms, AvoidCollision, seed 0' learned already; take another --seed"
+    )
     learn(run, "--scenarios", 1, "--seed", 1, "--output", "b", strategy=(*UCB, "--strategy", "fixed"))
     after = held()  # the bandit's mission is one of those of the fixed options
     assert sum(count for count, _ in after.values()) == sum(count for count, _ in before.values()) + 3
@@ -258,10 +260,44 @@ def test_scores_of_a_family_are_determined_with_counts_and_spreads(run, tmp_path
     assert "known now in the context 'mission rooms'" in out
     code, _, err = run(*words, "--output", "again")
     assert code == 2
-    assert "holds what 'family rooms, seed 0' learned already" in err
+    assert "holds what 'family rooms, AvoidCollision, seed 0' learned already" in err
     before = held()
     assert run(*words, "--output", "r", "--resume")[0] == 0
     assert held() == before
+
+
+def test_every_goal_of_a_family_is_scored(run, tmp_path):
+    two = ROOMS | {"name": "two", "mission": {"base": "cleaning-patrol", "time_limit": 5.0}}
+    (tmp_path / "my/families/two.yaml").write_text(yaml.safe_dump(two))
+    words = ("score", "two", "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)
+    code, _, err = run(*words)
+    assert code == 0, err
+    store = KnowledgeStore("s.sqlite", create=False)
+    learned = store.contents().learned
+    known = store.knowledge()
+    store.close()
+    assert len(known.goals) == 2
+    assert {(key.goal, key.option) for key in learned} == {
+        (goal, option.name) for goal in known.goals for option in known.options(goal)
+    }
+    assert {entry.moments.count for entry in learned.values()} == {1}
+
+
+def test_results_that_learned_go_on_learning_or_not_at_all(run, tmp_path):
+    learn(run, "--scenarios", 1, "--output", "learned")
+    code, _, err = run("evaluate", "--family", "rooms", *UCB, "--scenarios", 2, "--output", "learned", "--resume")
+    assert code == 2
+    assert "holds other results: learns: expected None, got True" in err
+
+
+def test_missions_that_learn_are_recorded_and_explained_with_the_option_chosen(run, tmp_path):
+    learn(run, "--scenarios", 2, "--output", "r", "--record")
+    assert len(list((tmp_path / "r" / "recordings").iterdir())) >= 2
+    for scenario, option in (("test-1", FAR), ("test-2", GRADIENT)):
+        words = ("--robot", 0, "--time", 1, "--scenario", scenario, "--json")
+        code, out, err = run("explain", "r", *words, configs=False)
+        assert code == 0, err
+        assert json.loads(out)["options"] == {"AvoidCollision": option}
 
 
 def test_scores_of_an_experiment_are_those_of_all_its_options(run, fake):
