@@ -16,7 +16,6 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import link, take_slot
 from selforg.gradients.store.records import Store, open_store
-from selforg.grid import whole
 
 
 class TeamState(NamedTuple):
@@ -102,13 +101,13 @@ def list_slots(layers: Ints, slots: Ints, sweeps: Ints, store: Words[Store]) -> 
     s = open_store(store)
     count = 0
     for index in range(layers.shape[0]):
-        first, slot = count, whole(s.layers[layers[index], c.LAYER_HEAD])
+        first, slot = count, int(s.layers[layers[index], c.LAYER_HEAD])
         while slot >= 0:
             if slot == s.layers[layers[index], c.LAYER_SWEEP]:
                 sweeps[index] = count - first
             slots[count] = slot
             count += 1
-            slot = whole(s.marks[slot, c.MARK_AFTER])
+            slot = int(s.marks[slot, c.MARK_AFTER])
 
 
 @lean_kernel
