@@ -29,8 +29,10 @@ def evaluate_command(
     strategy: Annotated[
         list[str] | None,
         typer.Option(
-            help="With --family: fixed (every option), rule, policy:NAME, learned:NAME, STRATEGY or "
-            "STRATEGY:parameter=value; + joins what several training seeds gave, LABEL=... names it; can be repeated.",
+            help="With --family: fixed (every option; the default), rule, policy:NAME, policy:FILE (a directory, .zip "
+            "of Stable-Baselines3, .pt of TorchScript or .onnx), learned:NAME, learned:FILE, STRATEGY, "
+            "STRATEGY:parameter=value or module:Class of your own; + joins what several training seeds gave, LABEL=... "
+            "names it; can be repeated.",
         ),
     ] = None,
     knowledge: Annotated[

@@ -16,13 +16,14 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from clean_swarm_env.world.warm_up import compiled_before
 from train.reports.write_report import Publication, publish
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
 from train.running.processes import each_done
 from train.running.run_folder import RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord, Task
-from train.running.warm_up import compile_first, compiled_before
+from train.running.warm_up import compile_first
 
 
 class Evaluation(ABC):

@@ -14,13 +14,13 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from clean_swarm_env.world.warm_up import announce, compiled_before
 from selector.documents.errors import DocumentError
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
 from train.running.run_folder import RunFolder
-from train.running.warm_up import announce, compiled_before
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
 """Packages that a learner needs besides those of all runs."""
