@@ -153,6 +153,10 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         working = self._batch.worlds.team.working.tolist()
         return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
 
+    def close(self) -> None:
+        """End the recording of a mission that is still going on."""
+        self._batch.close()
+
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or show it in a window; None without a render mode."""
         if self.render_mode is None:

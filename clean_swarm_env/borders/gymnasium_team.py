@@ -74,6 +74,10 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         masks: NDArray[np.bool_] = self._envs.masks()[0]
         return masks
 
+    def close(self) -> None:
+        """End the recording of a mission that is still going on."""
+        self.batch.close()
+
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or None without a render mode."""
         pictures = self._envs.render()

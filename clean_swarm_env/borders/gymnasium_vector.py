@@ -115,6 +115,10 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             infos,
         )
 
+    def close_extras(self, **_: object) -> None:
+        """End the recordings of missions that are still going on."""
+        self.batch.close()
+
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Return a picture (height, width, 3) for each environment, or None without a render mode."""
         if self.render_mode is None:

@@ -126,7 +126,9 @@ class RobotVecEnv(VecEnv):
         return self._joined.masks()
 
     def close(self) -> None:
-        """Do nothing: there is nothing to close."""
+        """End the recordings of missions that are still going on."""
+        for batch in self.batches:
+            batch.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Return an attribute of the rows; AttributeError if the rows do not have it."""

@@ -6,7 +6,7 @@ w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Unpack
 
@@ -23,6 +23,7 @@ from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
+from clean_swarm_env.recording.recorder import Recorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
@@ -85,6 +86,10 @@ class BatchSettings(EpisodeSettings, total=False):
     begin_anew: bool
     """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
     the world stays as it is until `reset`, and counts no more."""
+    record: RecordSettings | None
+    """Where every mission is recorded; none is unless given."""
+    explained: bool
+    """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
 
 
 class Batch:
@@ -105,6 +110,7 @@ class Batch:
         options: coordinated goal -> names of its options.
         observer: has the names of the components of an observation.
         choices: the options as actions.
+        recorder: records the missions; None unless asked for.
         progress: what happened in the last period.
         observations: (R, F) float32, the last ones, always the same array.
         doing: (W,) present or last scenario of each world; None where a source has given none yet.
@@ -140,7 +146,10 @@ class Batch:
         self.begin_anew = settings.get("begin_anew", True)
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
-        self.worlds = Worlds(self.mission, models, worlds, directories=directories)
+        record, explained = settings.get("record"), settings.get("explained", False)
+        explained = explained or (record is not None and record.minds)
+        self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)
+        self.recorder = Recorder(self.worlds, record) if record is not None else None
         self.rows, self.robots = self.worlds.rows, self.worlds.robots
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(self.worlds, self.action)
@@ -220,6 +229,8 @@ class Batch:
         rows = self.worlds.rows_of(world)
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)
+        if self.recorder is not None:
+            self.recorder.begin(world, {"scenario": scenario.id, "seed": scenario.seed})
 
     def masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
@@ -237,6 +248,17 @@ class Batch:
 
         `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
         """
+        for _ in self.ticks(actions):
+            pass
+        return self.end_period()
+
+    def close(self) -> None:
+        """End the recordings of missions that are still going on."""
+        if self.recorder is not None:
+            self.recorder.close()
+
+    def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
+        """Run one decision period as `step` does, and yield the worlds after each control period."""
         if not self._begun:
             raise RuntimeError("step: call reset first")
         if self._steering is None:
@@ -248,10 +270,19 @@ class Batch:
         progress = self.progress
         progress.begin_period()
         for _ in range(self._ticks_per_step):
-            if progress.note(self.worlds.tick()):
+            entered = self.worlds.tick()
+            if self.recorder is not None:
+                self.recorder.take()
+            ended = progress.note(entered)
+            if ended:
                 self._keep_ends()
-                if progress.outcome.all():  # no world runs
-                    break
+            yield self.worlds
+            if ended and progress.outcome.all():  # no world runs
+                break
+
+    def end_period(self) -> BatchStep:
+        """Begin the next missions, and return what the period gave."""
+        progress = self.progress
         if self._own_rewards is None:
             self.rewards.of(progress, self._gained)
         else:

@@ -8,6 +8,7 @@ import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import Configs, check_least, wide_console
+from train.running.run_folder import RECORDINGS
 
 
 def evaluate_command(
@@ -43,9 +44,12 @@ def evaluate_command(
         typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
     ] = None,
     configs: Configs = None,
+    record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
+    minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     check_least({"--scenarios": (scenarios, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
+    from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
@@ -61,7 +65,8 @@ def evaluate_command(
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
         evaluation = FamilyEvaluation(FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories))
-    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console())
+    recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
+    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 

@@ -18,10 +18,17 @@ Output = Annotated[Path | None, typer.Option(help="Directory of the training; on
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the directory.")]
 
+Record = Annotated[bool, typer.Option("--record", help="Record the missions of validations, for `clean-swarm replay`.")]
+
 
 @app.command()
 def ppo(
-    config: Config = None, output: Output = None, seed: Seed = 0, resume: Resume = False, configs: Configs = None
+    config: Config = None,
+    output: Output = None,
+    seed: Seed = 0,
+    resume: Resume = False,
+    configs: Configs = None,
+    record: Record = False,
 ) -> None:
     """Train a policy by PPO and export it."""
     check_least({"--seed": (seed, 0)})
@@ -30,7 +37,7 @@ def ppo(
     check_installed("ppo")
     from train.learning.ppo import PpoTraining  # imports torch
 
-    request = TrainingRequest("ppo", config or "general", seed, output, resume, directories=tuple(configs or ()))
+    request = TrainingRequest("ppo", config or "general", seed, output, resume, None, tuple(configs or ()), record)
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
@@ -45,6 +52,7 @@ def bandit(
         str | None, typer.Option(help="URL or file of a knowledge store that gets the learned scores.", metavar="URL")
     ] = None,
     configs: Configs = None,
+    record: Record = False,
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
     check_least({"--seed": (seed, 0)})
@@ -57,7 +65,7 @@ def bandit(
         return BanditTraining(job, opened(store, create=True) if store is not None else None)
 
     directories = tuple(configs or ())
-    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories)
+    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories, record)
     with _one_line():
         raise typer.Exit(run_training(request, made, Console(highlight=False)))
 

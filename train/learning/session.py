@@ -14,13 +14,14 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.warm_up import announce, compiled_before
 from selector.documents.errors import DocumentError
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
-from train.running.run_folder import RunFolder
+from train.running.run_folder import RECORDINGS, RunFolder
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
 """Packages that a learner needs besides those of all runs."""
@@ -42,6 +43,8 @@ class TrainingRequest:
     """URL of a knowledge store that learned scores go to; none unless given."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    record: bool = False
+    """Whether the missions of validations are recorded."""
 
     @property
     def directory(self) -> Path:
@@ -75,11 +78,12 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         "directories": [str(path.resolve()) for path in request.directories],
     }
     folder = RunFolder(request.directory, {"identity": identity}, resume=request.resume)
+    record = RecordSettings(Path(RECORDINGS)) if request.record else None
     if not compiled_before():
         announce()
     try:
         with _progress(config) as on_progress:
-            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories))
+            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories, record))
             on_progress(training.decisions)
             while not training.finished:
                 training.advance()

@@ -10,6 +10,7 @@ import io
 import json
 import os
 import re
+from pathlib import Path
 
 from pydantic import ValidationError
 
@@ -31,7 +32,7 @@ class Results:
 
     def __init__(self, folder: RunFolder) -> None:
         self.folder = folder
-        self.records = self._read()
+        self.records = runs_of(folder.path / JOURNAL)
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
@@ -48,25 +49,25 @@ class Results:
         self.records.sort(key=lambda record: (natural_order(record.scenario), record.condition))
         self._rewrite()
 
-    def _read(self) -> list[RunRecord]:
-        """Return the runs of the journal, without a last line that a crash cut off."""
-        path = self.folder.path / JOURNAL
-        if not path.exists():
-            return []
-        records = {}
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(keepends=True), start=1):
-            if not line.endswith("\n"):
-                break
-            try:
-                record = RunRecord.of_mapping(json.loads(line))
-            except (ValueError, ValidationError) as error:
-                raise ConfigurationError(f"{path}: line {number}: expected a finished run") from error
-            records[record.key] = record
-        return list(records.values())
-
     def _rewrite(self) -> None:
         self.folder.write(JOURNAL, "".join(map(_line, self.records)))
         self.folder.write(RUNS, ",".join(RUN_COLUMNS) + "\n" + "".join(map(_row, self.records)))
+
+
+def runs_of(path: Path) -> list[RunRecord]:
+    """Return the runs of a journal, without a last line that a crash cut off."""
+    if not path.exists():
+        return []
+    records = {}
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(keepends=True), start=1):
+        if not line.endswith("\n"):
+            break
+        try:
+            record = RunRecord.of_mapping(json.loads(line))
+        except (ValueError, ValidationError) as error:
+            raise ConfigurationError(f"{path}: line {number}: expected a finished run") from error
+        records[record.key] = record
+    return list(records.values())
 
 
 def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:

@@ -13,6 +13,8 @@ from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import write_whole
 
 MANIFEST = "manifest.json"
+RECORDINGS = "recordings"
+"""Directory of the recordings below a run folder."""
 
 Json = dict[str, Any]
 

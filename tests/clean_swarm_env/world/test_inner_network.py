@@ -104,8 +104,8 @@ def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]
-    steps = record_run(task, tmp_path / "run.npz")
-    with np.load(tmp_path / "run.npz") as kept:
-        assert kept["network_names"].tolist() == ["Search", "Search/Pause"]
-        assert kept["Search/behaviour_names"].tolist() == ["Roam", "Pause"]
-        assert kept["Search/values"].shape[0] == steps
+    recording = record_run(task, tmp_path / "run.swarm")
+    assert recording.head["networks"]["Search"]["behaviours"] == ["Roam", "Pause"]
+    assert "Search/Pause" in recording.head["networks"]
+    assert recording["Search/values"].shape == (recording.frames, 5, 9, 2)
+    assert recording["Search/running"].any()
