@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, check_least, wide_console
+from train.cli.options import Configs, check_least, error_console, wide_console
 from train.running.run_folder import RECORDINGS
 
 
@@ -51,6 +51,7 @@ def evaluate_command(
     check_least({"--scenarios": (scenarios, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
+    from train.evaluation.entrants import unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
     from train.running.runs import usable_cpus
@@ -65,6 +66,9 @@ def evaluate_command(
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
         evaluation = FamilyEvaluation(FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories))
+        for label in unlearned(evaluation.entrants):
+            words = "has learned nothing and learns nothing in an evaluation; `clean-swarm train bandit` teaches it"
+            error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))

@@ -18,6 +18,7 @@ from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
+from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from selforg.registry import unknown
@@ -111,6 +112,17 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     if kind == LEARNED:
         load_strategy(file, strategy)
     return StrategyPilot(strategy, columns)
+
+
+def unlearned(entrants: Sequence[Entrant]) -> list[str]:
+    """Return the labels of strategies that could learn, but have learned nothing and do not in an evaluation."""
+    kinds = (POLICY, LEARNED, FIXED, RULE)
+    own = {entrant.label: named_in(entrant.members[0])[0] for entrant in entrants}
+    return [
+        label
+        for label, name in own.items()
+        if name.partition(":")[0] not in kinds and named(name)._update is not DecisionStrategy._update
+    ]
 
 
 def identified(member: str, directories: Sequence[Path] = ()) -> str:

@@ -88,6 +88,9 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
             while not training.finished:
                 training.advance()
                 _print(console, training.history.entries[-1])
+    except ValueError:  # the configuration is wrong: nothing has been learned
+        folder.discard()
+        raise
     except KeyboardInterrupt:
         errors = Console(stderr=True, highlight=False, soft_wrap=True)
         errors.print(f"interrupted; to go on:\n  {request.command(resume=True)}", markup=False)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 
 Model = Callable[[Observations], NDArray[Any]]
 """Function from observations (R, F) to options (R,), or to a number for each option (R, O)."""
@@ -58,6 +58,10 @@ class ModelPilot:
         if options.shape != observations.shape[:1] or options.max(initial=0) >= self._options:
             raise ValueError(f"options {options.tolist()}")
         return options
+
+    def opinions(self, observations: Observations) -> Floats:
+        """Return 1 for the option that the model prefers, 0 for the others (R, O)."""
+        return np.eye(self._options)[self.choose(observations)]
 
 
 def stable_baselines3(path: Path) -> Model:
