@@ -17,7 +17,7 @@ except ImportError:  # Windows: processes that start side by side each compile
 
 EVERY_MISSION = Path(tick_kernels.__file__)
 """File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
-LINE = "compiling for this machine, once: about a minute"
+COMPILING = "compiling for this machine, once: about a minute"
 QUIET = "CLEAN_SWARM_QUIET"
 """Variable of the environment that silences the line, if it is 1."""
 _checked: list[bool] = []
@@ -40,7 +40,7 @@ def compile_once(work: Callable[[], object]) -> None:
 def announce() -> None:
     """Print on the standard error that the kernels are being compiled."""
     if os.environ.get(QUIET) != "1":
-        print(LINE, file=sys.stderr, flush=True)
+        print(COMPILING, file=sys.stderr, flush=True)
 
 
 def compiled_before() -> bool:
