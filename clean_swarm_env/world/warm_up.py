@@ -18,7 +18,7 @@ except ImportError:  # Windows: processes that start side by side each compile
 EVERY_MISSION = Path(tick_kernels.__file__)
 """File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
 COMPILING = "compiling for this machine, once: about a minute"
-QUIET = "CLEAN_SWARM_QUIET"
+SILENCED = "CLEAN_SWARM_QUIET"
 """Variable of the environment that silences the line, if it is 1."""
 _checked: list[bool] = []
 """Not empty once this process has checked that the kernels are compiled, or compiles them."""
@@ -39,7 +39,7 @@ def compile_once(work: Callable[[], object]) -> None:
 
 def announce() -> None:
     """Print on the standard error that the kernels are being compiled."""
-    if os.environ.get(QUIET) != "1":
+    if os.environ.get(SILENCED) != "1":
         print(COMPILING, file=sys.stderr, flush=True)
 
 

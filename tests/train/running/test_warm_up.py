@@ -59,6 +59,12 @@ class OneRun(pipeline.Evaluation):
     def tasks(self, done):
         return [] if done else [self.task]
 
+    def choosers(self):
+        raise AssertionError("nothing is learned")
+
+    def task_with(self, scenario, condition, options):
+        raise AssertionError("nothing is learned")
+
     def publication(self, records):
         return pipeline.Publication("", [flat("", "", (), [])], "{}")
 
@@ -116,7 +122,7 @@ def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, c
     monkeypatch.setattr(warm_up, "compiled_before", lambda: False)
     for quiet, said in (("", LINE), ("1", "")):
         monkeypatch.setattr(warm_up, "_checked", [])
-        monkeypatch.setenv(warm_up.QUIET, quiet)
+        monkeypatch.setenv(warm_up.SILENCED, quiet)
         for _ in range(2):
             Batch(mission={"base": "table1", "garbage": {"count": 1}})
         assert capsys.readouterr().err == said
