@@ -39,18 +39,18 @@ MASK = "action_mask"
 def team_infos(batch: Batch) -> list[Info]:
     """Return the values of `TEAM` for each world."""
     progress, worlds = batch.progress, batch.worlds
-    times = (progress.elapsed * worlds.period).tolist()
+    period = worlds.period
     infos = [
         {
-            "time_s": time,
+            "time_s": ticks * period,
             "dumped": dumped,
             "garbage_done": done,
             "mission_collision_events": events,
             "completed": outcome == COMPLETED,
-            "duration_s": time,
+            "duration_s": ticks * period,
         }
-        for time, dumped, done, events, outcome in zip(
-            times,
+        for ticks, dumped, done, events, outcome in zip(
+            progress.elapsed.tolist(),
             progress.dumped.tolist(),
             worlds.garbage.done.tolist(),
             worlds.collisions.events[:, 0].tolist(),

@@ -16,7 +16,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import kernel
+from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.registry import unknown
 
 
@@ -83,10 +83,10 @@ class OptionActions:
             raise ValueError(f"options: expected shape {expected}, got {given.shape}")
         if given.dtype.kind not in "iu":
             raise ValueError(f"options: expected whole numbers, got {given.dtype}")
-        table = given.reshape(expected).astype(np.int64, copy=False)
-        wrong = (table < 0) | (table >= self._limits)
-        if wrong.any():
-            row, goal = (int(k) for k in np.argwhere(wrong)[0])
+        table: Ints = np.ascontiguousarray(given.reshape(expected), dtype=np.int64)
+        place = first_wrong(table, self._limits)
+        if place >= 0:
+            row, goal = divmod(place, len(self.counts))
             raise ValueError(f"options[{row}]: expected 0..{self.counts[goal] - 1}, got {table[row, goal]}")
         return table
 
@@ -110,6 +110,17 @@ class VelocityActions:
             raise ValueError(f"actions: expected finite numbers of shape {expected}, got {given.shape}")
         turn_to_world(given.astype(np.float64), self._worlds.physics.headings, self._max_speed, self._vectors)
         self._worlds.steer(self._vectors)
+
+
+@lean_kernel
+def first_wrong(options: Ints, limits: Ints) -> int:
+    """Return the place, counted row by row, of the first of `options` (R, C) outside 0..limits-1; -1 without one."""
+    for row in range(options.shape[0]):
+        for goal in range(options.shape[1]):
+            if not 0 <= options[row, goal] < limits[goal]:
+                place: int = row * options.shape[1] + goal
+                return place
+    return -1
 
 
 @kernel

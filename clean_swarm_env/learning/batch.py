@@ -29,10 +29,14 @@ from clean_swarm_env.recording.recorder import Recorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
+from clean_swarm_env.world.warm_up import compile_once
 from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import Flags, Floats, Ints
+
+WARM_UP_TICKS = 1500
+"""Ticks within which a mission has called every kernel that missions call."""
 
 
 class BatchStep(NamedTuple):
@@ -135,6 +139,7 @@ class Batch:
         if unknown:
             raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
         worlds = whole_number(worlds, "worlds", 1)
+        compile_once(_whole_mission)
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
@@ -338,3 +343,12 @@ class Batch:
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None
             self._finished.append(Finished(world, scenario, result_of(worlds, world), events))
+
+
+def _whole_mission() -> None:
+    """Run one mission, which calls the kernels that all missions call."""
+    batch = Batch()
+    batch.reset([0])
+    options = np.arange(batch.rows) % batch.choices.counts[0]
+    while not batch.step(options).terminated[0] and batch.progress.elapsed[0] < WARM_UP_TICKS:
+        pass

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Name
+from selector.documents.imported import imported, is_import
 from selector.documents.reading import read_value
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
@@ -23,7 +24,7 @@ class StrategySpec(Closed):
     """A registered strategy with valid parameters, as YAML and the command line name it."""
 
     name: Name
-    """Name of a registered strategy."""
+    """Name of a registered strategy, or `module:class` of one's own."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Values for parameters of the strategy."""
     sharing: Literal["all", "team", "robot"] = "all"
@@ -46,6 +47,8 @@ class StrategySpec(Closed):
 def spec_from_text(text: str) -> StrategySpec:
     """Return the strategy that `NAME` or `NAME:parameter=value,...` describes; `sharing=...` is allowed too.
 
+    A class of one's own is `module:Class`, with parameters `module:Class:parameter=value,...`.
+
     >>> spec_from_text("UCB1:prior=2,sharing=team")
     StrategySpec(name='UCB1', parameters={'prior': 2}, sharing='team')
 
@@ -53,7 +56,7 @@ def spec_from_text(text: str) -> StrategySpec:
         DocumentError: a strategy or parameter is unknown, or a value does not fit.
 
     """
-    name, _, rest = text.partition(":")
+    name, rest = named_in(text)
     values: dict[str, Any] = {}
     for part in rest.split(",") if rest else ():
         key, equals, value = part.partition("=")
@@ -62,6 +65,14 @@ def spec_from_text(text: str) -> StrategySpec:
         values[key] = read_value(value)
     content = {"name": name, **({"sharing": values.pop("sharing")} if "sharing" in values else {})}
     return validated(StrategySpec, content | {"parameters": values}, f"strategy {text!r}")
+
+
+def named_in(text: str) -> tuple[str, str]:
+    """Return the name of a strategy, or of a class of one's own, in a text, and what follows its colon."""
+    first, _, rest = text.partition(":")
+    second, _, after = rest.partition(":")
+    own = f"{first}:{second}"
+    return (own, after) if first not in STRATEGIES and is_import(own) else (first, rest)
 
 
 def create(
@@ -83,7 +94,12 @@ def create(
 
 
 def named(name: str) -> type[DecisionStrategy]:
-    """Return the class registered under a name; DocumentError lists the known names."""
+    """Return the class registered under a name, or one's own `module:class`; DocumentError lists the known names."""
+    if is_import(name):
+        found = imported(name, "strategy")
+        if not (isinstance(found, type) and issubclass(found, DecisionStrategy)):
+            raise DocumentError(f"strategy {name}: expected a subclass of DecisionStrategy, got {found!r}")
+        return found
     try:
         return STRATEGIES.find(name)
     except UnknownNameError as error:

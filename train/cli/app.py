@@ -18,7 +18,7 @@ from train.running.exit_codes import BAD_INPUT, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 app.command("evaluate")(evaluate.evaluate_command)
 app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
@@ -56,10 +56,11 @@ def _common(
 
 
 @app.command("list")
-def list_experiments(configs: Configs = None) -> None:
-    """List the experiments with their conditions, and the families of scenarios."""
+def list_everything(configs: Configs = None) -> None:
+    """List the experiments with their conditions, the families of scenarios, and the names of all else."""
     from clean_swarm_env.config.load import load_experiment, load_family
-    from selector.documents.find import files_of
+    from selector.documents.find import KINDS, files_of
+    from selector.strategies.registry import STRATEGIES
 
     for name in files_of("experiments", configs or ()):
         experiment = load_experiment(name, configs or ())
@@ -69,3 +70,6 @@ def list_experiments(configs: Configs = None) -> None:
     typer.echo("families of scenarios:")
     for name in files_of("families", configs or ()):
         typer.echo(f"  {name}: {load_family(name, configs or ()).description}")
+    for kind in sorted(KINDS.keys() - {"experiments", "families"}):
+        typer.echo(f"{kind}: {', '.join(files_of(kind, configs or ()))}")
+    typer.echo(f"strategies by name: {', '.join(STRATEGIES.names())}")

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, Learn, RunStore, check_least, wide_console
+from train.cli.options import Configs, Learn, RunStore, check_least, error_console, wide_console
 from train.running.run_folder import RECORDINGS
 
 
@@ -30,8 +30,10 @@ def evaluate_command(
     strategy: Annotated[
         list[str] | None,
         typer.Option(
-            help="With --family: fixed (every option), rule, policy:NAME, learned:NAME, STRATEGY or "
-            "STRATEGY:parameter=value; + joins what several training seeds gave, LABEL=... names it; can be repeated.",
+            help="With --family: fixed (every option; the default), rule, policy:NAME, policy:FILE (a directory, .zip "
+            "of Stable-Baselines3, .pt of TorchScript or .onnx), learned:NAME, learned:FILE, STRATEGY, "
+            "STRATEGY:parameter=value or module:Class of your own; + joins what several training seeds gave, LABEL=... "
+            "names it; can be repeated.",
         ),
     ] = None,
     knowledge: Annotated[
@@ -51,6 +53,7 @@ def evaluate_command(
     check_least({"--scenarios": (scenarios, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
+    from train.evaluation.entrants import unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
     from train.knowledge_store import StoreRequest
@@ -69,6 +72,9 @@ def evaluate_command(
         strategies = tuple(strategy or ("fixed",))
         family_request = FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories, kept)
         evaluation = FamilyEvaluation(family_request)
+        for label in () if learn or store else unlearned(evaluation.entrants):
+            words = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
+            error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,13 +13,16 @@ import numpy as np
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import validated
 from selector.documents.find import find_file
+from selector.documents.imported import is_import
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
-from selector.strategies.registry import StrategySpec, spec_from_text
+from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
+from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from selforg.registry import unknown
+from train.running.model_pilots import LOADERS, ModelPilot
 from train.running.pilots import Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
 
 FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
@@ -87,6 +91,8 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
 
     """
     kind, _, name = member.partition(":")
+    if kind == POLICY and Path(name).suffix in LOADERS:
+        return ModelPilot(Path(name), problem)
     if kind == POLICY:
         return PolicyPilot(load_policy(find_policy(name, directories)), problem)
     if member == RULE:
@@ -104,6 +110,17 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     if kind == LEARNED:
         load_strategy(file, strategy)
     return StrategyPilot(strategy, columns)
+
+
+def unlearned(entrants: Sequence[Entrant]) -> list[str]:
+    """Return the labels of strategies that could learn, but have learned nothing and do not in an evaluation."""
+    kinds = (POLICY, LEARNED, FIXED, RULE)
+    own = {entrant.label: named_in(entrant.members[0])[0] for entrant in entrants}
+    return [
+        label
+        for label, name in own.items()
+        if name.partition(":")[0] not in kinds and named(name)._update is not DecisionStrategy._update
+    ]
 
 
 def spec_of(member: str) -> StrategySpec:
@@ -124,6 +141,13 @@ def spec_of(member: str) -> StrategySpec:
 def identified(member: str, directories: Sequence[Path] = ()) -> str:
     """Return a member that names a file with a digest of the file: another training is another member."""
     kind, _, name = member.partition(":")
+    own, _ = named_in(member)
+    if kind == POLICY and Path(name).suffix in LOADERS:
+        files = [path for path in (Path(name), Path(name).with_suffix(".pkl")) if path.is_file()]
+        return f"{member} sha256:{hashlib.sha256(b''.join(path.read_bytes() for path in files)).hexdigest()}"
+    if kind not in (POLICY, LEARNED, FIXED) and is_import(own):
+        source = Path(inspect.getfile(named(own)))
+        return f"{member} sha256:{hashlib.sha256(source.read_bytes()).hexdigest()}"
     if kind == POLICY:
         return f"{member} sha256:{load_policy(find_policy(name, directories)).spec.weights_sha256}"
     if kind == LEARNED:

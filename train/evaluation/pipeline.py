@@ -22,6 +22,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.warm_up import compiled_before
 from selector.store.exact_sums import REWARD_LIMIT
 from selector.strategies.strategy import DecisionStrategy
 from train.knowledge_store import Memory
@@ -33,7 +34,7 @@ from train.running.finished_runs import Results
 from train.running.processes import each_done
 from train.running.run_folder import CHOSEN_OPTIONS, RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord, Task
-from train.running.warm_up import compile_first, compiled_before
+from train.running.warm_up import compile_first
 
 NO_CONTEXT = np.zeros((1, 0))
 """Context of the one row of a strategy that chooses for a whole mission."""

@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.warm_up import announce, compiled_before
 from selector.documents.errors import DocumentError
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
@@ -23,7 +24,6 @@ from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.provenance import versions
 from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
-from train.running.warm_up import announce, compiled_before
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
 """Packages that a learner needs besides those of all runs."""
@@ -93,6 +93,9 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
             while not training.finished:
                 training.advance()
                 _print(console, training.history.entries[-1])
+    except ValueError:  # the configuration is wrong: nothing has been learned
+        folder.discard()
+        raise
     except KeyboardInterrupt:
         errors = Console(stderr=True, highlight=False, soft_wrap=True)
         errors.print(f"interrupted; to go on:\n  {request.command(resume=True)}", markup=False)

@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError
 from selector.strategies.choosing import shares
 from selector.strategies.policy import Network
@@ -65,7 +66,8 @@ class PolicyPilot:
 
     def __init__(self, policy: TrainedPolicy, problem: Problem) -> None:
         names = policy.spec.observations
-        self._columns = np.array([problem.features.index(name) for name in names])
+        check_same_names("policy", "options", problem.options, policy.spec.options)
+        self._columns = columns_of(problem, names, "policy: observations")
         self._network = Network(policy.ordered_for(replace(problem, features=names), "policy"))
 
     def begin(self, rows: Ints, seed: int) -> None:

@@ -55,6 +55,12 @@ class RunFolder:
             content[LEARNED_BEFORE] = self.learned
         self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
 
+    def discard(self) -> None:
+        """Remove the directory if it holds nothing but the manifest."""
+        if [path.name for path in self.path.iterdir()] == [MANIFEST]:
+            (self.path / MANIFEST).unlink()
+            self.path.rmdir()
+
     def write(self, name: str, content: str | bytes) -> None:
         """Write a file of the directory whole: at any moment it has its old or its new content."""
         write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from selector.documents.find import files_of
+from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
 from train.cli import app as cli
@@ -225,6 +225,10 @@ def test_listing_names_every_experiment_and_condition(run):
     assert code == 0
     for name in (*files_of("experiments"), "RepulsionFernandez-view1.5"):
         assert name in out
+    for kind in KINDS:
+        assert all(name in out for name in files_of(kind))
+    assert "UCB1" in out
+    assert "--install-completion" in run("--help")[1]
     code, out, _ = run("--version")
     assert (code, out.split()[0]) == (0, "clean-swarm")
 

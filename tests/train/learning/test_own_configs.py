@@ -66,3 +66,11 @@ def test_a_strategy_in_a_training_finds_policies_of_ones_own(own, tmp_path):
     found = job(config, tmp_path / "t")
     with pytest.raises(DocumentError, match="policies/mine: observations"):  # found: it does not fit this context
         BanditTraining(replace(found, directories=(own,)))
+
+
+def test_a_training_whose_configuration_is_wrong_leaves_no_directory(own, tmp_path):
+    written(own / "training", "bandit", bandit={"strategy": {"name": "UCB1"}, "context": ["weather"]})
+    request = session.TrainingRequest("bandit", "bandit", 1, tmp_path / "t", False, directories=(own,))
+    with pytest.raises(DocumentError, match="weather"):
+        session.run_training(request, BanditTraining, Console(quiet=True))
+    assert not (tmp_path / "t").exists()

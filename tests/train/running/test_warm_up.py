@@ -1,20 +1,25 @@
 """Compiling before the runs: once, said on the standard error, and not again."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.physics import tick
+from clean_swarm_env.world import warm_up
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
 from train.reports.text_table import flat
-from train.running import warm_up
 from train.running.runs import RunTask
+from train.running.warm_up import compile_first
 
 LINE = "compiling for this machine, once: about a minute\n"
 
@@ -37,7 +42,7 @@ def task(limits):
 
 
 def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
-    warm_up.compile_first(task)
+    compile_first(task)
     assert limits == [300.0]
     assert capsys.readouterr().err == LINE
     assert task.mission.time_limit == 3000.0
@@ -111,3 +116,27 @@ def test_the_warm_up_calls_kernels_that_no_first_second_needs(task, module, kern
     monkeypatch.setattr(module, kernel, lambda *given: called.append(kernel) or compiled(*given))
     replace(task, run_mission=run_mission).beginning().run()
     assert kernel in called
+
+
+def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, capsys):
+    monkeypatch.setattr(warm_up, "compiled_before", lambda: False)
+    for quiet, said in (("", LINE), ("1", "")):
+        monkeypatch.setattr(warm_up, "_checked", [])
+        monkeypatch.setenv(warm_up.SILENCED, quiet)
+        for _ in range(2):
+            Batch(mission={"base": "table1", "garbage": {"count": 1}})
+        assert capsys.readouterr().err == said
+
+
+def test_other_processes_wait_for_the_one_that_compiles(tmp_path):
+    code = (
+        "import time\nfrom clean_swarm_env.world.warm_up import one_process\n"
+        "with one_process():\n    print(time.time(), flush=True)\n    time.sleep(0.3)\n    print(time.time())"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    two = [
+        subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    (begin, end), (next_begin, _) = sorted([float(time) for time in one.communicate()[0].split()] for one in two)
+    assert begin < end <= next_begin

@@ -1,0 +1,52 @@
+"""PPO of RLlib with masks and an open team: robots join and are gone, all share one policy.
+
+pip install 'ray[rllib]' torch && pip install clean-swarm
+python examples/rllib_ppo.py --iterations 20
+"""
+
+import argparse
+
+from ray.rllib.algorithms.ppo import PPOConfig
+from ray.rllib.core.rl_module import MultiRLModuleSpec, RLModuleSpec
+from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
+from ray.rllib.examples.rl_modules.classes.action_masking_rlm import ActionMaskingTorchRLModule
+from ray.tune.registry import register_env
+
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.wrappers import AllRobots, MaskedObservations
+
+EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}, {"at": 60.0, "do": "join", "robots": 2}]
+MISSION = {"base": "table1", "time_limit": 200.0, "events": EVENTS}
+SERVES = {"RepulsionFernandez": ["patrol", "approach"]}
+
+
+def make(_: object = None) -> ParallelPettingZooEnv:
+    """Return the environment with masks in its observations."""
+    swarm = clean_swarm_v0.parallel_env(MISSION, action={"serves": SERVES})
+    return ParallelPettingZooEnv(MaskedObservations(AllRobots(swarm), key="observations"))
+
+
+def main() -> None:
+    """Train and print the mean return of each iteration."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--iterations", type=int, default=20)
+    iterations = parser.parse_args().iterations
+    register_env("clean_swarm", make)
+    module = RLModuleSpec(module_class=ActionMaskingTorchRLModule, model_config={"fcnet_hiddens": [64, 64]})
+    config = (
+        PPOConfig()
+        .environment("clean_swarm")
+        .env_runners(num_env_runners=0)
+        .training(train_batch_size=1000, minibatch_size=250, num_epochs=4, gamma=0.98)
+        .multi_agent(policies={"robot"}, policy_mapping_fn=lambda *_, **__: "robot")
+        .rl_module(rl_module_spec=MultiRLModuleSpec(rl_module_specs={"robot": module}))
+    )
+    algorithm = config.build_algo()
+    for _ in range(iterations):
+        result = algorithm.train()["env_runners"]
+        print(f"return of a team {result.get('episode_return_mean', float('nan')):.2f}")
+    algorithm.stop()
+
+
+if __name__ == "__main__":
+    main()

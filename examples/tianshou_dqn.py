@@ -1,0 +1,69 @@
+"""DQN of Tianshou, one network for each robot, with masks, in a team that changes.
+
+pip install tianshou && pip install clean-swarm
+python examples/tianshou_dqn.py --epochs 10
+"""
+
+import argparse
+
+from pettingzoo.utils.conversions import parallel_to_aec
+from tianshou.algorithm.modelfree.dqn import DQN, DiscreteQLearningPolicy
+from tianshou.algorithm.multiagent.marl import MultiAgentOffPolicyAlgorithm
+from tianshou.algorithm.optim import AdamOptimizerFactory
+from tianshou.data import Collector, VectorReplayBuffer
+from tianshou.env import DummyVectorEnv, PettingZooEnv
+from tianshou.trainer import OffPolicyTrainerParams
+from tianshou.utils.net.common import Net
+
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.wrappers import AllRobots, MaskedObservations
+
+EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}]
+MISSION = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0, "events": EVENTS}
+SERVES = {"RepulsionFernandez": ["patrol", "approach"]}
+
+
+def make() -> PettingZooEnv:
+    """Return the environment in which robots act one after the other, with masks."""
+    swarm = clean_swarm_v0.parallel_env(MISSION, action={"serves": SERVES})
+    return PettingZooEnv(parallel_to_aec(MaskedObservations(AllRobots(swarm))))
+
+
+def learner(env: PettingZooEnv) -> DQN:
+    """Return the learner of one robot."""
+    seen = env.observation_space["observation"]
+    policy = DiscreteQLearningPolicy(
+        model=Net(state_shape=seen.shape, action_shape=env.action_space.n, hidden_sizes=(64, 64)),
+        action_space=env.action_space,
+        observation_space=seen,
+        eps_training=0.1,
+    )
+    return DQN(policy=policy, optim=AdamOptimizerFactory(lr=1e-3), gamma=0.98, target_update_freq=200)
+
+
+def main() -> None:
+    """Train and print the mean returns of the robots."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--epochs", type=int, default=10)
+    epochs = parser.parse_args().epochs
+    env = make()
+    algorithm = MultiAgentOffPolicyAlgorithm(algorithms=[learner(env) for _ in env.agents], env=env)
+    collector = Collector(algorithm, DummyVectorEnv([make]), VectorReplayBuffer(20_000, 1), exploration_noise=True)
+    settings = OffPolicyTrainerParams(
+        max_epochs=epochs,
+        epoch_num_steps=1000,
+        training_collector=collector,
+        test_collector=None,
+        collection_step_num_env_steps=100,
+        batch_size=64,
+        update_step_num_gradient_steps_per_sample=0.2,
+    )
+    collector.reset()
+    collector.collect(n_step=500)
+    print(algorithm.run_training(settings))
+    collector.reset()
+    print("returns of the robots:", collector.collect(n_episode=3).returns.mean(axis=0))
+
+
+if __name__ == "__main__":
+    main()

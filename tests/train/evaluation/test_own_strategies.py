@@ -1,0 +1,135 @@
+"""Strategies of one's own and models of other libraries take part in evaluations, and mistakes are one line."""
+
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from selector.documents.errors import DocumentError
+from selector.strategies.problem import Problem
+from selector.strategies.registry import spec_from_text
+from train.evaluation.entrants import entrants_of, identified, member_pilot, unlearned
+from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.running.model_pilots import LOADERS
+
+PROBLEM = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.5]), ("near", "far"))
+TEAMS = np.zeros(3, dtype=np.int64)
+OWN = """
+import numpy as np
+from selector.documents.fields import Closed
+from selector.strategies.strategy import DecisionStrategy
+
+class Second(DecisionStrategy):
+    class Parameters(Closed):
+        option: int = 1
+
+    def _select(self, decisions):
+        return np.full(len(decisions.rows), self.parameters.option)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "own_policies.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("module", ["own_policies", "{folder}/own_policies.py"])
+def test_a_class_of_ones_own_decides(folder, module):
+    name = f"{module.format(folder=folder)}:Second"
+    seen = np.zeros((3, 2), dtype=np.float32)
+    assert member_pilot(name, PROBLEM, TEAMS).choose(seen).tolist() == [1, 1, 1]
+    assert member_pilot(f"{name}:option=0", PROBLEM, TEAMS).choose(seen).tolist() == [0, 0, 0]
+    assert spec_from_text(f"{name}:option=0,sharing=team").sharing == "team"
+    before = identified(name)
+    (folder / "own_policies.py").write_text(OWN + "# changed\n")
+    assert identified(name) != before
+
+
+@pytest.mark.parametrize(
+    ("member", "message"),
+    [
+        ("own_policies:Third", "strategy: own_policies defines no 'Third'"),
+        ("own_policies:np", "strategy own_policies:np: expected a subclass of DecisionStrategy, got <module"),
+        ("no_policies:Third", "strategy: no_policies: No module named 'no_policies'"),
+        ("own_policies:Second:speed=1", "speed: unknown key 'speed'"),
+        ("policy:model.zip", "model.zip: no such file"),
+        ("policy:broken.onnx", r"broken.onnx: .*(onnxruntime|expected a model)"),
+    ],
+)
+def test_mistakes_are_one_line(folder, member, message):
+    (folder / "broken.onnx").write_bytes(b"no model")
+    with pytest.raises(DocumentError, match=message) as told:
+        member_pilot(member, PROBLEM, TEAMS)
+    assert "\n" not in str(told.value)
+
+
+def test_a_family_without_the_options_of_a_policy_is_one_line():
+    with pytest.raises(DocumentError, match="--strategy policy:general: policy: options: ") as told:
+        FamilyEvaluation(FamilyRequest("table1", ("policy:general",), 0, 1, knowledge="cleaning"))
+    assert "\n" not in str(told.value)
+
+
+def test_strategies_that_have_learned_nothing_are_named():
+    given = ("fixed", "rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
+    assert unlearned(entrants_of(given, PROBLEM.options)) == ["UCB1", "mine"]
+
+
+def models(folder):
+    """Write a model of each kind that prefers the second option where `near` is above `far`."""
+    import torch
+
+    layer = torch.nn.Linear(2, 2)
+    with torch.no_grad():
+        layer.weight[:] = torch.tensor([[0.0, 1.0], [1.0, 0.0]])
+        layer.bias[:] = 0.0
+    torch.jit.script(layer).save(folder / "model.pt")
+    if find_spec("onnx") and find_spec("onnxruntime"):
+        import onnx
+
+        weights = onnx.numpy_helper.from_array(np.array([[0.0, 1.0], [1.0, 0.0]], dtype=np.float32), "w")
+        shapes = [onnx.helper.make_tensor_value_info(n, onnx.TensorProto.FLOAT, ["R", 2]) for n in ("x", "y")]
+        graph = onnx.helper.make_graph(
+            [onnx.helper.make_node("MatMul", ["x", "w"], ["y"])], "g", shapes[:1], shapes[1:], [weights]
+        )
+        opset = [onnx.helper.make_opsetid("", 17)]
+        onnx.save(onnx.helper.make_model(graph, opset_imports=opset, ir_version=10), folder / "model.onnx")
+    return sorted(path.name for path in folder.glob("model.*"))
+
+
+@pytest.mark.skipif(find_spec("torch") is None, reason="needs the extra 'train'")
+def test_models_of_torch_and_onnx_decide_and_must_fit(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    seen = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.0]], dtype=np.float32)
+    three = Problem("AvoidCollision", ("a", "b", "c"), np.ones(3), ("near", "far"))
+    wide = Problem("AvoidCollision", ("a", "b"), np.ones(2), ("near", "far", "alone"))
+    for name in models(tmp_path):
+        assert member_pilot(f"policy:{name}", PROBLEM, TEAMS).choose(seen).tolist() == [1, 0, 1]
+        for other in (three, wide):
+            expected = rf"{name}: expected a model of {len(other.features)} numbers"
+            with pytest.raises(DocumentError, match=expected) as told:
+                member_pilot(f"policy:{name}", other, TEAMS)
+            assert "\n" not in str(told.value)
+
+
+@pytest.mark.skipif(find_spec("stable_baselines3") is None, reason="needs the extra 'train'")
+def test_a_model_of_stable_baselines3_decides_with_its_normalisation(tmp_path, monkeypatch):
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    from clean_swarm_env.sb3 import RobotVecEnv
+
+    monkeypatch.chdir(tmp_path)
+    envs = VecNormalize(RobotVecEnv(1))
+    model = PPO("MlpPolicy", envs, n_steps=16, batch_size=80, n_epochs=1, seed=1, device="cpu")
+    model.learn(80)
+    model.save("model.zip")
+    envs.save("model.pkl")
+    batch = envs.venv.batches[0]
+    problem = Problem("AvoidCollision", batch.options["AvoidCollision"], np.ones(3), batch.observer.names)
+    pilot = member_pilot("policy:model.zip", problem, TEAMS)
+    observations = batch.observations
+    expected = model.predict(envs.normalize_obs(observations), deterministic=True)[0]
+    assert np.array_equal(pilot.choose(observations), expected)
+    assert set(LOADERS) == {".zip", ".pt", ".onnx"}
