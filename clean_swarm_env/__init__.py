@@ -7,10 +7,10 @@ The names below can be imported from here. Environments have modules of their ow
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from clean_swarm_env.siblings import own
+import clean_swarm_env.siblings as siblings
 
-own("selforg")
-own("selector")
+siblings.own("selforg")
+siblings.own("selector")
 
 if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` cannot wait for: see `__getattr__`
     from clean_swarm_env.config.errors import ConfigurationError as ConfigurationError

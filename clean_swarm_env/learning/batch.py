@@ -14,22 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
+<<<<<<< HEAD
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+=======
+from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
+from clean_swarm_env.recording.recorder import Recorder, RecordSettings
+>>>>>>> main
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-from selforg.arrays import Flags, Floats
+from selforg.arrays import Flags, Floats, Ints
 
 
 class BatchStep(NamedTuple):
@@ -91,10 +97,10 @@ class Batch:
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
-        mission: a mission, or the name of one in `configs/missions`.
+        mission: a mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         worlds: W.
         observation: terms of the observation.
-        reward: weights of the reward's terms.
+        reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.
         action: what an action is.
         settings: see `BatchSettings` and `EpisodeSettings`.
 
@@ -120,22 +126,24 @@ class Batch:
 
     def __init__(
         self,
-        mission: MissionConfig | str = "table1",
+        mission: GivenMission | None = None,
         worlds: int = 1,
         *,
-        observation: ObservationConfig | None = None,
-        reward: RewardConfig | None = None,
-        action: ActionConfig | None = None,
+        observation: ObservationConfig | Mapping[str, Any] | None = None,
+        reward: RewardConfig | Mapping[str, Any] | OwnRewards | str | None = None,
+        action: ActionConfig | Mapping[str, Any] | None = None,
         **settings: Unpack[BatchSettings],
     ) -> None:
         unknown = settings.keys() - BatchSettings.__optional_keys__
         if unknown:
             raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
-        episodes, directories = episodes_of(mission, settings), settings.get("directories", ())
+        worlds = whole_number(worlds, "worlds", 1)
+        episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
         self._source: EpisodeSource = settings.get("source") or self._series
-        self.action, self.begin_anew = action or ActionConfig(), settings.get("begin_anew", True)
+        self.action = config_from(ActionConfig, action, "action")
+        self.begin_anew = settings.get("begin_anew", True)
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
         record, explained = settings.get("record"), settings.get("explained", False)
@@ -149,8 +157,11 @@ class Batch:
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
         self.progress = MissionProgress(self.worlds)
-        self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
-        self.observer = Observer(self.worlds, self.progress, observation)
+        self._own_rewards = own_rewards(reward)
+        weights = config_from(RewardConfig, None if self._own_rewards else reward, "reward")  # type: ignore[arg-type]
+        self.rewards = Rewards(weights, self.worlds.period)
+        seen = config_from(ObservationConfig, observation, "observation")
+        self.observer = Observer(self.worlds, self.progress, seen if self._steering is None else seen.steered())
         self.width = self.observer.width
         self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
@@ -167,21 +178,32 @@ class Batch:
         `seeds` (W,) begin the series of episodes anew. A world without a seed (None) continues its series, or begins
         one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
         """
-        nothing = [None] * self.worlds.worlds
-        for name, given in (("seeds", seeds), ("starts", starts)):
-            if given is not None and len(given) != len(nothing):
-                raise ValueError(f"{name}: expected one for each of {len(nothing)} worlds, got {len(given)}")
-        if self._source is self._series:
-            self._series.begin(seeds or nothing)
-        elif seeds is not None and any(seed is not None for seed in seeds):
-            raise ValueError("seeds: expected none, because a source says what the worlds do")
-        for world, start in enumerate(starts or nothing):
-            self._begin(world, start)
-        self._begun = True
         self._finished.clear()
         self.progress.begin_period()
-        self.progress.elapsed[:] = 0
-        self.observer.observe(self.observations)
+        return self.begin(np.arange(self.worlds.worlds), seeds, starts)
+
+    def begin(
+        self,
+        worlds: Ints,
+        seeds: Sequence[int | None] | None = None,
+        starts: Sequence[StartConfiguration | None] | None = None,
+    ) -> Observations:
+        """Begin an episode in `worlds` (K,) only, and return the observations (R, F); the counts of the period stay.
+
+        `seeds` (W,) and `starts` (W,) are those of `reset`.
+        """
+        known = seeds_from(seeds, self.worlds.worlds)
+        if starts is not None and len(starts) != len(known):
+            raise ValueError(f"starts: expected one for each of {len(known)} worlds, got {len(starts)}")
+        if self._source is self._series:
+            self._series.begin(known)
+        elif any(seed is not None for seed in known):
+            raise ValueError("seeds: expected none, because a source says what the worlds do")
+        for world in worlds.tolist():
+            self._begin(world, None if starts is None else starts[world])
+            self.progress.elapsed[world] = 0
+        self._begun = True
+        self.observer.observe(self.observations, worlds)
         return self.observations
 
     def share(self, seed: int) -> None:
@@ -211,7 +233,14 @@ class Batch:
             self.recorder.begin(world, {"scenario": scenario.id, "seed": scenario.seed})
 
     def masks(self) -> Flags:
-        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period."""
+        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
+
+        Raises:
+            ValueError: actions are vectors.
+
+        """
+        if self._steering is not None:
+            raise ValueError("masks: expected options as actions, got mode 'velocity'")
         return self.choices.masks(self.observer.phases)
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
@@ -254,7 +283,10 @@ class Batch:
     def end_period(self) -> BatchStep:
         """Begin the next missions, and return what the period gave."""
         progress = self.progress
-        self.rewards.of(progress, self._gained)
+        if self._own_rewards is None:
+            self.rewards.of(progress, self._gained)
+        else:
+            self._gained[:] = self._own_rewards(self)
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self._finished:

@@ -65,7 +65,7 @@ def test_the_users_own_modules_stay_importable(folder):
 
 
 def test_the_command_line_as_a_module_and_as_the_installed_script(folder):
-    script = "import sys; sys.argv = ['clean-swarm', 'list']; from clean_swarm_env.__main__ import command_line; command_line()"
+    script = "import sys; sys.argv[1:] = ['list']; from clean_swarm_env.__main__ import command_line; command_line()"
     for words in (("-m", "clean_swarm_env", "list"), ("-c", script)):
         assert python(folder, *words).startswith("patrol:")
 
