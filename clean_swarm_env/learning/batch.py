@@ -22,13 +22,8 @@ from clean_swarm_env.learning.given import GivenMission, config_from, directorie
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-<<<<<<< HEAD
-from clean_swarm_env.learning.reward import RewardConfig, Rewards
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-=======
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
-from clean_swarm_env.recording.recorder import Recorder, RecordSettings
->>>>>>> main
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
