@@ -84,7 +84,7 @@ class MissionRecorder:
         arrays = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         arrays += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         arrays += mind_arrays(worlds) if settings.minds else []
-        frame = sum(sampled.array.nbytes for sampled in arrays)
+        frame = sum(s.array.size * np.dtype(s.kept or s.array.dtype).itemsize for s in arrays)
         self.room = int(np.clip(MOST_BYTES // frame, LEAST_FRAMES, MOST_FRAMES))
         buffers = (np.zeros((self.room, *s.array.shape), s.kept or s.array.dtype) for s in arrays)
         self._arrays = list(zip(arrays, buffers, strict=True))

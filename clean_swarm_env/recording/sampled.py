@@ -124,9 +124,10 @@ def _network(
     readings = channel("readings", ("sensor",), (len(model.sensors),), MILLI, "what the sensors read")
     yield Sampled(state.value_table, ((terms, same),), None, option)
     yield Sampled(state.mark_table, marks, np.int16, option)
-    thresholds = channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about)
-    yield Sampled(state.row_table, ((thresholds, same),), None, option)
-    yield Sampled(state.readings, ((readings, same),), None, option)
+    if option is None:  # the sensors of an option are among those of the robot
+        thresholds = channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about)
+        yield Sampled(state.row_table, ((thresholds, same),))
+        yield Sampled(state.readings, ((readings, same),))
     if model.goals:
         goals = channel("goals", ("goal",), (len(model.goals),), MILLI, "how far each goal is satisfied")
         yield Sampled(state.goal_satisfaction, ((goals, same),), None, option)

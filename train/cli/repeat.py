@@ -82,6 +82,17 @@ def replay_command(
     typer.echo(f"{html}: open it in a browser")
 
 
+def export_command(
+    recording: Annotated[Path, typer.Argument(help="A recording, NAME.swarm.")],
+    output: Annotated[Path, typer.Option(help="File to write, NAME.mcap, or a new directory for tables in Parquet.")],
+) -> None:
+    """Write a recording for other tools; needs the extra `export`."""
+    from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
+    from train.replay.export import export
+
+    typer.echo(f"{export(RecordedMission(recording), output)} tables in {output}")
+
+
 @contextmanager
 def _repeating(run: Path) -> Iterator[None]:
     """Print on the standard error which versions have changed since a run, and show that it is being repeated."""
