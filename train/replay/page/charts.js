@@ -47,17 +47,18 @@ export function drawCurves(curves, frames, canvas) {
   }
 }
 
-/** Return what the chooser thinks of each option on average of the robots, each a curve. @param {Run} run */
-export function opinionCurves(run) {
+/** Return what the chooser thinks of each option on average of the robots, each a curve of so many points. @param {Run} run @param {number} points */
+export function opinionCurves(run, points) {
   const goal = Object.keys(run.head.options)[0], track = run.tracks.get(`opinion/${goal}`);
   if (!track) return [];
   const options = run.head.options[goal].length, robots = run.head.robots;
   const curves = run.head.options[goal].map((_, k) => ({ values: new Float64Array(run.frames), colour: PALETTE[k % PALETTE.length], most: 0, least: 0 }));
-  for (let t = 0; t < run.frames; t++)
+  const step = Math.max(1, Math.floor(run.frames / points));
+  for (let begin = 0; begin < run.frames; begin += step)
     for (let k = 0; k < options; k++) {
       let sum = 0;
-      for (let i = 0; i < robots; i++) sum += track.data[(t * robots + i) * options + k];
-      curves[k].values[t] = sum / robots / track.channel.scale;
+      for (let i = 0; i < robots; i++) sum += track.data[(begin * robots + i) * options + k];
+      curves[k].values.fill(sum / robots / track.channel.scale, begin, begin + step);
     }
   const most = Math.max(...curves.map((curve) => curve.values.reduce((a, b) => Math.max(a, b), 0)));
   const least = Math.min(0, ...curves.map((curve) => curve.values.reduce((a, b) => Math.min(a, b), 0)));

@@ -42,12 +42,12 @@ export function eventsOf(run) {
   return events.sort((a, b) => a.frame - b.frame);
 }
 
-/** Return items dumped and collision events up to each frame. @param {Run} run @returns {{items: Float64Array, contacts: Float64Array}} */
-export function countsOf(run) {
+/** Return items dumped and collision events up to each frame. @param {Run} run @param {RunEvent[]} all @returns {{items: Float64Array, contacts: Float64Array}} */
+export function countsOf(run, all) {
   const items = new Float64Array(run.frames), contacts = new Float64Array(run.frames);
   const contact = run.tracks.get("contact")?.data;
   let dumped = 0, touched = 0, e = 0;
-  const events = eventsOf(run).filter((event) => event.kind === "dumped");
+  const events = all.filter((event) => event.kind === "dumped");
   for (let t = 0; t < run.frames; t++) {
     while (e < events.length && events[e].frame <= t) { dumped++; e++; }
     items[t] = dumped;

@@ -68,7 +68,8 @@ class Page {
     this.listen(canvas, view, k);
     for (const chart of charts) this.scrubOn(chart);
     const caption = /** @type {HTMLElement} */ (figure.querySelector(".caption"));
-    return { run, view, events: eventsOf(run), counts: countsOf(run), charts, caption };
+    const events = eventsOf(run);
+    return { run, view, events, counts: countsOf(run, events), charts, caption };
   }
 
   /** Return a new vertical line over a chart. @param {Element} over @param {string} name */
@@ -269,7 +270,7 @@ class Page {
       const curves = [{ values: counts.items, colour: "#009E73", most: items }, { values: counts.contacts, colour: "#D55E00", dash: [5, 4], most }];
       drawHeld(run, this.frames, charts[0]);
       drawCurves(curves, this.frames, charts[1]);
-      drawCurves(opinionCurves(run), this.frames, charts[2]);
+      drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);
     }
     drawEvents(this.shown[this.chosen].events, this.frames, element("timeline"), this.colours().ink);
     this.timelineOf = this.chosen;

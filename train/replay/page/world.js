@@ -9,6 +9,7 @@ import { Field, seenPairs, shorter } from "./course.js";
 /** Colours that colour-blind people can tell apart (Okabe and Ito 2008), for options and terms. */
 export const PALETTE = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#8C6BB1", "#999999"];
 const PATH_SECONDS = 20;
+const SMALL = 4; // size of a robot or an item below which it is a square: paths of a thousand discs take too long [pixels]
 const MOST_PATHS = 60; // robots up to which all paths are drawn, and all reaches; of larger teams the chosen robot's
 
 /** A canvas that shows one run. */
@@ -174,13 +175,21 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {Colours} colours */
   drawItems(c, frame, colours) {
-    const { run } = this, size = Math.max(3, 0.11 * this.scale);
+    const { run } = this, size = Math.max(2, 0.11 * this.scale);
+    c.fillStyle = "#E69F00";
+    if (size < SMALL) {
+      for (let k = 0; k < run.head.items; k++)
+        if (valueAt(run, "item_stage", frame, k) === 0) {
+          const [x, y] = this.place(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k));
+          c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
+        }
+      return;
+    }
     c.beginPath();
     for (let k = 0; k < run.head.items; k++)
       if (valueAt(run, "item_stage", frame, k) === 0)
         this.images(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), 0.2, (x, y) =>
           this.diamond(c, x, y, valueAt(run, "item_leftover", frame, k) ? size * 0.65 : size));
-    c.fillStyle = "#E69F00";
     c.strokeStyle = colours.ink;
     c.lineWidth = 1;
     c.fill();
@@ -278,6 +287,7 @@ export class WorldView {
       groups.set(colour, group);
       this.images(this.x[i], this.y[i], radius, (x, y) => group.push([x, y, i]));
     }
+    if (size < SMALL) return this.drawSquares(c, frame, chosen, layers, colours, groups);
     for (const [colour, group] of groups) {
       c.fillStyle = colour;
       c.beginPath();
@@ -325,5 +335,33 @@ export class WorldView {
       c.textAlign = "left";
       for (const [x, y, i] of all) c.fillText(String(i), x + size + 1, y - size);
     }
+  }
+
+  /**
+   * Draw robots that are too small for discs.
+   * @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours
+   * @param {Map<string, [number, number, number][]>} groups places and numbers by colour
+   */
+  drawSquares(c, frame, chosen, layers, colours, groups) {
+    for (const [colour, group] of groups) {
+      c.fillStyle = colour;
+      for (const [x, y] of group) c.fillRect(Math.round(x) - 2, Math.round(y) - 2, 5, 5);
+    }
+    for (const group of groups.values())
+      for (const [x, y, i] of group) {
+        if (layers.contacts && valueAt(this.run, "contact", frame, i) > 0) {
+          c.fillStyle = "#D00000";
+          c.fillRect(Math.round(x) - 3, Math.round(y) + 4, 7, 2);
+        }
+        if (valueAt(this.run, "cargo", frame, i) >= 0) {
+          c.fillStyle = "#F0E442";
+          c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
+        }
+        if (i === chosen) {
+          c.strokeStyle = colours.ink;
+          c.lineWidth = 2;
+          c.strokeRect(Math.round(x) - 5, Math.round(y) - 5, 11, 11);
+        }
+      }
   }
 }
