@@ -25,7 +25,7 @@ from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
-from clean_swarm_env.recording.recorder import Recorder, RecordSettings
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
@@ -151,7 +151,7 @@ class Batch:
         record, explained = settings.get("record"), settings.get("explained", False)
         explained = explained or (record is not None and record.minds)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)
-        self.recorder = Recorder(self.worlds, record) if record is not None else None
+        self.recorder = MissionRecorder(self.worlds, record) if record is not None else None
         self.rows, self.robots = self.worlds.rows, self.worlds.robots
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(self.worlds, self.action)

@@ -13,13 +13,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.recording.stepping import Whole, round_values, take_differences
+from clean_swarm_env.recording.stepping import WholeNumbers, round_values, take_differences
 
-LARGEST: Final = 2**30 - 1
+LARGEST_NUMBER: Final = 2**30 - 1
 """Largest whole number that a channel holds; what is beyond is kept as this number."""
 MILLI: Final = 1000
 """Steps of a metre, of a radian, and of the numbers of a network."""
-Values = NDArray[Any]
+AnyArray = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -49,52 +49,52 @@ class Channel:
         """Return the fields as plain data."""
         return asdict(self)
 
-    def whole(self, values: Values) -> Whole:
+    def whole(self, values: AnyArray) -> WholeNumbers:
         """Return values (T, ...) as whole numbers (T, K); NaN is 0."""
         flat = values.reshape(len(values), self.columns)
         if flat.dtype.kind in "bi" and self.scale == 1:
             return flat.astype(np.int32)
         whole = np.empty(flat.shape, dtype=np.int32)
         numbers = np.ascontiguousarray(flat, dtype=np.float64)
-        round_values(numbers.reshape(-1), float(self.scale), LARGEST, whole.reshape(-1))
+        round_values(numbers.reshape(-1), float(self.scale), LARGEST_NUMBER, whole.reshape(-1))
         return whole
 
-    def values(self, whole: Whole) -> Values:
+    def values(self, whole: WholeNumbers) -> AnyArray:
         """Return whole numbers (T, K) as values (T, ...): floats, or whole numbers where the scale is 1."""
         shaped = whole.reshape(len(whole), *self.shape)
         return shaped if self.scale == 1 else shaped / self.scale
 
 
-Part = tuple[Channel, Callable[[Values], Values]]
+Part = tuple[Channel, Callable[[AnyArray], AnyArray]]
 """A channel, and the function from the sampled array of a world (T, ...) to its values."""
 
 
-def whole(name: str, axis: tuple[str, int], about: str) -> Channel:
+def whole_channel(name: str, axis: tuple[str, int], about: str) -> Channel:
     """Return a channel of whole numbers."""
     return Channel(name, (axis[0],), (axis[1],), 1, 1, "-", about)
 
 
-def point(name: str, axes: tuple[tuple[str, int], ...], about: str, order: int = 1) -> Iterator[Part]:
+def point_channels(name: str, axes: tuple[tuple[str, int], ...], about: str, order: int = 1) -> Iterator[Part]:
     """Yield the channels of the coordinates of points (T, ..., 2) [m]."""
     names, shape = tuple(axis for axis, _ in axes), tuple(length for _, length in axes)
     yield Channel(f"{name}_x" if name else "x", names, shape, MILLI, order, "m", about), _first
     yield Channel(f"{name}_y" if name else "y", names, shape, MILLI, order, "m", about), _second
 
 
-def same(values: Values) -> Values:
+def same(values: AnyArray) -> AnyArray:
     """Return the values themselves."""
     return values
 
 
-def _first(values: Values) -> Values:
+def _first(values: AnyArray) -> AnyArray:
     return values[..., 0]
 
 
-def _second(values: Values) -> Values:
+def _second(values: AnyArray) -> AnyArray:
     return values[..., 1]
 
 
-def packed_frames(whole: Whole, order: int) -> tuple[int, int, bytes]:
+def packed_frames(whole: WholeNumbers, order: int) -> tuple[int, int, bytes]:
     """Return the bytes of T >= 1 frames of whole numbers (T, K), how many columns change, and the width of a number.
 
     First the first frame, K numbers int32. Then a bit for each column, 1 where it changes. Then the differences of the
@@ -110,7 +110,7 @@ def packed_frames(whole: Whole, order: int) -> tuple[int, int, bytes]:
     return int(changing.sum()), width, content
 
 
-def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order: int) -> tuple[Whole, int]:
+def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order: int) -> tuple[WholeNumbers, int]:
     """Return whole numbers (T, K) that `packed_frames` packed, and the number of bytes that they took.
 
     sizes: T, K, how many columns change, and the width of a number.

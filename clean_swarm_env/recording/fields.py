@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.recording.reader import Recording
+from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Floats, Ints
 
-ROUNDING = 1e-6
+AGE_ROUNDING = 1e-6
 """Share of an evaporation period by which ages may be rounded."""
 
 
@@ -24,7 +24,7 @@ class Traces(NamedTuple):
     """(D,) who left it."""
 
 
-def traces_at(recording: Recording, frame: int) -> Traces:
+def traces_at(recording: RecordedMission, frame: int) -> Traces:
     """Return what was left before a frame and can still be perceived at it.
 
     A robot of the mission stores fewer: of traces within the aggregation distance it keeps one.
@@ -37,7 +37,7 @@ def traces_at(recording: Recording, frame: int) -> Traces:
         left = np.full(len(made), facts["diffusion"])
         if facts["evaporation_factor"] < 1.0:
             ages = (frame - made) * recording.period
-            left *= facts["evaporation_factor"] ** np.floor(ages / facts["evaporation_period"] + ROUNDING)
+            left *= facts["evaporation_factor"] ** np.floor(ages / facts["evaporation_period"] + AGE_ROUNDING)
         there = left >= facts["min_diffusion"]
         made, robot, left = made[there], robot[there], left[there]
         places = np.stack([x[made, robot], y[made, robot]], axis=1)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import same, whole
+from clean_swarm_env.recording.channels import same, whole_channel
 from clean_swarm_env.recording.sampled import Sampled
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
@@ -40,10 +40,10 @@ class MessageLog:
     def arrays(self) -> Iterator[Sampled]:
         """Yield the arrays, both of one tick."""
         robots = ("robot", self._worlds.robots)
-        deposit = whole("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
+        deposit = whole_channel("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
         yield Sampled(self._deposits, ((deposit, same),))
         if self._counts:
-            missed = whole("missed", robots, "poses of others that the robot misses: lost, or out of range")
+            missed = whole_channel("missed", robots, "poses of others that the robot misses: lost, or out of range")
             yield Sampled(self._missed, ((missed, same),))
 
     def count(self) -> None:

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.recording.channels import Channel, unpacked_frames
 from clean_swarm_env.recording.file import DONE, HEAD, blocks_of
-from clean_swarm_env.recording.stepping import Whole
+from clean_swarm_env.recording.stepping import WholeNumbers
 from selforg.arrays import Floats
 from selforg.registry import unknown
 
 
-class Recording(Mapping[str, NDArray[Any]]):
+class RecordedMission(Mapping[str, NDArray[Any]]):
     """A recorded mission: channel -> values (T, ...), one frame for each control period.
 
     Frame i is the moment i * period: where robots are then, and what they then decide and do.
@@ -41,7 +41,7 @@ class Recording(Mapping[str, NDArray[Any]]):
         self.path = path
         self.result: dict[str, Any] | None = None
         self.notes: dict[str, Any] = {}
-        parts: list[list[Whole]] = []
+        parts: list[list[WholeNumbers]] = []
         blocks = blocks_of(path)
         kind, content = next(blocks, (b"", b""))
         if kind != HEAD:
@@ -82,7 +82,7 @@ class Recording(Mapping[str, NDArray[Any]]):
         """Times (T,) of the frames [s]."""
         return np.arange(self.frames, dtype=np.float64) * self.period
 
-    def whole(self, name: str) -> Whole:
+    def whole(self, name: str) -> WholeNumbers:
         """Return the whole numbers (T, K) that the file holds of a channel."""
         return self._whole[self._known(name)]
 
@@ -95,7 +95,7 @@ class Recording(Mapping[str, NDArray[Any]]):
             raise KeyError(unknown("channel", name, list(self.channels)))
         return name
 
-    def _frames_of(self, content: bytes) -> list[Whole]:
+    def _frames_of(self, content: bytes) -> list[WholeNumbers]:
         (length,) = struct.unpack_from("<I", content)
         directory = json.loads(content[4 : 4 + length])
         self.notes = {name: note for name, note in directory.items() if name not in ("first", "frames", "sizes")}

@@ -13,7 +13,7 @@ from typing import Any, Final, NoReturn, SupportsIndex
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, Channel, Part, Values, point, same
+from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, Part, point_channels, same
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import Sampled, floor_arrays, mind_arrays, networks_of
@@ -45,7 +45,7 @@ class RecordSettings:
     name: str = ""
     """Name of the file of a single mission; made of scenario and condition unless given."""
     thinking: bool = False
-    """Whether `Recorder.think` will be told what the chooser of options thinks of each."""
+    """Whether `MissionRecorder.think` will be told what the chooser of options thinks of each."""
 
 
 @dataclass
@@ -59,7 +59,7 @@ class _Running:
     """Number of this frame."""
 
 
-class Recorder:
+class MissionRecorder:
     """Records the worlds of a batch: call `begin` after the reset of a world, and `take` after every tick.
 
     Missions end by themselves. `close` ends the files of missions that are still going on.
@@ -84,12 +84,12 @@ class Recorder:
         arrays = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         arrays += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         arrays += mind_arrays(worlds) if settings.minds else []
-        frame = sum(sampled.array.nbytes for sampled in arrays)
+        frame = sum(s.array.size * np.dtype(s.kept or s.array.dtype).itemsize for s in arrays)
         self.room = int(np.clip(MOST_BYTES // frame, LEAST_FRAMES, MOST_FRAMES))
         buffers = (np.zeros((self.room, *s.array.shape), s.kept or s.array.dtype) for s in arrays)
         self._arrays = list(zip(arrays, buffers, strict=True))
         self._always = [(buffer, s.array) for s, buffer in self._arrays if s.option is None]
-        self._of_option: dict[tuple[int, int], list[tuple[Values, Values]]] = {}
+        self._of_option: dict[tuple[int, int], list[tuple[AnyArray, AnyArray]]] = {}
         for s, buffer in self._arrays:
             if s.option is not None:
                 self._of_option.setdefault(s.option, []).append((buffer, s.array))
@@ -170,7 +170,7 @@ class Recorder:
         robots = ("robot", self.worlds.robots)
         heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
         turned: Part = (heading, lambda poses: poses[..., 2])
-        return [Sampled(self._poses, (*point("", (robots,), "where the robot is", order=2), turned))]
+        return [Sampled(self._poses, (*point_channels("", (robots,), "where the robot is", order=2), turned))]
 
     def _opinion(self, coordinator: Coordinator) -> Sampled:
         worlds, model, goal = self.worlds, coordinator.model, coordinator.model.goal
@@ -236,7 +236,7 @@ class Recorder:
         if frames.start == frames.stop:
             return
         numbers = []
-        latest = {option: np.maximum.accumulate(held * np.arange(self.room)) for option, held in self._held.items()}
+        latest = {option: np.maximum.accumulate(held * np.arange(len(held))) for option, held in self._held.items()}
         for sampled, buffer in self._arrays:
             own = buffer.shape[1] // count
             taken = frames if sampled.option is None else latest[sampled.option][frames]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, Channel, Part, Values, point, same, whole
+from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, Part, point_channels, same, whole_channel
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.inner_network import at_any_depth
 from selforg.network.explain.explanation import in_short
@@ -39,7 +39,7 @@ PLAN_STEPS = 16
 class Sampled:
     """An array that is copied in every frame."""
 
-    array: Values
+    array: AnyArray
     """(R, ...) or (W, ...), the same array all the time."""
     parts: tuple[Part, ...]
     kept: type[np.generic] | None = None
@@ -59,16 +59,16 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
         ("recycled", garbage.recycled, "1 where the cargo has been recycled"),
         ("contact", worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
     ):
-        yield Sampled(array, ((whole(name, robots, about), same),), np.int32)
-    yield Sampled(garbage.positions, tuple(point("item", (items,), "where the item lies or was picked")))
+        yield Sampled(array, ((whole_channel(name, robots, about), same),), np.int32)
+    yield Sampled(garbage.positions, tuple(point_channels("item", (items,), "where the item lies or was picked")))
     yield Sampled(
-        garbage.stage, ((whole("item_stage", items, "0 lying, 1 carried, 2 dumped, 3 absent"), same),), np.int16
+        garbage.stage, ((whole_channel("item_stage", items, "0 lying, 1 carried, 2 dumped, 3 absent"), same),), np.int16
     )
-    leftover = whole("item_leftover", items, "1 where what lies has been recycled already")
+    leftover = whole_channel("item_leftover", items, "1 where what lies has been recycled already")
     yield Sampled(garbage.leftover, ((leftover, same),), np.int16)
-    yield Sampled(worlds.stations, tuple(point("station", (("station", 2),), "recycling and dump")))
+    yield Sampled(worlds.stations, tuple(point_channels("station", (("station", 2),), "recycling and dump")))
     for coordinator in worlds.coordinators:
-        held = whole(f"held/{coordinator.model.goal}", robots, "the option that serves the goal in the robot")
+        held = whole_channel(f"held/{coordinator.model.goal}", robots, "the option that serves the goal in the robot")
         yield Sampled(coordinator.held, ((held, same),), np.int16)
 
 
@@ -97,11 +97,11 @@ def networks_of(worlds: Worlds) -> dict[str, Any]:
     }
 
 
-def _layer(layer: int) -> Callable[[Values], Values]:
+def _layer(layer: int) -> Callable[[AnyArray], AnyArray]:
     return lambda values: values[:, :, layer]
 
 
-def _of_plan(layer: int) -> Callable[[Values], Values]:
+def _of_plan(layer: int) -> Callable[[AnyArray], AnyArray]:
     return lambda marks: np.where(marks[:, :, ps.KNOWN] == 1, marks[:, :, layer], -1)
 
 
@@ -124,9 +124,10 @@ def _network(
     readings = channel("readings", ("sensor",), (len(model.sensors),), MILLI, "what the sensors read")
     yield Sampled(state.value_table, ((terms, same),), None, option)
     yield Sampled(state.mark_table, marks, np.int16, option)
-    thresholds = channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about)
-    yield Sampled(state.row_table, ((thresholds, same),), None, option)
-    yield Sampled(state.readings, ((readings, same),), None, option)
+    if option is None:  # the sensors of an option are among those of the robot
+        thresholds = channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about)
+        yield Sampled(state.row_table, ((thresholds, same),))
+        yield Sampled(state.readings, ((readings, same),))
     if model.goals:
         goals = channel("goals", ("goal",), (len(model.goals),), MILLI, "how far each goal is satisfied")
         yield Sampled(state.goal_satisfaction, ((goals, same),), None, option)

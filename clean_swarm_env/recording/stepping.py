@@ -6,11 +6,11 @@ from numpy.typing import NDArray
 from selforg.arrays import Flags, Floats
 from selforg.compiler.decorators import kernel
 
-Whole = NDArray[np.int32]
+WholeNumbers = NDArray[np.int32]
 
 
 @kernel
-def round_values(values: Floats, scale: float, largest: int, whole: Whole) -> None:
+def round_values(values: Floats, scale: float, largest: int, whole: WholeNumbers) -> None:
     """Fill `whole` (K,) with `values` (K,) times `scale`, rounded, within +-`largest`; NaN becomes 0."""
     for k in range(values.shape[0]):
         scaled = values[k] * scale
@@ -23,7 +23,7 @@ def round_values(values: Floats, scale: float, largest: int, whole: Whole) -> No
 
 
 @kernel
-def take_differences(whole: Whole, order: int, steps: Whole, changing: Flags) -> int:
+def take_differences(whole: WholeNumbers, order: int, steps: WholeNumbers, changing: Flags) -> int:
     """Fill `steps` (K, T - 1) with the differences in time of `whole` (T, K), taken `order` times.
 
     The first difference of the second order is that of the first order. `changing` (K,): columns that change. Returns

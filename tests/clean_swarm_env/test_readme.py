@@ -21,7 +21,7 @@ def test_the_example_runs_from_any_directory(tmp_path):
 
 def test_pictures_and_links_exist():
     targets = [target for target in re.findall(r"\]\(([^)#]+)\)", TEXT) if "://" not in target]
-    assert "docs/pictures/world.png" in targets
+    assert {"docs/pictures/world.png", "docs/pictures/mission.webp", "docs/replay.html"} <= set(targets)
     assert [target for target in targets if not (ROOT / target).exists()] == []
 
 

@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `train`, `run`, `score`, `draw`, `explain`, `record`, `list`, `knowledge`.
+"""The command line of Clean Swarm: `app` has all commands.
 
 A mistake in the input gives one line on the standard error and exit code 2; Ctrl-C gives exit code 130. The commands
 import heavy libraries inside their functions, so that help is quick.
@@ -27,6 +27,8 @@ app.command("score")(score.score_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
+app.command("replay")(repeat.replay_command)
+app.command("export")(repeat.export_command)
 
 
 def main() -> None:

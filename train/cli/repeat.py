@@ -1,13 +1,15 @@
-"""`clean-swarm explain` and `record`: repeat a run of an evaluation to see its decisions."""
+"""`clean-swarm explain`, `record` and `replay`: repeat a run of an evaluation to see its decisions."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
+from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import error_console
 
 RunDirectory = Annotated[Path, typer.Argument(help="Directory of an evaluation's results.", metavar="RUN")]
@@ -51,6 +53,44 @@ def record_command(
     with _repeating(run):
         recording = record_run(task, output, minds=minds)
     typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")
+
+
+def replay_command(
+    runs: Annotated[
+        list[Path], typer.Argument(help="Recordings, or directories of results: one or two.", metavar="RUN [RUN2]")
+    ],
+    html: Annotated[Path, typer.Option(help="Page to write; one that exists is replaced.")],
+    scenario: ScenarioOption = None,
+    condition: Annotated[
+        list[str] | None, typer.Option(help="Condition of a run in a directory; twice for two runs, in their order.")
+    ] = None,
+) -> None:
+    """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
+    from train.evaluation.record_run import recording_of  # imports Numba
+    from train.replay.page_file import write_page
+
+    conditions: list[str | None] = [*condition] if condition else [None]
+    chosen = runs * 2 if len(runs) == 1 and len(conditions) == 2 else runs
+    if len(chosen) > 2 or len(conditions) not in (1, len(chosen)):
+        raise ConfigurationError("replay: expected one or two runs, and a condition for each or for all")
+    recordings = []
+    with TemporaryDirectory() as folder:
+        for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
+            with _repeating(run) if run.is_dir() else nullcontext():
+                recordings.append(recording_of(run, scenario, name, Path(folder)))
+        write_page(recordings, html)
+    typer.echo(f"{html}: open it in a browser")
+
+
+def export_command(
+    recording: Annotated[Path, typer.Argument(help="A recording, NAME.swarm.")],
+    output: Annotated[Path, typer.Option(help="File to write, NAME.mcap, or a new directory for tables in Parquet.")],
+) -> None:
+    """Write a recording for other tools; needs the extra `export`."""
+    from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
+    from train.replay.export import export
+
+    typer.echo(f"{export(RecordedMission(recording), output)} tables in {output}")
 
 
 @contextmanager

@@ -18,7 +18,9 @@ Output = Annotated[Path | None, typer.Option(help="Directory of the training; on
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the directory.")]
 
-Record = Annotated[bool, typer.Option("--record", help="Record the missions of validations, for `clean-swarm replay`.")]
+RecordOption = Annotated[
+    bool, typer.Option("--record", help="Record the missions of validations, for `clean-swarm replay`.")
+]
 
 
 @app.command()
@@ -28,7 +30,7 @@ def ppo(
     seed: Seed = 0,
     resume: Resume = False,
     configs: Configs = None,
-    record: Record = False,
+    record: RecordOption = False,
 ) -> None:
     """Train a policy by PPO and export it."""
     check_least({"--seed": (seed, 0)})
@@ -52,7 +54,7 @@ def bandit(
     store: RunStore = None,
     learn: Learn = False,
     configs: Configs = None,
-    record: Record = False,
+    record: RecordOption = False,
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
     check_least({"--seed": (seed, 0)})

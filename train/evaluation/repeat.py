@@ -15,7 +15,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import one_line
 from selforg.registry import unknown
 from train.evaluation.family import TrialTask
-from train.evaluation.repeat_trial import family_tasks, seed_of, trial_steps
+from train.evaluation.repeat_trial import evaluation_seed, family_tasks, trial_steps
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
@@ -61,7 +61,7 @@ def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...]
         experiment = ExperimentConfig.model_validate(identity.get("configuration"))
     except ValidationError as error:
         raise ConfigurationError(one_line(error, f"{path}: identity.configuration", ExperimentConfig)) from error
-    return tasks_of(experiment, seed_of(identity, path), directories)
+    return tasks_of(experiment, evaluation_seed(identity, path), directories)
 
 
 def _chosen(directory: Path) -> dict[tuple[str, str], dict[str, str]]:

@@ -38,7 +38,7 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
     except ValidationError as error:
         raise ConfigurationError(one_line(error, f"{path}: identity.family", FamilyConfig)) from error
     members = dict(_members(identity.get("strategies"), directories, path))
-    seed, goal = seed_of(identity, path), str(identity.get("goal"))
+    seed, goal = evaluation_seed(identity, path), str(identity.get("goal"))
     tasks = []
     for scenario, condition in (record.key for record in runs_of(directory / JOURNAL)):
         if condition not in members:
@@ -64,7 +64,7 @@ def trial_steps(task: TrialTask) -> Iterator[Worlds]:
             observations = batch.end_period().observations
 
 
-def seed_of(identity: Mapping[str, Any], path: Path) -> int:
+def evaluation_seed(identity: Mapping[str, Any], path: Path) -> int:
     """Return the seed of an evaluation."""
     seed = identity.get("seed")
     if not isinstance(seed, int):

@@ -33,8 +33,8 @@ class Pilot(Protocol):
     def choose(self, observations: Observations) -> Ints:
         """Return the option (R,) of each row for the next decision period, from its observations (R, F)."""
 
-    def opinions(self, observations: Observations) -> Floats:
-        """Return what each row thinks of each option (R, O) at its observations (R, F), for recordings."""
+    def opinions(self) -> Floats:
+        """Return what each row thought of each option (R, O) when it last chose, for recordings."""
 
 
 PilotMaker = Callable[[Problem, Ints], Pilot]
@@ -54,11 +54,12 @@ class StrategyPilot:
 
     def choose(self, observations: Observations) -> Ints:
         """Return the options (R,) that the strategy selects."""
-        return self.strategy.select(observations[:, self._columns].astype(np.float64))
+        self._context = observations[:, self._columns].astype(np.float64)
+        return self.strategy.select(self._context)
 
-    def opinions(self, observations: Observations) -> Floats:
+    def opinions(self) -> Floats:
         """Return the scores, estimates or probabilities (R, O) of the strategy."""
-        return self.strategy.opinions(observations[:, self._columns].astype(np.float64))
+        return self.strategy.opinions(self._context)
 
 
 class PolicyPilot:
@@ -75,15 +76,13 @@ class PolicyPilot:
 
     def choose(self, observations: Observations) -> Ints:
         """Return the likeliest options (R,)."""
-        options: Ints = self._outputs(observations).argmax(axis=1)
+        self._outputs = self._network.outputs(observations[:, self._columns].astype(np.float64))
+        options: Ints = self._outputs.argmax(axis=1)
         return options
 
-    def opinions(self, observations: Observations) -> Floats:
+    def opinions(self) -> Floats:
         """Return the probabilities (R, O) of the network."""
-        return shares(self._outputs(observations))
-
-    def _outputs(self, observations: Observations) -> Floats:
-        return self._network.outputs(observations[:, self._columns].astype(np.float64))
+        return shares(self._outputs)
 
 
 class RulePilot:
@@ -108,11 +107,12 @@ class RulePilot:
         rows = np.arange(len(self.rules))
         situations = observations[:, self._columns].argmax(axis=1) if len(self._columns) else np.zeros_like(rows)
         chosen: Ints = self.rules[rows, situations]
+        self._chosen = chosen
         return chosen
 
-    def opinions(self, observations: Observations) -> Floats:
+    def opinions(self) -> Floats:
         """Return 1 for the option of the rule, 0 for the others (R, O)."""
-        return np.eye(self._options)[self.choose(observations)]
+        return np.eye(self._options)[self._chosen]
 
 
 def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:

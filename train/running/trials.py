@@ -84,8 +84,9 @@ def _trials(
         for world, seed in begun:
             pilot.begin(batch.worlds.rows_of(world), seed)
         begun.clear()
+        options = pilot.choose(observations)
         if batch.recorder is not None:
-            batch.recorder.think(decided.problem.goal, pilot.opinions(observations))
-        observations = batch.step(decided.actions(pilot.choose(observations))).observations
+            batch.recorder.think(decided.problem.goal, pilot.opinions())
+        observations = batch.step(decided.actions(options)).observations
         for end in batch.finished:
             yield did[end.world], end.result

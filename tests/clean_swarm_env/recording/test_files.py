@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.channels import LARGEST, Channel, packed_frames, unpacked_frames
+from clean_swarm_env.recording.channels import LARGEST_NUMBER, Channel, packed_frames, unpacked_frames
 from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of
-from clean_swarm_env.recording.reader import Recording
+from clean_swarm_env.recording.reader import RecordedMission
 
 NUMBERS = Channel("numbers", ("robot",), (3,), 1000, 1, "m", "three numbers")
 WHOLE = Channel("whole", (), (), 1, 1, "-", "one whole number")
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("size", [0, 1, 100, 30_000, LARGEST])
+@pytest.mark.parametrize("size", [0, 1, 100, 30_000, LARGEST_NUMBER])
 @pytest.mark.parametrize("frames", [1, 2, 50])
 def test_whole_numbers_come_back(order, size, frames):
     rng = np.random.default_rng(frames)
     whole = rng.integers(-size, size + 1, (frames, 20)).astype(np.int32)
-    if order == 2 and size == LARGEST:
+    if order == 2 and size == LARGEST_NUMBER:
         whole //= 4
     whole[:, 3] = 7
     changing, width, content = packed_frames(whole, order)
@@ -31,7 +31,7 @@ def test_whole_numbers_come_back(order, size, frames):
 
 def test_values_are_rounded_and_held_within_the_range():
     values = np.array([[0.12349, -0.0006, np.nan], [np.inf, -np.inf, 1e12]])
-    assert NUMBERS.whole(values).tolist() == [[123, -1, 0], [LARGEST, -LARGEST, LARGEST]]
+    assert NUMBERS.whole(values).tolist() == [[123, -1, 0], [LARGEST_NUMBER, -LARGEST_NUMBER, LARGEST_NUMBER]]
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def path(tmp_path):
 
 
 def test_parts_are_joined(path):
-    recording = Recording(path)
+    recording = RecordedMission(path)
     assert recording["numbers"].ravel() == pytest.approx(np.arange(90) / 1000)
     assert recording["whole"].tolist() == [0] * 10 + [1] * 10 + [2] * 10
     assert recording.times[-1] == pytest.approx(29 * 0.2)
@@ -71,9 +71,9 @@ def test_a_file_cut_anywhere_is_read_as_far_as_it_goes(path):
     assert lengths == {0, 10, 20, 30}
 
 
-def opened(path) -> tuple[Recording | None, str]:
+def opened(path) -> tuple[RecordedMission | None, str]:
     try:
-        return Recording(path), ""
+        return RecordedMission(path), ""
     except ConfigurationError as error:
         return None, str(error)
 
@@ -102,7 +102,7 @@ def test_other_files_give_one_line(tmp_path, content, expected):
     path = tmp_path / "other.swarm"
     path.write_bytes(content)
     with pytest.raises(ConfigurationError) as error:
-        Recording(path)
+        RecordedMission(path)
     assert str(error.value).startswith(f"{path}: ")
     assert expected in str(error.value)
     assert "\n" not in str(error.value)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import run_seed
-from clean_swarm_env.recording.reader import Recording
+from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, run_mission
 from tests.clean_swarm_env.courses import difference, snapshot
@@ -217,7 +217,7 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path, told):
     path = tmp_path / "run.swarm"
     code, out, err = told("record", evaluated, "--output", path, "--scenario", "2")
     assert code == 0, err
-    recording = Recording(path)
+    recording = RecordedMission(path)
     assert recording.head["about"] == {
         "scenario": "2",
         "seed": run_seed(5, "2"),

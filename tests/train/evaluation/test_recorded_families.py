@@ -1,14 +1,13 @@
 """Recordings of strategies on a family: those of an evaluation, and the same ones from its manifest, run again."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 import yaml
 
-from clean_swarm_env.recording.reader import Recording
-from train.cli import app as cli
+from clean_swarm_env.recording.reader import RecordedMission
+from tests.train.replay.commands import run
 
 FAMILY = {
     "name": "small",
@@ -31,15 +30,6 @@ def told(capsys):
     return call
 
 
-def run(*words: object) -> int:
-    patch = pytest.MonkeyPatch()
-    patch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    patch.undo()
-    return int(ended.value.code or 0)
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     directory = tmp_path_factory.mktemp("family")
@@ -52,7 +42,7 @@ def results(tmp_path_factory):
 
 def test_every_run_has_a_recording_with_its_result(results):
     held = [json.loads(line) for line in (results / "runs.jsonl").open()]
-    recordings = [Recording(path) for path in (results / "recordings").iterdir()]
+    recordings = [RecordedMission(path) for path in (results / "recordings").iterdir()]
     assert len(recordings) == len(held) == 2 * len(STRATEGIES)
     by_run = {(r.head["about"]["scenario"], r.head["about"]["condition"]): r for r in recordings}
     for record in held:
@@ -63,11 +53,11 @@ def test_every_run_has_a_recording_with_its_result(results):
 
 @pytest.mark.parametrize("condition", STRATEGIES)
 def test_a_run_that_is_repeated_has_the_same_recording(results, tmp_path, told, condition):
-    first = Recording(results / "recordings" / f"test-2-{condition.replace(':', '_')}.swarm")
+    first = RecordedMission(results / "recordings" / f"test-2-{condition.replace(':', '_')}.swarm")
     words = ("--scenario", "test-2", "--condition", condition, "--output", tmp_path / "again.swarm")
     code, _, err = told("record", results, *words)
     assert code == 0, err
-    again = Recording(tmp_path / "again.swarm")
+    again = RecordedMission(tmp_path / "again.swarm")
     assert again.checksums() == first.checksums()
     assert again.head["about"] == first.head["about"]
     frame, robot = first.frames // 2, 1
@@ -81,10 +71,12 @@ def test_a_run_that_is_repeated_has_the_same_recording(results, tmp_path, told, 
 
 def test_what_each_strategy_thinks_of_the_options_is_recorded(results):
     opinions = {
-        name: Recording(results / "recordings" / f"test-1-{name.replace(':', '_')}.swarm")["opinion/AvoidCollision"]
+        name: RecordedMission(results / "recordings" / f"test-1-{name.replace(':', '_')}.swarm")[
+            "opinion/AvoidCollision"
+        ]
         for name in STRATEGIES
     }
-    held = Recording(results / "recordings" / "test-1-policy_general.swarm")["held/AvoidCollision"]
+    held = RecordedMission(results / "recordings" / "test-1-policy_general.swarm")["held/AvoidCollision"]
     assert (opinions["policy:general"].argmax(axis=2) == held).mean() > 0.99
     assert np.ptp(opinions["policy:general"]) > 0.1
     for name in ("policy:general", "Random"):

@@ -1,0 +1,93 @@
+"""The cost of recordings beside the same missions without, and the sizes of their files.
+
+    python -m benchmarks.recording
+
+One process, CPU time, by turns. Twenty robots for ten minutes: one mission alone, and ten of the family `crowded` in
+one batch, as `evaluate` runs them. A thousand robots for a minute; the size is for ten.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+from benchmarks.measuring import by_turns, middle, ratio
+from benchmarks.record import record
+from benchmarks.scenes import SEED, mission_of
+from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording.mission_recording import record_mission
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import MissionRun, run_mission
+from selector.strategies.registry import StrategySpec
+from train.evaluation.family import TrialTask
+
+OPTION = "RepulsionGradient-from0.25"
+MANY = 1000
+REPEATS = 5
+MODES = ("without", "recorded", "with minds")
+
+
+def alone(scenario: Scenario, mode: str, folder: Path) -> Callable[[], float]:
+    """Return a contestant that gives the CPU seconds of one mission."""
+    known = scenario.mission.knowledge == "avoidance"
+    strategy = StrategySpec(name="Fixed", parameters={"option": OPTION}) if known else StrategySpec(name="MaxScore")
+    run = MissionRun(scenario.mission, scenario.start, scenario.seed, {}, strategy)
+    settings = RecordSettings(folder, minds=mode == MODES[2], name=f"{run.mission.robots.count} {mode}")
+
+    def spent() -> float:
+        begin = process_time()
+        if mode == MODES[0]:
+            run_mission(run.mission, run.start, run.seed, run.scores, run.strategy)
+        else:
+            record_mission(run, settings, {})
+        return process_time() - begin
+
+    return spent
+
+
+def together(mode: str, folder: Path) -> Callable[[], float]:
+    """Return a contestant that gives the CPU seconds of ten missions under the policy `general`."""
+    task = TrialTask(load_family("crowded"), 0, tuple(range(10)), "policy", "policy:general", "AvoidCollision", ())
+    wanted = task if mode == MODES[0] else task.recorded(RecordSettings(folder / mode, minds=mode == MODES[2]))
+
+    def spent() -> float:
+        begin = process_time()
+        wanted.run()
+        return process_time() - begin
+
+    return spent
+
+
+def many() -> Scenario:
+    """Return a minute of a thousand robots."""
+    mission = mission_of(MANY).model_copy(update={"time_limit": 60.0})
+    return Scenario("many", SEED, mission, random_start(mission, SEED, 0))
+
+
+def main() -> None:
+    """Measure, print and keep the figures."""
+    figures: dict[str, dict[str, float]] = {}
+    with TemporaryDirectory() as name:
+        folder, crowded = Path(name), load_family("crowded").scenario(0, 0, "test")
+        contests = {
+            "one mission of 20 robots": {mode: alone(crowded, mode, folder) for mode in MODES},
+            "ten missions of 20 robots": {mode: together(mode, folder) for mode in MODES},
+            "1000 robots": {mode: alone(many(), mode, folder) for mode in MODES[:2]},
+        }
+        for title, contestants in contests.items():
+            repeats = by_turns(contestants, REPEATS)
+            figures[title] = {"seconds without": middle(repeats[MODES[0]])}
+            for mode in list(contestants)[1:]:
+                figures[title][f"more CPU, {mode}"] = ratio(repeats[mode], repeats[MODES[0]]).value - 1.0
+        size = {path.stem: path.stat().st_size / 1e6 for path in folder.glob("*.swarm")}
+        figures["one mission of 20 robots"]["MB with minds"] = size["20 with minds"]
+        figures["1000 robots"]["MB for ten minutes"] = size[f"{MANY} recorded"] * 10.0
+    for title, values in figures.items():
+        print(title, {key: round(value, 3) for key, value in values.items()})
+    record("recording", figures)
+
+
+if __name__ == "__main__":
+    main()

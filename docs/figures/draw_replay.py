@@ -1,0 +1,79 @@
+"""Draws the replay page in Chromium: `python -m docs.figures.draw_replay [DIR]` (default docs).
+
+Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; and
+its page, `replay.html`. Needs Chromium (`apt-get install chromium`) and Playwright (`pip install playwright`).
+"""
+
+import shutil
+import sys
+from base64 import b64decode
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
+from train.evaluation.family import TrialTask
+from train.replay.page_file import write_page
+
+DOCS = Path(__file__).parents[1]
+CONDITIONS = ("fixed:RepulsionGradient-from0.25", "policy:general")
+MOMENT = "#t=64&robot=7&run=1"
+SIZE = (1500, 900)
+SIDE = 400
+"""Side of the animation [pixels]."""
+STEP = 4
+"""Control periods from picture to picture of the animation."""
+SHOWN = 100
+"""Time that a picture is shown [ms]: eight times as fast as the mission."""
+
+
+def record(folder: Path) -> list[RecordedMission]:
+    """Record one scenario of the family `crowded` under both conditions."""
+    family = load_family("crowded")
+    for condition in CONDITIONS:
+        task = TrialTask(family, 0, (0,), condition, condition, "AvoidCollision", ())
+        task.recorded(RecordSettings(folder, minds=True, name=condition.partition(":")[0])).run()
+    return [RecordedMission(folder / f"{condition.partition(':')[0]}.swarm") for condition in CONDITIONS]
+
+
+def opened(browser: Browser, path: Path, link: str = "") -> Page:
+    """Open a page and wait until it is ready."""
+    page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
+    page.goto(path.as_uri() + link)
+    page.wait_for_selector("body[data-ready]", timeout=60_000)
+    return page
+
+
+def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
+    """Yield pictures of the world from the first to the last frame."""
+    for frame in range(0, frames, STEP):
+        page.evaluate(f"replay.page.go({frame} * replay.page.period)")
+        data = page.evaluate("document.querySelector('.world').toDataURL('image/png')")
+        picture = Image.open(BytesIO(b64decode(data.partition(",")[2]))).convert("RGB")
+        yield picture.resize((SIDE, SIDE), Image.Resampling.LANCZOS)
+
+
+def main(folder: Path) -> None:
+    """Write picture, animation and page."""
+    with TemporaryDirectory() as place, sync_playwright() as playwright:
+        recordings = record(Path(place))
+        both = Path(place) / "both.html"
+        write_page(recordings, both)
+        write_page(recordings[1:], folder / "replay.html")
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        screen = Image.open(BytesIO(opened(browser, both, MOMENT).screenshot())).convert("RGB").quantize(256)
+        screen.save(folder / "pictures" / "replay.png", optimize=True)
+        first, *others = pictures(opened(browser, folder / "replay.html"), recordings[1].frames)
+        animation = folder / "pictures" / "mission.webp"
+        first.save(animation, save_all=True, append_images=others, duration=SHOWN, loop=0, quality=40, method=4)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS)

@@ -1,0 +1,47 @@
+"""The examples of docs/recordings.md run one after the other, and its table of channels is that of the code."""
+
+import re
+
+import numpy as np
+
+from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.mission import DeliveryConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording.mission_recording import record_mission
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import MissionRun
+from tests.paths import ROOT
+
+PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+
+
+def test_the_examples_read_what_was_recorded(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    python, alone = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    exec(python, {})
+    assert "traces of pheromone at 20 s" in capsys.readouterr().out
+    assert not re.search(r"^(from|import) (?!json|struct|zlib|numpy)", alone, flags=re.MULTILINE)
+    names: dict = {}
+    exec(alone, names)
+    recording = RecordedMission(tmp_path / "recordings" / "run.swarm")
+    assert set(names["channels"]) == set(recording)
+    for name, values in recording.items():
+        np.testing.assert_array_equal(names["channels"][name], values, name)
+
+
+def test_all_channels_are_on_the_page_as_they_are(tmp_path):
+    mission = load_mission("table1").model_copy(update={"time_limit": 1.0, "delivery": DeliveryConfig(loss=0.5)})
+    run = MissionRun(mission, random_start(mission, 1, 0), 2, {})
+    record_mission(run, RecordSettings(tmp_path, minds=True, name="run"), {})
+    recording = RecordedMission(tmp_path / "run.swarm")
+    rows = PAGE.split("<!-- begin: channels -->\n")[1].split("<!-- end: channels -->")[0].splitlines()[2:]
+    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+    told = {name: (unit, about) for names, _, unit, about in cells for name in re.findall(r"`([^`]+)`", names)}
+    coded = {
+        re.sub(r"^(held|opinion)/.*", r"\1/GOAL", re.sub(r"^(?!held|opinion).*/(\w+)$", r"NETWORK/\1", name)): (
+            channel.unit, channel.about
+        )
+        for name, channel in recording.channels.items()
+    }  # fmt: skip
+    assert told == coded

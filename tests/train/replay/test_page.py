@@ -1,0 +1,236 @@
+"""The replay page in a headless Chromium: it plays, scrubs, shows its recordings' numbers, and asks for nothing."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from clean_swarm_env.recording.reader import RecordedMission
+from tests.train.replay.commands import run
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+CHROMIUM = shutil.which("chromium")
+pytestmark = [
+    pytest.mark.page,
+    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium"),
+]
+FAMILY = {
+    "name": "small",
+    "description": "Eight robots and eight items, messages lost, robots that fail and join.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 90.0, "delivery": {"loss": 0.2}},
+    "robots": [8, 8],
+    "items": [8, 8],
+    "changes": {"number": [5, 5], "kinds": ["join", "fail"]},
+}
+CONDITIONS = ("policy:general", "fixed:RepulsionGradient")
+CELLS = "[...document.querySelectorAll('[data-NAME]')].map(cell => [cell.dataset.NAME, +cell.dataset.value])"
+CALM = 60_000
+"""Time that the page may take on a busy machine [ms]."""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory) -> Path:
+    """Results of two strategies with recordings, and the page of both."""
+    directory = tmp_path_factory.mktemp("page")
+    (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
+    words = [word for name in CONDITIONS for word in ("--strategy", name)]
+    words += ["--scenarios", "1", "--workers", "1", "--minds", "--output", str(directory / "run")]
+    assert run("evaluate", "--family", directory / "small.yaml", *words) == 0
+    conditions = [word for name in CONDITIONS for word in ("--condition", name)]
+    assert run("replay", directory / "run", *conditions, "--html", directory / "both.html") == 0
+    return directory
+
+
+@pytest.fixture(scope="module")
+def recordings(results) -> list[RecordedMission]:
+    folder = results / "run" / "recordings"
+    return [RecordedMission(folder / f"test-1-{name.replace(':', '_')}.swarm") for name in CONDITIONS]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def opened(browser, results):
+    """Open the page at a link; at the end it must have logged nothing and asked for nothing."""
+    pages, said = [], []
+
+    def open_page(link: str = ""):
+        page = browser.new_page(viewport={"width": 1500, "height": 900})
+        pages.append(page)
+        page.set_default_timeout(CALM)
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: said.append(request.url))
+        page.goto((results / "both.html").as_uri() + link)
+        page.wait_for_selector("body[data-ready]")
+        return page
+
+    yield open_page
+    for page in pages:
+        page.close()
+    assert [words for words in said if not words.startswith("file://")] == []
+    assert len(said) == len(pages)  # each asked for itself only
+
+
+def test_every_channel_has_the_same_checksum_in_python_and_in_the_page(opened, recordings):
+    page = opened()
+    assert page.evaluate("replay.checksums()") == [recording.checksums() for recording in recordings]
+
+
+def test_it_plays_and_stops(opened):
+    page = opened("#t=10")
+    page.click("#play")
+    while page.evaluate("replay.page.time") < 12.0:
+        page.wait_for_timeout(50)
+    page.keyboard.press(" ")
+    assert page.text_content("#play") == "Play"
+    stopped = page.evaluate("replay.page.time")
+    assert abs(stopped / 0.2 - round(stopped / 0.2)) < 1e-6
+    page.wait_for_timeout(300)
+    assert page.evaluate("replay.page.time") == stopped
+
+
+def test_keys_move_one_step(opened):
+    page = opened("#t=10")
+    page.focus("#time")  # where the slider has keys of its own
+    for key, expected in (("ArrowRight", 10.2), ("ArrowLeft", 10.0), ("Shift+ArrowRight", 11.0), ("Home", 0.0)):
+        page.keyboard.press(key)
+        assert page.evaluate("replay.page.time") == pytest.approx(expected), key
+    page.keyboard.press("End")
+    assert page.evaluate("replay.page.time === replay.page.end")
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("replay.page.robot") == 1
+
+
+def test_the_timeline_and_the_charts_scrub(opened):
+    page = opened()
+    for selector in ("#timeline", ".chart >> nth=1"):
+        box = page.locator(selector).bounding_box()
+        page.click(selector, position={"x": box["width"] / 2, "y": 40})
+        assert page.evaluate("replay.page.time / replay.page.end") == pytest.approx(0.5, abs=0.01)
+        page.keyboard.press("Home")
+
+
+def test_a_link_opens_a_moment_and_the_address_follows(opened, recordings):
+    page = opened("#t=8.4&robot=3&run=1")
+    assert page.text_content("#panel h2") == "Robot 3"
+    assert page.text_content("#now") == "8.4 s"
+    assert page.text_content("[data-channel=x]") == f"{recordings[1]['x'][42, 3]:.3f}"
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("location.hash") == "#t=8.6&robot=3&run=1"
+
+
+def test_two_runs_stay_on_one_clock_and_part_where_they_part(opened, recordings):
+    one, other = recordings
+    frames = min(one.frames, other.frames)
+    differ = [(one.whole(name)[:frames] != other.whole(name)[:frames]).any(axis=1) for name in ("x", "y", "heading")]
+    parting = int(np.flatnonzero(np.any(differ, axis=0))[0])
+    page = opened()
+    assert page.text_content("#parting") == f"The runs part at {parting * 0.2:.1f} s"
+    page.click("#parting")
+    assert page.evaluate("replay.page.shown.map(({run}) => replay.page.frameOf(run))") == [parting, parting]
+
+
+def test_a_robot_that_is_clicked_is_chosen_where_it_is(opened, recordings):
+    page = opened("#t=15")
+    recording, frame = recordings[0], 75
+    box = page.locator(".world >> nth=0").bounding_box()
+    head = recording.head
+    for robot in (0, 4, 7):
+        x = box["x"] + recording["x"][frame, robot] / head["width"] * box["width"]
+        y = box["y"] + (1.0 - recording["y"][frame, robot] / head["height"]) * box["height"]
+        page.mouse.click(x, y)
+        assert page.text_content("#panel h2") == f"Robot {robot}"
+        assert page.text_content("[data-channel=y]") == f"{recording['y'][frame, robot]:.3f}"
+        held = head["options"]["AvoidCollision"][recording["held/AvoidCollision"][frame, robot]]
+        assert page.text_content("[data-held]") == held
+
+
+def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, recordings, capsys):
+    rng = np.random.default_rng(16)
+    page = opened()
+    for _ in range(20):
+        k = int(rng.integers(2))
+        robot, frame = int(rng.integers(8)), int(rng.integers(recordings[k].frames))
+        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
+        capsys.readouterr()
+        words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")
+        assert run("explain", results / "run", *words) == 0
+        step = json.loads(capsys.readouterr().out)
+        rows = page.evaluate(
+            "[...document.querySelectorAll('[data-network=robot]')].map(row => ({...row.dataset,"
+            " why: row.querySelector('.why').textContent}))"
+        )
+        assert {row["behaviour"] for row in rows} == {account["name"] for account in step["behaviours"]}
+        shown = {row["behaviour"]: row for row in rows}
+        for account in step["behaviours"]:
+            row = shown[account["name"]]
+            assert row["why"] == account["why"]
+            assert (row["running"] == "1") == account["running"]
+            assert float(row["activation"]) == pytest.approx(account["activation"], abs=0.00051)
+            parts = [float(part) for part in row["parts"].split(" ")]
+            assert parts == pytest.approx(list(account["components"].values()), abs=0.00051)
+        read = page.evaluate(
+            "[...document.querySelectorAll('[data-sensor]')].map(c => [c.dataset.sensor, +c.dataset.value])"
+        )
+        assert dict(read) == pytest.approx(step["readings"], abs=0.00051)
+        goals = page.evaluate(
+            "[...document.querySelectorAll('[data-goal]')].map(c => [c.dataset.goal, +c.dataset.value])"
+        )
+        assert dict(goals) == pytest.approx({g["name"]: g["satisfaction"] for g in step["goals"]}, abs=0.00051)
+        plan = page.evaluate("[...document.querySelectorAll('[data-step]')].map(step => step.textContent)")
+        assert plan == (step["plan"] or [])
+        assert page.text_content("[data-held]") == step["options"]["AvoidCollision"]
+
+
+def test_events_are_those_of_the_recording(opened, recordings):
+    page = opened()
+    counted = page.evaluate(
+        "replay.events().map(events => {"
+        " const n = {}; for (const e of events) n[e.kind] = (n[e.kind] ?? 0) + 1; return n; })"
+    )
+    for recording, counts in zip(recordings, counted, strict=True):
+        assert counts.get("dumped", 0) == recording.result["garbage_done"]
+        came = np.diff(recording["working"], axis=0)
+        assert (counts.get("joined", 0), counts.get("failed", 0)) == ((came > 0).sum(), (came < 0).sum())
+        assert came.any()
+        assert counts.get("switch", 0) == (np.diff(recording["held/AvoidCollision"], axis=0) != 0).sum()
+        assert counts.get("contact", 0) == (recording["contact"][1:] > 0).sum()
+    box = page.locator(".caption >> nth=0")
+    page.keyboard.press("End")
+    assert f"{recordings[0].result['garbage_done']} items dumped" in box.text_content()
+
+
+def test_layers_following_and_colours_change_what_is_drawn(opened):
+    page = opened("#t=20&robot=2")
+    seen = {page.evaluate("document.querySelector('.world').toDataURL()")}
+    for name in ("fields", "reach", "view", "seen", "paths", "contacts"):
+        page.click(f"[name={name}]")
+        seen.add(page.evaluate("document.querySelector('.world').toDataURL()"))
+    page.keyboard.press("f")
+    seen.add(page.evaluate("document.querySelector('.world').toDataURL()"))
+    page.click("#theme")
+    seen.add(page.evaluate("document.querySelector('.world').toDataURL()"))
+    assert len(seen) >= 8  # contacts may be none at this moment
+
+
+def test_the_field_is_highest_where_robots_have_just_been(opened):
+    page = opened("#t=20")
+    assert page.evaluate(
+        "(() => { const {run, view} = replay.page.shown[0], field = view.field, reach = [...field.at(100)];"
+        " const N = run.head.robots, at = (name, t, i) => run.tracks.get(name).data[t * N + i];"
+        " const cell = (t, i) => Math.floor(at('y', t, i) / 11000 * field.ny) * field.nx"
+        " + Math.floor(at('x', t, i) / 11000 * field.nx);"
+        " const left = []; for (let t = 90; t < 100; t++) for (let i = 0; i < 8; i++)"
+        " if (at('deposit', t, i)) left.push(reach[cell(t, i)]);"
+        " return left.length > 10 && Math.min(...left) > 0.99 && Math.min(...reach) < 0.5; })()"
+    )

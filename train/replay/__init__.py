@@ -1,0 +1,1 @@
+"""The replay page of recordings: one file that needs nothing else, see `page`."""

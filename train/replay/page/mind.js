@@ -1,0 +1,158 @@
+// @ts-check
+/** What goes on in one robot, as a panel. */
+import { titleOf, valueAt } from "./recording.js";
+import { PALETTE } from "./world.js";
+/** @typedef {import("./recording.js").Run} Run */
+
+const CARGO = ["nothing", "an item", "leftovers of an item"];
+
+/** Escape a text for HTML. @param {unknown} text */
+export const plain = (text) => String(text).replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
+
+/** @param {number} value @param {number} digits */
+const fixed = (value, digits = 2) => value.toFixed(digits);
+
+/**
+ * Return why a behaviour runs or does not, in words.
+ * @param {Run} run @param {string} prefix of the network @param {number} frame @param {number} robot @param {number} b
+ */
+export function whyOf(run, prefix, frame, robot, b) {
+  const names = /** @type {import("./recording.js").NetworkNames} */ (run.head.networks?.[prefix]);
+  const at = robot * names.behaviours.length + b;
+  const by = valueAt(run, `${prefix}/by`, frame, at);
+  return (run.head.reasons?.[valueAt(run, `${prefix}/reason`, frame, at)] ?? "").replace("{by}", by >= 0 ? names.behaviours[by] : "");
+}
+
+/**
+ * Return what a behaviour that is not ready needs, with what the sensors read.
+ * @param {Run} run @param {string} prefix @param {number} frame @param {number} robot @param {number} b
+ */
+function needsOf(run, prefix, frame, robot, b) {
+  const names = /** @type {import("./recording.js").NetworkNames} */ (run.head.networks?.[prefix]);
+  const name = names.behaviours[b], held = run.head.options[name] ? valueAt(run, `held/${name}`, frame, robot) : -1;
+  const all = names.needs[b].filter(([tag]) => tag === -1 || tag === held).map(([, sensor, wanted]) => {
+    const reads = valueAt(run, `${prefix}/readings`, frame, robot * names.sensors.length + names.sensors.indexOf(sensor));
+    const fact = wanted.startsWith("Boolean") ? Number(wanted.includes("True")) : -1;
+    const text = fact < 0 ? `${sensor} ${wanted}, reads ${fixed(reads)}` : `${sensor} ${fact ? "true" : "false"}`;
+    return { text, missing: fact >= 0 && reads !== fact, fact };
+  });
+  const missing = all.filter((need) => need.missing), told = missing.length ? missing : all.filter((need) => need.fact < 0);
+  return told.length ? `needs ${told.map((need) => need.text).join("; ")}` : "";
+}
+
+/** Return a bar of signed parts around a middle, as HTML. @param {number[]} parts @param {number} most */
+function stacked(parts, most) {
+  let up = 0, down = 0, bars = "";
+  parts.forEach((part, k) => {
+    const width = (Math.abs(part) / most) * 50;
+    if (width < 0.05) return;
+    if (part < 0) down += width;
+    bars += `<i style="left:${part > 0 ? 50 + up : 50 - down}%;width:${width}%;background:${PALETTE[k]}"></i>`;
+    if (part > 0) up += width;
+  });
+  return `<div class="bar">${bars}<em></em></div>`;
+}
+
+/** @param {string} colour @param {string} text */
+const key = (colour, text) => `<span class="key" style="background:${colour}"></span>${plain(text)}`;
+
+/** Return the panel of a robot at a frame as HTML. @param {Run} run @param {number} frame @param {number} robot */
+export function panelOf(run, frame, robot) {
+  const { head } = run, parts = [];
+  const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
+  const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
+  parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run))}</p>`);
+  if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
+  parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
+    <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m and carries ${CARGO[cargo]}.</p>`);
+  for (const [goal, options] of Object.entries(head.options)) parts.push(optionsOf(run, goal, options, frame, robot));
+  if (head.networks) {
+    parts.push(networkOf(run, "robot", frame, robot), insideOf(run, frame, robot), planOf(run, frame, robot));
+    parts.push(readingsOf(run, frame, robot), goalsOf(run, frame, robot));
+  } else parts.push("<p>The networks of the robots were not recorded (<code>--minds</code>).</p>");
+  if (run.tracks.has("missed")) parts.push(`<p>Poses of others missed: ${valueAt(run, "missed", frame, robot)}</p>`);
+  return parts.join("");
+}
+
+/** @param {Run} run @param {string} goal @param {string[]} options @param {number} frame @param {number} robot */
+function optionsOf(run, goal, options, frame, robot) {
+  const held = valueAt(run, `held/${goal}`, frame, robot), thought = run.tracks.has(`opinion/${goal}`);
+  const values = options.map((_, k) => valueAt(run, `opinion/${goal}`, frame, robot * options.length + k));
+  const most = Math.max(...values.map(Math.abs), 1e-9);
+  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(PALETTE[k % PALETTE.length], name)}</td>
+    <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${PALETTE[k % PALETTE.length]}"></i></div></td>
+    <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);
+  return `<h3>${plain(goal)}: <span data-held="${plain(goal)}">${plain(options[held])}</span></h3>
+    ${thought ? "<p class='small'>What the chooser thinks of each option:</p>" : ""}<table>${rows.join("")}</table>`;
+}
+
+/** @param {Run} run @param {string} prefix @param {number} frame @param {number} robot */
+function networkOf(run, prefix, frame, robot) {
+  const names = /** @type {import("./recording.js").NetworkNames} */ (run.head.networks?.[prefix]);
+  const terms = run.head.terms ?? [], count = names.behaviours.length;
+  /** @param {number} b @param {number} term */
+  const value = (b, term) => valueAt(run, `${prefix}/values`, frame, (robot * terms.length + term) * count + b);
+  const order = [...names.behaviours.keys()].filter((b) => valueAt(run, `${prefix}/present`, frame, robot * count + b));
+  order.sort((a, b) => value(b, 0) - value(a, 0));
+  const most = Math.max(0.5, ...order.map((b) => terms.slice(2).reduce((sum, _, k) => sum + Math.abs(value(b, k + 2)), 0)));
+  const rows = order.map((b) => {
+    const running = valueAt(run, `${prefix}/running`, frame, robot * count + b), ready = valueAt(run, `${prefix}/ready`, frame, robot * count + b);
+    return `<tr class="${running ? "run" : ""}" data-network="${plain(prefix)}" data-behaviour="${plain(names.behaviours[b])}"
+      data-activation="${value(b, 0)}" data-parts="${terms.slice(2).map((_, k) => value(b, k + 2)).join(" ")}" data-running="${running}">
+      <td>${running ? "&#9654; " : ""}${plain(names.behaviours[b])}<div class="why">${plain(whyOf(run, prefix, frame, robot, b))}</div>
+      ${ready ? "" : `<div class="why">${plain(needsOf(run, prefix, frame, robot, b))}</div>`}</td>
+      <td>${stacked(terms.slice(2).map((_, k) => value(b, k + 2)), most)}</td><td class="n">${fixed(value(b, 0))}</td></tr>`;
+  });
+  const threshold = valueAt(run, `${prefix}/thresholds`, frame, robot * 3 + 2);
+  return `<h3>Behaviours, the most active first</h3><p class="small">The step was decided by the threshold ${fixed(threshold)}.
+    Bars: what the step added to each activation.</p><table>${rows.join("")}</table>
+    <div class="small">${terms.slice(2).map((term, k) => key(PALETTE[k], term.replace("_", " "))).join(" ")}</div>`;
+}
+
+/** Return the networks inside behaviours that run. @param {Run} run @param {number} frame @param {number} robot */
+function insideOf(run, frame, robot) {
+  /** @type {string[]} */
+  const lines = [];
+  for (const prefix of Object.keys(run.head.networks ?? {})) {
+    const [goal, option] = [prefix.split("/")[0], prefix.split("/").slice(1).join("/")];
+    if (prefix === "robot" || (run.head.options[goal] && run.head.options[goal][valueAt(run, `held/${goal}`, frame, robot)] !== option)) continue;
+    const names = /** @type {import("./recording.js").NetworkNames} */ (run.head.networks?.[prefix]), outer = run.head.networks?.robot.behaviours ?? [];
+    if (!valueAt(run, "robot/running", frame, robot * outer.length + outer.indexOf(goal))) continue;
+    names.behaviours.forEach((name, b) => lines.push(`<li>${plain(name)}: ${plain(whyOf(run, prefix, frame, robot, b))} <span class="small">in ${plain(prefix)}</span></li>`));
+  }
+  return lines.length ? `<h3>Inside</h3><ul>${lines.join("")}</ul>` : "";
+}
+
+/** @param {Run} run @param {number} frame @param {number} robot */
+function planOf(run, frame, robot) {
+  const track = run.tracks.get("robot/plan");
+  if (!track) return "";
+  const most = track.columns / run.head.robots;
+  const names = run.head.networks?.robot.behaviours ?? [];
+  const length = valueAt(run, "robot/plan_length", frame, robot), due = valueAt(run, "robot/plan_due", frame, robot);
+  const steps = Array.from({ length: Math.min(Math.max(length, 0), most) }, (_, k) =>
+    `<span data-step class="${k === due ? "due" : k < due ? "past" : ""}">${plain(names[valueAt(run, "robot/plan", frame, robot * most + k)])}</span>`);
+  return `<h3>Plan</h3><div class="plan" data-plan="${length}">${length < 0 ? "no plan" : steps.join(" &rarr; ") || "nothing to do"}</div>`;
+}
+
+/** @param {Run} run @param {number} frame @param {number} robot */
+function readingsOf(run, frame, robot) {
+  const names = run.head.networks?.robot.sensors ?? [];
+  const cells = names.map((name, k) => {
+    const value = valueAt(run, "robot/readings", frame, robot * names.length + k);
+    return `<td>${plain(name)}</td><td class="n" data-sensor="${plain(name)}" data-value="${value}">${fixed(value)}</td>`;
+  });
+  const rows = cells.map((cell, k) => (k % 2 ? "" : `<tr>${cell}${cells[k + 1] ?? ""}</tr>`));
+  return `<h3>Sensors</h3><table>${rows.join("")}</table>`;
+}
+
+/** @param {Run} run @param {number} frame @param {number} robot */
+function goalsOf(run, frame, robot) {
+  const names = run.head.networks?.robot.goals ?? [];
+  const rows = names.map((name, k) => {
+    const value = valueAt(run, "robot/goals", frame, robot * names.length + k);
+    return `<tr><td>${plain(name)}</td><td><div class="bar"><i style="left:0;width:${value * 100}%;background:#009E73"></i></div></td>
+      <td class="n" data-goal="${plain(name)}" data-value="${value}">${fixed(value)}</td></tr>`;
+  });
+  return names.length ? `<h3>Goals: how far each is satisfied</h3><table>${rows.join("")}</table>` : "";
+}

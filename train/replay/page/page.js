@@ -1,0 +1,328 @@
+// @ts-check
+/** The page: loads the recordings, plays them on one clock, and shows what is chosen. */
+import { bytesOf, checksums, readRecording, titleOf } from "./recording.js";
+import { EVENT_WORDS, countsOf, eventsOf, partingFrame } from "./course.js";
+import { PALETTE, WorldView } from "./world.js";
+import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
+import { panelOf, plain } from "./mind.js";
+/** @typedef {import("./recording.js").Run} Run */
+/** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
+ *   charts: HTMLCanvasElement[], caption: HTMLElement}} Shown */
+
+const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
+const PANEL_PERIOD = 120; // [ms] between two pictures of the panel while the page plays
+
+/** @param {string} id @returns {any} */
+const element = (id) => document.getElementById(id);
+
+class Page {
+  /** @param {Run[]} runs */
+  constructor(runs) {
+    this.period = runs[0].head.period;
+    this.frames = Math.max(...runs.map((run) => run.frames));
+    this.time = 0;
+    this.robot = 0;
+    this.chosen = 0;
+    this.playing = false;
+    this.following = false;
+    this.speed = SPEEDS.indexOf(5);
+    this.before = 0;
+    this.panelAt = 0;
+    this.parting = runs.length > 1 ? partingFrame(runs[0], runs[1]) : -1;
+    /** @type {Shown[]} */
+    this.shown = runs.map((run, k) => this.build(run, k));
+    /** Lines over the charts at the present time. @type {HTMLElement[]} */
+    this.lines = [...document.querySelectorAll(".over")].map((over) => {
+      if (this.parting > 0) this.lineOver(over, "parting").style.left = `${(100 * this.parting) / this.frames}%`;
+      return this.lineOver(over, "present");
+    });
+    this.connect();
+    this.size();
+    this.readLink();
+    this.draw();
+  }
+
+  get end() {
+    return (this.frames - 1) * this.period;
+  }
+
+  /** Return the frame of a run at the present time. @param {Run} run */
+  frameOf(run) {
+    return Math.max(0, Math.min(run.frames - 1, Math.floor(this.time / this.period + 1e-6)));
+  }
+
+  /** Build the figure of a run. @param {Run} run @param {number} k @returns {Shown} */
+  build(run, k) {
+    const figure = document.createElement("figure");
+    const goal = Object.keys(run.head.options)[0], options = run.head.options[goal] ?? [];
+    figure.innerHTML = `<figcaption><b>${plain(titleOf(run))}</b><span class="caption"></span></figcaption>
+      <canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas>
+      <h3>Option held by each robot</h3><div class="over"><canvas class="chart" height="120"></canvas></div>
+      <div class="small">${options.map((name, o) => `<span class="key" style="background:${PALETTE[o % PALETTE.length]}"></span>${plain(name)}`).join(" ")}</div>
+      <h3>Items dumped (line), collisions (dashes)</h3><div class="over"><canvas class="chart" height="90"></canvas></div>
+      <h3>What the chooser thinks of each option, mean of the robots</h3><div class="over"><canvas class="chart" height="90"></canvas></div>`;
+    element("runs").append(figure);
+    const canvas = /** @type {HTMLCanvasElement} */ (figure.querySelector(".world"));
+    const charts = [...figure.querySelectorAll(".chart")].map((chart) => /** @type {HTMLCanvasElement} */ (chart));
+    const view = new WorldView(run, canvas);
+    this.listen(canvas, view, k);
+    for (const chart of charts) this.scrubOn(chart);
+    const caption = /** @type {HTMLElement} */ (figure.querySelector(".caption"));
+    const events = eventsOf(run);
+    return { run, view, events, counts: countsOf(run, events), charts, caption };
+  }
+
+  /** Return a new vertical line over a chart. @param {Element} over @param {string} name */
+  lineOver(over, name) {
+    const line = document.createElement("div");
+    line.className = `line ${name}`;
+    over.append(line);
+    return line;
+  }
+
+  /** Listen to what is done on a world: click, drag, wheel. @param {HTMLCanvasElement} canvas @param {WorldView} view @param {number} k */
+  listen(canvas, view, k) {
+    /** @type {{x: number, y: number, moved: boolean} | null} */
+    let drag = null;
+    canvas.addEventListener("pointerdown", (e) => { drag = { x: e.clientX, y: e.clientY, moved: false }; canvas.setPointerCapture(e.pointerId); });
+    canvas.addEventListener("pointermove", (e) => {
+      if (!drag || (!drag.moved && Math.hypot(e.clientX - drag.x, e.clientY - drag.y) < 6)) return;
+      const box = canvas.getBoundingClientRect(), metre = (box.width / view.run.head.width) * view.zoom;
+      view.centre[0] -= (e.clientX - drag.x) / metre;
+      view.centre[1] += (e.clientY - drag.y) / metre;
+      drag = { x: e.clientX, y: e.clientY, moved: true };
+      this.follow(false);
+      this.draw();
+    });
+    canvas.addEventListener("pointerup", (e) => {
+      const box = canvas.getBoundingClientRect();
+      if (drag && !drag.moved) this.choose(k, view.nearest((e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height));
+      drag = null;
+    });
+    canvas.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      view.zoom = Math.max(1, Math.min(12, view.zoom * (e.deltaY < 0 ? 1.2 : 1 / 1.2)));
+      if (view.zoom === 1) view.centre = [view.run.head.width / 2, view.run.head.height / 2];
+      this.draw();
+    }, { passive: false });
+  }
+
+  /** Let a canvas set the time. @param {HTMLCanvasElement} canvas */
+  scrubOn(canvas) {
+    /** @param {PointerEvent} e */
+    const scrub = (e) => {
+      const box = canvas.getBoundingClientRect();
+      this.go(((e.clientX - box.left) / box.width) * this.end);
+    };
+    canvas.addEventListener("pointerdown", (e) => { canvas.setPointerCapture(e.pointerId); scrub(e); });
+    canvas.addEventListener("pointermove", (e) => { if (e.buttons) scrub(e); });
+  }
+
+  connect() {
+    element("time").max = String(this.end);
+    element("time").step = String(this.period);
+    element("time").addEventListener("input", () => this.go(Number(element("time").value)));
+    element("play").addEventListener("click", () => this.play(!this.playing));
+    element("speed").innerHTML = SPEEDS.map((speed, k) => `<option value="${k}">${speed}x</option>`).join("");
+    element("speed").value = String(this.speed);
+    element("speed").addEventListener("change", () => { this.speed = Number(element("speed").value); element("speed").blur(); });
+    element("follow").addEventListener("click", () => this.follow(!this.following));
+    element("theme").addEventListener("click", () => {
+      const dark = this.colours().paper !== "#fbfaf7";
+      document.documentElement.dataset.theme = dark ? "light" : "dark";
+      this.pictures();
+      this.draw();
+    });
+    this.scrubOn(element("timeline"));
+    element("legend").innerHTML = Object.values(EVENT_WORDS).map((words) => `<span>${words}</span>`).join("");
+    for (const box of document.querySelectorAll("#layers input")) box.addEventListener("change", () => this.draw());
+    if (this.shown.length > 1) {
+      element("parting").hidden = false;
+      element("parting").textContent = this.parting < 0 ? "The runs are the same." : `The runs part at ${(this.parting * this.period).toFixed(1)} s`;
+      element("parting").addEventListener("click", () => this.go(Math.max(this.parting, 0) * this.period));
+    }
+    addEventListener("keydown", (e) => this.press(e));
+    addEventListener("hashchange", () => { this.readLink(); this.draw(); });
+    addEventListener("resize", () => { this.size(); this.draw(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.pictures(); this.draw(); });
+  }
+
+  /** @param {KeyboardEvent} e */
+  press(e) {
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const robots = this.shown[this.chosen].run.head.robots, step = e.shiftKey ? 5 : 1;
+    /** @type {Record<string, () => void>} */
+    const keys = {
+      " ": () => this.play(!this.playing),
+      ArrowRight: () => this.go(this.time + step * this.period),
+      ArrowLeft: () => this.go(this.time - step * this.period),
+      ArrowUp: () => this.choose(this.chosen, (this.robot + 1) % robots),
+      ArrowDown: () => this.choose(this.chosen, (this.robot + robots - 1) % robots),
+      Home: () => this.go(0),
+      End: () => this.go(this.end),
+      f: () => this.follow(!this.following),
+      n: () => this.goToEvent(1),
+      p: () => this.goToEvent(-1),
+      r: () => this.choose((this.chosen + 1) % this.shown.length, this.robot),
+      "+": () => this.setSpeed(this.speed + 1),
+      "-": () => this.setSpeed(this.speed - 1),
+    };
+    if (!keys[e.key]) return;
+    e.preventDefault(); // else the slider would move by itself, too
+    keys[e.key]();
+  }
+
+  /** @param {number} speed */
+  setSpeed(speed) {
+    this.speed = Math.max(0, Math.min(SPEEDS.length - 1, speed));
+    element("speed").value = String(this.speed);
+  }
+
+  /** Go to the next or previous event of the chosen robot. @param {number} direction */
+  goToEvent(direction) {
+    const { run, events } = this.shown[this.chosen], now = this.frameOf(run);
+    const own = events.filter((event) => event.robot === this.robot && (direction > 0 ? event.frame > now : event.frame < now));
+    const event = direction > 0 ? own[0] : own[own.length - 1];
+    if (event) this.go(event.frame * this.period);
+  }
+
+  /** Show a time [s]. @param {number} time */
+  go(time) {
+    this.time = Math.max(0, Math.min(this.end, Math.round(time / this.period) * this.period));
+    this.writeLink();
+    this.draw();
+  }
+
+  /** Choose a robot of a run. @param {number} k @param {number} robot */
+  choose(k, robot) {
+    if (robot < 0) return;
+    [this.chosen, this.robot] = [k, robot];
+    this.writeLink();
+    this.draw();
+  }
+
+  /** @param {boolean} wanted */
+  follow(wanted) {
+    this.following = wanted;
+    element("follow").setAttribute("aria-pressed", String(wanted));
+    if (wanted) for (const { view } of this.shown) view.zoom = Math.max(view.zoom, 2.5);
+    if (wanted) this.draw();
+  }
+
+  /** @param {boolean} wanted */
+  play(wanted) {
+    if (wanted && this.time >= this.end) this.time = 0;
+    this.playing = wanted;
+    element("play").textContent = wanted ? "Pause" : "Play";
+    this.before = performance.now();
+    if (wanted) requestAnimationFrame((now) => this.tick(now));
+    else this.go(this.time);
+  }
+
+  /** @param {number} now [ms] */
+  tick(now) {
+    if (!this.playing) return;
+    this.time = Math.min(this.end, this.time + (Math.max(0, now - this.before) / 1000) * SPEEDS[this.speed]);
+    this.before = now;
+    if (this.time >= this.end) return this.play(false);
+    this.draw();
+    requestAnimationFrame((later) => this.tick(later));
+  }
+
+  readLink() {
+    const given = new URLSearchParams(location.hash.slice(1));
+    const robots = this.shown[0].run.head.robots;
+    this.time = Math.max(0, Math.min(this.end, Number(given.get("t")) || 0));
+    this.robot = Math.max(0, Math.min(robots - 1, Math.floor(Number(given.get("robot")) || 0)));
+    this.chosen = Math.max(0, Math.min(this.shown.length - 1, Math.floor(Number(given.get("run")) || 0)));
+  }
+
+  writeLink() {
+    if (this.playing) return;
+    const run = this.shown.length > 1 ? `&run=${this.chosen}` : "";
+    history.replaceState(null, "", `#t=${Number(this.time.toFixed(3))}&robot=${this.robot}${run}`);
+  }
+
+  colours() {
+    const style = getComputedStyle(document.documentElement);
+    /** @param {string} name */
+    const of = (name) => style.getPropertyValue(name).trim();
+    return { ink: of("--ink"), paper: of("--paper"), faint: of("--faint") };
+  }
+
+  /** Fit the canvases to the window. */
+  size() {
+    for (const { run, view, charts } of this.shown) {
+      const width = Math.max(240, Math.min(900, Math.round(view.canvas.clientWidth || 600)));
+      view.canvas.width = width;
+      view.canvas.height = Math.round((width * run.head.height) / run.head.width);
+      for (const chart of charts) chart.width = width;
+    }
+    element("timeline").width = Math.max(300, Math.round(element("timeline").clientWidth));
+    this.pictures();
+  }
+
+  /** Draw what does not change with the time. */
+  pictures() {
+    const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1]), 1);
+    const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.items, counts.items[counts.items.length - 1])), 1);
+    for (const { run, counts, charts } of this.shown) {
+      const curves = [{ values: counts.items, colour: "#009E73", most: items }, { values: counts.contacts, colour: "#D55E00", dash: [5, 4], most }];
+      drawHeld(run, this.frames, charts[0]);
+      drawCurves(curves, this.frames, charts[1]);
+      drawCurves(opinionCurves(run, charts[2].width), this.frames, charts[2]);
+    }
+    drawEvents(this.shown[this.chosen].events, this.frames, element("timeline"), this.colours().ink);
+    this.timelineOf = this.chosen;
+  }
+
+  draw() {
+    const colours = this.colours();
+    /** @type {any} */
+    const layers = Object.fromEntries([...document.querySelectorAll("#layers input")].map((box) => [/** @type {HTMLInputElement} */ (box).name, /** @type {HTMLInputElement} */ (box).checked]));
+    element("time").value = String(this.time);
+    element("now").textContent = `${this.time.toFixed(1)} s`;
+    this.shown.forEach(({ run, view, counts, caption }, k) => {
+      const frame = this.frameOf(run), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
+      if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
+      view.draw(frame, share, this.robot, layers, colours);
+      const over = this.time >= (run.frames - 1) * this.period && run.result;
+      caption.textContent = `${counts.items[frame]} items dumped, ${counts.contacts[frame]} collisions` +
+        (over ? (run.result?.completed ? `, completed after ${run.result.duration_s} s` : ", not completed") : "");
+      view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
+    });
+    if (this.timelineOf !== this.chosen) this.pictures();
+    const share = (100 * this.time) / this.period / this.frames;
+    for (const line of this.lines) line.style.left = `${share}%`;
+    if (!this.playing || performance.now() - this.panelAt > PANEL_PERIOD) {
+      const { run } = this.shown[this.chosen];
+      element("panel").innerHTML = panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1));
+      this.panelAt = performance.now();
+    }
+  }
+
+  /** Return the milliseconds of one picture while the page plays, the mean of some. @param {number} pictures */
+  measure(pictures) {
+    const begin = performance.now(), time = this.time;
+    this.playing = true;
+    for (let k = 0; k < pictures; k++) {
+      this.time = (time + k * this.period) % Math.max(this.end, this.period);
+      this.draw();
+    }
+    const spent = (performance.now() - begin) / pictures;
+    this.playing = false;
+    this.time = time;
+    return spent;
+  }
+}
+
+try {
+  const files = [...document.querySelectorAll("script[type='text/plain']")].map((file) => bytesOf(file.textContent ?? ""));
+  const runs = await Promise.all(files.map(readRecording));
+  const page = new Page(runs);
+  Object.assign(globalThis, { replay: { page, runs, checksums: () => runs.map(checksums), events: () => page.shown.map(({ events }) => events) } });
+  document.body.dataset.ready = "true";
+} catch (error) {
+  element("panel").textContent = `The recording cannot be shown: ${error instanceof Error ? error.message : error}`;
+  throw error;
+}

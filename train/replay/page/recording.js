@@ -1,0 +1,140 @@
+// @ts-check
+/**
+ * Reading of recordings in the page; docs/recordings.md describes the bytes.
+ *
+ * @typedef {{name: string, axes: string[], shape: number[], scale: number, order: number, unit: string, about: string}} Channel
+ * @typedef {{channel: string, attraction: number, diffusion: number, goal_radius: number, evaporation_factor: number,
+ *   evaporation_period: number, min_diffusion: number}} DepositKind
+ * @typedef {{behaviours: string[], sensors: string[], goals: string[], needs: [number, string, string][][]}} NetworkNames
+ * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
+ *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
+ *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
+ *   networks?: Record<string, NetworkNames>}} Head
+ * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[]}} Directory
+ * @typedef {{channel: Channel, columns: number, data: Int32Array}} Track frame-major: number k of frame t is at t * columns + k
+ * @typedef {{head: Head, frames: number, tracks: Map<string, Track>, deposits: DepositKind[],
+ *   result: Record<string, any> | null}} Run
+ */
+
+const MAGIC = "\x93SWARM\r\n";
+
+/** Return the bytes of a base64 text. @param {string} text @returns {Uint8Array} */
+export function bytesOf(text) {
+  const binary = atob(text.trim());
+  const bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < binary.length; i++) bytes[i] = binary.charCodeAt(i);
+  return bytes;
+}
+
+/** Return the content of a zlib stream. @param {Uint8Array} bytes @returns {Promise<Uint8Array>} */
+async function inflate(bytes) {
+  const stream = new Blob([/** @type {BlobPart} */ (bytes)]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** Return the recording that a file holds. @param {Uint8Array} bytes @returns {Promise<Run>} */
+export async function readRecording(bytes) {
+  const begins = String.fromCharCode(...bytes.subarray(0, 8));
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  if (begins !== MAGIC) throw new Error("expected a recording, got other data");
+  if (view.getUint32(8, true) !== 1) throw new Error(`expected a recording of version 1, got ${view.getUint32(8, true)}`);
+  /** @type {Promise<[string, Uint8Array]>[]} */
+  const waiting = [];
+  for (let at = 12; at + 12 <= bytes.length; ) {
+    const kind = String.fromCharCode(...bytes.subarray(at, at + 4));
+    const length = view.getUint32(at + 4, true);
+    if (at + 12 + length > bytes.length) break;
+    const content = bytes.subarray(at + 12, at + 12 + length);
+    waiting.push(inflate(content).then((inflated) => [kind, inflated]));
+    at += 12 + length;
+  }
+  const blocks = await Promise.all(waiting);
+  const text = new TextDecoder();
+  /** @type {Head} */
+  const head = JSON.parse(text.decode(blocks[0][1]));
+  const done = blocks.find(([kind]) => kind === "DONE");
+  const parts = blocks.filter(([kind]) => kind === "DATA").map(([, content]) => {
+    const length = new DataView(content.buffer).getUint32(0, true);
+    /** @type {Directory} */
+    const directory = JSON.parse(text.decode(content.subarray(4, 4 + length)));
+    return { directory, content, at: 4 + length };
+  });
+  const frames = parts.reduce((sum, part) => sum + part.directory.frames, 0);
+  /** @type {Map<string, Track>} */
+  const tracks = new Map();
+  head.channels.forEach((channel, c) => {
+    const columns = channel.shape.reduce((a, b) => a * b, 1);
+    const data = new Int32Array(frames * columns);
+    for (const part of parts) part.at = unpack(part, c, channel.order, columns, data);
+    tracks.set(channel.name, { channel, columns, data });
+  });
+  const last = parts[parts.length - 1];
+  return { head, frames, tracks, deposits: last?.directory.deposits ?? [], result: done ? JSON.parse(text.decode(done[1])) : null };
+}
+
+/**
+ * Unpack one channel of one part into `data`; return where the next channel begins.
+ * @param {{directory: Directory, content: Uint8Array, at: number}} part @param {number} c @param {number} order
+ * @param {number} columns @param {Int32Array} data
+ */
+function unpack(part, c, order, columns, data) {
+  const { directory, content } = part;
+  const [changing, width] = directory.sizes[c];
+  const { first, frames } = directory;
+  const begin = new DataView(content.buffer, content.byteOffset + part.at, 4 * columns);
+  const bitsAt = part.at + 4 * columns;
+  const stepsAt = bitsAt + Math.ceil(columns / 8);
+  const count = changing * (frames - 1);
+  let place = 0;
+  for (let k = 0; k < columns; k++) {
+    let value = begin.getInt32(4 * k, true);
+    let speed = 0;
+    let at = first * columns + k;
+    data[at] = value;
+    const moves = (content[bitsAt + (k >> 3)] >> (k & 7)) & 1;
+    for (let t = 1; t < frames; t++) {
+      if (moves) {
+        const p = stepsAt + place++;
+        let step = width === 1 ? (content[p] << 24) >> 24 : content[p];
+        if (width === 2) step |= (content[p + count] << 24) >> 16;
+        if (width === 4) step |= (content[p + count] << 8) | (content[p + 2 * count] << 16) | (content[p + 3 * count] << 24);
+        speed = order === 2 ? speed + step : step;
+        value = (value + speed) | 0;
+      }
+      at += columns;
+      data[at] = value;
+    }
+  }
+  return stepsAt + count * width;
+}
+
+/** Return the CRC-32 of bytes, as zlib has it. @param {Uint8Array} bytes @returns {number} */
+export function crc32(bytes) {
+  const table = new Int32Array(256).map((_, n) => {
+    for (let k = 0; k < 8; k++) n = n & 1 ? (n >>> 1) ^ 0xedb88320 : n >>> 1;
+    return n;
+  });
+  let crc = -1;
+  for (let i = 0; i < bytes.length; i++) crc = (crc >>> 8) ^ table[(crc ^ bytes[i]) & 255];
+  return (crc ^ -1) >>> 0;
+}
+
+/** Return the checksum of each channel, as `checksums` has it in Python. @param {Run} run @returns {Record<string, number>} */
+export function checksums(run) {
+  /** @type {Record<string, number>} */
+  const found = {};
+  for (const [name, track] of run.tracks) found[name] = crc32(new Uint8Array(track.data.buffer));
+  return found;
+}
+
+/** Return number k of a channel at a frame, in its unit; 0 where there is no such channel. @param {Run} run @param {string} name @param {number} frame @param {number} k */
+export function valueAt(run, name, frame, k = 0) {
+  const track = run.tracks.get(name);
+  return track ? track.data[frame * track.columns + k] / track.channel.scale : 0;
+}
+
+/** Return the title of a run. @param {Run} run */
+export function titleOf(run) {
+  const { experiment, scenario, condition } = run.head.about;
+  return [experiment, scenario && `scenario ${scenario}`, condition].filter(Boolean).join(", ") || "mission";
+}

@@ -1,0 +1,367 @@
+// @ts-check
+/** The world of a run on a canvas. */
+import { valueAt } from "./recording.js";
+import { Field, seenPairs, shorter } from "./course.js";
+/** @typedef {import("./recording.js").Run} Run */
+/** @typedef {{fields: boolean, reach: boolean, view: boolean, seen: boolean, paths: boolean, contacts: boolean}} Layers */
+/** @typedef {{ink: string, paper: string, faint: string}} Colours */
+
+/** Colours that colour-blind people can tell apart (Okabe and Ito 2008), for options and terms. */
+export const PALETTE = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#8C6BB1", "#999999"];
+const PATH_SECONDS = 20;
+const SMALL = 4; // size of a robot or an item below which it is a square: paths of a thousand discs take too long [pixels]
+const MOST_PATHS = 60; // robots up to which all paths are drawn, and all reaches; of larger teams the chosen robot's
+
+/** A canvas that shows one run. */
+export class WorldView {
+  /** @param {Run} run @param {HTMLCanvasElement} canvas */
+  constructor(run, canvas) {
+    this.run = run;
+    this.canvas = canvas;
+    this.field = new Field(run);
+    this.zoom = 1;
+    this.centre = [run.head.width / 2, run.head.height / 2];
+    this.x = new Float64Array(run.head.robots);
+    this.y = new Float64Array(run.head.robots);
+    this.turn = new Float64Array(run.head.robots);
+    this.fieldPicture = document.createElement("canvas");
+  }
+
+  /** Return pixels of a metre. */
+  get scale() {
+    return (this.canvas.width / this.run.head.width) * this.zoom;
+  }
+
+  /** Return where a point of the world is on the canvas, by the image nearest to the centre. @param {number} x @param {number} y @returns {[number, number]} */
+  place(x, y) {
+    const { width, height } = this.run.head, s = this.scale;
+    const dx = shorter(x - this.centre[0], width), dy = shorter(y - this.centre[1], height);
+    return [this.canvas.width / 2 + dx * s, this.canvas.height / 2 - dy * s];
+  }
+
+  /** Compute the poses at a frame and a share of the way to the next one. @param {number} frame @param {number} share */
+  pose(frame, share) {
+    const { run } = this, { width, height, robots } = run.head;
+    const next = Math.min(frame + 1, run.frames - 1);
+    const there = run.tracks.get("present")?.data;
+    for (let i = 0; i < robots; i++) {
+      const [x, y, turn] = ["x", "y", "heading"].map((name) => valueAt(run, name, frame, i));
+      const moves = share > 0 && there?.[frame * robots + i];
+      const dx = moves ? shorter(valueAt(run, "x", next, i) - x, width) : 0, dy = moves ? shorter(valueAt(run, "y", next, i) - y, height) : 0;
+      const near = moves && Math.hypot(dx, dy) < 1;
+      this.x[i] = (((near ? x + share * dx : x) % width) + width) % width;
+      this.y[i] = (((near ? y + share * dy : y) % height) + height) % height;
+      this.turn[i] = near ? turn + share * shorter(valueAt(run, "heading", next, i) - turn, 2 * Math.PI) : turn;
+    }
+  }
+
+  /** Return the robot nearest to a place on the canvas [shares of its size]; -1 if none is there. @param {number} px @param {number} py */
+  nearest(px, py) {
+    let best = -1, least = Infinity;
+    for (const i of this.rows) {
+      const [x, y] = this.place(this.x[i], this.y[i]);
+      const d = Math.hypot(x - px * this.canvas.width, y - py * this.canvas.height);
+      if (d < least) [best, least] = [i, d];
+    }
+    return best;
+  }
+
+  /** Robots that are there. @type {number[]} */
+  rows = [];
+
+  /**
+   * Draw a moment.
+   * @param {number} frame @param {number} share @param {number} chosen @param {Layers} layers @param {Colours} colours
+   */
+  draw(frame, share, chosen, layers, colours) {
+    const { run, canvas } = this, c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    const robots = run.head.robots, there = run.tracks.get("present")?.data;
+    this.rows = [];
+    for (let i = 0; i < robots; i++) if (!there || there[frame * robots + i]) this.rows.push(i);
+    this.pose(frame, share);
+    c.fillStyle = colours.paper;
+    c.fillRect(0, 0, canvas.width, canvas.height);
+    if (layers.fields) this.drawField(c, frame);
+    this.drawStations(c, frame);
+    if (layers.paths) this.drawPaths(c, frame, chosen, colours);
+    if (layers.seen) this.drawSeen(c, frame, chosen, colours);
+    if (layers.reach || layers.view) this.drawReach(c, frame, chosen, layers);
+    this.drawItems(c, frame, colours);
+    this.drawRobots(c, frame, chosen, layers, colours);
+    this.drawFrame(c, colours);
+  }
+
+  /** Draw the border of the world where it is in sight. @param {CanvasRenderingContext2D} c @param {Colours} colours */
+  drawFrame(c, colours) {
+    if (this.zoom > 1 || this.centre[0] !== this.run.head.width / 2) {
+      const [x, y] = [this.canvas.width / 2 + (0 - this.centre[0]) * this.scale, this.canvas.height / 2 + this.centre[1] * this.scale];
+      c.strokeStyle = colours.faint;
+      c.setLineDash([6, 6]);
+      c.strokeRect(x, y - this.run.head.height * this.scale, this.run.head.width * this.scale, this.run.head.height * this.scale);
+      c.setLineDash([]);
+    }
+  }
+
+  /** Call `draw` for each image of a disc that can be seen. @param {number} x @param {number} y @param {number} r [m] @param {(x: number, y: number) => void} draw */
+  images(x, y, r, draw) {
+    const { width, height } = this.run.head, s = this.scale;
+    const [px, py] = this.place(x, y), w = width * s, h = height * s, R = r * s;
+    for (let a = -1; a <= 1; a++)
+      for (let b = -1; b <= 1; b++) {
+        const qx = px + a * w, qy = py + b * h;
+        if (qx > -R && qx < this.canvas.width + R && qy > -R && qy < this.canvas.height + R) draw(qx, qy);
+      }
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame */
+  drawField(c, frame) {
+    const { field, fieldPicture, run } = this;
+    if (!run.deposits.length) return;
+    const step = Math.max(1, Math.round(1 / run.head.period)), moment = frame - (frame % step);
+    if (field.shown !== moment || fieldPicture.width !== field.nx) {
+      const reach = field.at(moment), most = Math.max(...run.deposits.map((kind) => kind.diffusion));
+      fieldPicture.width = field.nx;
+      fieldPicture.height = field.ny;
+      const f = /** @type {CanvasRenderingContext2D} */ (fieldPicture.getContext("2d"));
+      const picture = f.createImageData(field.nx, field.ny);
+      for (let cy = 0; cy < field.ny; cy++)
+        for (let cx = 0; cx < field.nx; cx++) {
+          const at = 4 * ((field.ny - 1 - cy) * field.nx + cx);
+          picture.data.set([86, 180, 233, Math.round(170 * Math.min(1, Math.max(0, reach[cy * field.nx + cx] / most)))], at);
+        }
+      f.putImageData(picture, 0, 0);
+    }
+    const { width, height } = run.head;
+    this.images(width / 2, height / 2, Math.max(width, height), (x, y) =>
+      c.drawImage(fieldPicture, x - (width / 2) * this.scale, y - (height / 2) * this.scale, width * this.scale, height * this.scale));
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame */
+  drawStations(c, frame) {
+    const reach = this.run.head.mission.stations.reach, s = this.scale;
+    /** @type {[string, string][]} */
+    const kinds = [["R", "#009E73"], ["D", "#8C6BB1"]];
+    kinds.forEach(([letter, colour], k) => {
+      this.images(valueAt(this.run, "station_x", frame, k), valueAt(this.run, "station_y", frame, k), reach, (x, y) => {
+        c.strokeStyle = colour;
+        c.fillStyle = `${colour}22`;
+        c.lineWidth = 2;
+        c.setLineDash([2, 4]);
+        c.beginPath();
+        c.arc(x, y, reach * s, 0, 7);
+        c.fill();
+        c.stroke();
+        c.setLineDash([]);
+        const half = Math.max(5, 0.16 * s);
+        c.fillStyle = colour;
+        c.fillRect(x - half, y - half, 2 * half, 2 * half);
+        c.fillStyle = "#fff";
+        c.font = `bold ${Math.round(1.5 * half)}px sans-serif`;
+        c.textAlign = "center";
+        c.textBaseline = "middle";
+        c.fillText(letter, x, y);
+      });
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} x @param {number} y @param {number} size */
+  diamond(c, x, y, size) {
+    c.moveTo(x - size, y);
+    c.lineTo(x, y - size);
+    c.lineTo(x + size, y);
+    c.lineTo(x, y + size);
+    c.closePath();
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame @param {Colours} colours */
+  drawItems(c, frame, colours) {
+    const { run } = this, size = Math.max(2, 0.11 * this.scale);
+    c.fillStyle = "#E69F00";
+    if (size < SMALL) {
+      for (let k = 0; k < run.head.items; k++)
+        if (valueAt(run, "item_stage", frame, k) === 0) {
+          const [x, y] = this.place(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k));
+          c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
+        }
+      return;
+    }
+    c.beginPath();
+    for (let k = 0; k < run.head.items; k++)
+      if (valueAt(run, "item_stage", frame, k) === 0)
+        this.images(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), 0.2, (x, y) =>
+          this.diamond(c, x, y, valueAt(run, "item_leftover", frame, k) ? size * 0.65 : size));
+    c.strokeStyle = colours.ink;
+    c.lineWidth = 1;
+    c.fill();
+    c.stroke();
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Colours} colours */
+  drawPaths(c, frame, chosen, colours) {
+    const { run } = this, { width, height, robots, period } = run.head;
+    const x = run.tracks.get("x")?.data, y = run.tracks.get("y")?.data;
+    if (!x || !y) return;
+    const begin = Math.max(0, frame - Math.round(PATH_SECONDS / period));
+    /** @param {number} i @param {number} step */
+    const path = (i, step) => {
+      c.beginPath(); // one stroke for each path: a single one for all takes far longer
+      let [bx, by] = this.place(x[begin * robots + i] / 1000, y[begin * robots + i] / 1000);
+      c.moveTo(bx, by);
+      const w = (width * this.scale) / 2, h = (height * this.scale) / 2;
+      for (let t = begin + step; t <= frame + step - 1; t += step) {
+        const at = Math.min(t, frame) * robots + i;
+        const [px, py] = this.place(x[at] / 1000, y[at] / 1000);
+        if (Math.abs(px - bx) > w || Math.abs(py - by) > h) c.moveTo(px, py);
+        else c.lineTo(px, py);
+        [bx, by] = [px, py];
+      }
+      c.stroke();
+    };
+    c.strokeStyle = colours.faint;
+    c.lineWidth = 1;
+    if (robots <= MOST_PATHS) for (const i of this.rows) if (i !== chosen) path(i, 2);
+    c.strokeStyle = colours.ink;
+    c.lineWidth = 2;
+    if (this.rows.includes(chosen)) path(chosen, 1);
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Colours} colours */
+  drawSeen(c, frame, chosen, colours) {
+    const { width, height } = this.run.head, s = this.scale;
+    const pairs = seenPairs(this.run, frame, this.x, this.y, this.rows);
+    for (const own of [false, true]) {
+      c.strokeStyle = own ? colours.ink : "#0072B266";
+      c.lineWidth = own ? 1.8 : 1;
+      c.beginPath();
+      for (let p = 0; p < pairs.length; p += 2) {
+        const [i, j] = [pairs[p], pairs[p + 1]];
+        if ((i === chosen) !== own) continue;
+        const [x, y] = this.place(this.x[i], this.y[i]);
+        c.moveTo(x, y);
+        c.lineTo(x + (shorter(this.x[j] - this.x[i], width) * s) / 2, y - (shorter(this.y[j] - this.y[i], height) * s) / 2);
+      }
+      c.stroke();
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers */
+  drawReach(c, frame, chosen, layers) {
+    const { run } = this, { pose_goal_radius: goal, pose_diffusion: diffusion } = run.head.mission.robots;
+    const name = Object.keys(run.head.options)[0], s = this.scale;
+    const rows = run.head.robots > MOST_PATHS ? this.rows.filter((i) => i === chosen) : this.rows;
+    for (const i of rows) {
+      const own = i === chosen;
+      const view = run.head.views[name]?.[valueAt(run, `held/${name}`, frame, i)] ?? 0;
+      this.images(this.x[i], this.y[i], goal + Math.max(diffusion, view), (x, y) => {
+        if (layers.reach) {
+          c.fillStyle = own ? "#D55E0018" : "#D55E000c";
+          c.beginPath();
+          c.arc(x, y, (goal + diffusion) * s, 0, 7);
+          c.fill();
+          c.strokeStyle = "#D55E0066";
+          c.lineWidth = 1;
+          c.beginPath();
+          c.arc(x, y, goal * s, 0, 7);
+          c.stroke();
+        }
+        if (layers.view) {
+          c.strokeStyle = own ? "#0072B2" : "#0072B244";
+          c.lineWidth = own ? 1.5 : 1;
+          c.beginPath();
+          c.arc(x, y, (goal + view) * s, 0, 7);
+          c.stroke();
+        }
+      });
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours */
+  drawRobots(c, frame, chosen, layers, colours) {
+    const { run } = this, { robots, mission, options } = run.head, s = this.scale;
+    const radius = mission.robots.radius, size = Math.max(2, radius * s), goal = Object.keys(options)[0];
+    /** @type {Map<string, [number, number, number][]>} */
+    const groups = new Map();
+    for (const i of this.rows) {
+      const colour = valueAt(run, "working", frame, i) ? PALETTE[valueAt(run, `held/${goal}`, frame, i) % PALETTE.length] : "#777777";
+      const group = groups.get(colour) ?? [];
+      groups.set(colour, group);
+      this.images(this.x[i], this.y[i], radius, (x, y) => group.push([x, y, i]));
+    }
+    if (size < SMALL) return this.drawSquares(c, frame, chosen, layers, colours, groups);
+    for (const [colour, group] of groups) {
+      c.fillStyle = colour;
+      c.beginPath();
+      for (const [x, y] of group) { c.moveTo(x + size, y); c.arc(x, y, size, 0, 7); }
+      c.fill();
+    }
+    const all = [...groups.values()].flat();
+    c.strokeStyle = colours.paper;
+    c.lineWidth = 1;
+    c.fillStyle = "#fff";
+    c.beginPath();
+    for (const [x, y, i] of all) {
+      const turn = -this.turn[i];
+      c.moveTo(x, y);
+      c.arc(x, y, 0.9 * size, turn - 0.45, turn + 0.45);
+      c.closePath();
+    }
+    c.fill();
+    c.beginPath();
+    for (const [x, y, i] of all)
+      if (run.tracks.has("cargo") && valueAt(run, "cargo", frame, i) >= 0)
+        this.diamond(c, x - Math.cos(this.turn[i]) * 0.4 * size, y + Math.sin(this.turn[i]) * 0.4 * size, size * (valueAt(run, "recycled", frame, i) ? 0.28 : 0.42));
+    c.fillStyle = "#F0E442";
+    c.strokeStyle = "#222";
+    c.fill();
+    c.stroke();
+    if (layers.contacts) {
+      c.strokeStyle = "#D00000";
+      c.lineWidth = 3;
+      c.beginPath();
+      for (const [x, y, i] of all) if (valueAt(run, "contact", frame, i) > 0) { c.moveTo(x + size + 3, y); c.arc(x, y, size + 3, 0, 7); }
+      c.stroke();
+    }
+    c.strokeStyle = colours.ink;
+    c.lineWidth = 3;
+    for (const [x, y, i] of all)
+      if (i === chosen) {
+        c.beginPath();
+        c.arc(x, y, size + 2, 0, 7);
+        c.stroke();
+      }
+    if (robots <= MOST_PATHS && size > 8) {
+      c.fillStyle = colours.ink;
+      c.font = "11px sans-serif";
+      c.textAlign = "left";
+      for (const [x, y, i] of all) c.fillText(String(i), x + size + 1, y - size);
+    }
+  }
+
+  /**
+   * Draw robots that are too small for discs.
+   * @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Layers} layers @param {Colours} colours
+   * @param {Map<string, [number, number, number][]>} groups places and numbers by colour
+   */
+  drawSquares(c, frame, chosen, layers, colours, groups) {
+    for (const [colour, group] of groups) {
+      c.fillStyle = colour;
+      for (const [x, y] of group) c.fillRect(Math.round(x) - 2, Math.round(y) - 2, 5, 5);
+    }
+    for (const group of groups.values())
+      for (const [x, y, i] of group) {
+        if (layers.contacts && valueAt(this.run, "contact", frame, i) > 0) {
+          c.fillStyle = "#D00000";
+          c.fillRect(Math.round(x) - 3, Math.round(y) + 4, 7, 2);
+        }
+        if (valueAt(this.run, "cargo", frame, i) >= 0) {
+          c.fillStyle = "#F0E442";
+          c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
+        }
+        if (i === chosen) {
+          c.strokeStyle = colours.ink;
+          c.lineWidth = 2;
+          c.strokeRect(Math.round(x) - 5, Math.round(y) - 5, 11, 11);
+        }
+      }
+  }
+}
