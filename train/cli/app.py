@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `train`, `run`, `draw`, `explain`, `record`, `list`, `knowledge`.
+"""The command line: `clean-swarm evaluate`, `train`, `run`, `score`, `draw`, `explain`, `record`, `list`, `knowledge`.
 
 A mistake in the input gives one line on the standard error and exit code 2; Ctrl-C gives exit code 130. The commands
 import heavy libraries inside their functions, so that help is quick.
@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli import draw, evaluate, knowledge, repeat, run, train
+from train.cli import draw, evaluate, knowledge, repeat, run, score, train
 from train.cli.options import Configs, error_console
 from train.running.exit_codes import BAD_INPUT, INTERRUPTED
 
@@ -23,6 +23,7 @@ app.command("evaluate")(evaluate.evaluate_command)
 app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
 app.command("run")(run.run_command)
+app.command("score")(score.score_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)

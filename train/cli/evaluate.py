@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, check_least, wide_console
+from train.cli.options import Configs, Learn, RunStore, check_least, wide_console
 from train.running.run_folder import RECORDINGS
 
 
@@ -41,6 +41,8 @@ def evaluate_command(
         str | None,
         typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
     ] = None,
+    store: RunStore = None,
+    learn: Learn = False,
     configs: Configs = None,
     record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
     minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
@@ -51,18 +53,22 @@ def evaluate_command(
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.knowledge_store import StoreRequest
     from train.running.runs import usable_cpus
 
-    directories = tuple(configs or ())
+    if learn and workers not in (None, 1):
+        raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
+    directories, kept = tuple(configs or ()), StoreRequest(store, learn)
     if family is None:
         _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal})
         conditions = tuple(condition or ())
-        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories)
+        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept)
         evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
-        evaluation = FamilyEvaluation(FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories))
+        family_request = FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories, kept)
+        evaluation = FamilyEvaluation(family_request)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))

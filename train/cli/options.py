@@ -21,6 +21,16 @@ Configs = Annotated[
 ]
 
 
+RunStore = Annotated[
+    str | None,
+    typer.Option(
+        help="Begin with what this knowledge store knows: sqlite:///PATH, the path of a file, or postgresql://...",
+        metavar="URL",
+    ),
+]
+Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
+
+
 def check_least(given: Mapping[str, tuple[int | None, int]]) -> None:
     """Raise ConfigurationError for a number below the least one allowed; `given`: option -> number and least number."""
     for name, (value, least) in given.items():
