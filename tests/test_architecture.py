@@ -20,6 +20,7 @@ BORDERS = {
         "selforg/compiler/cache.py",
         "selforg/compiler/decorators.py",
         "selforg/compiler/llvm.py",
+        "selforg/compiler/parts.py",
         "selforg/compiler/prefetch.py",
         "selforg/compiler/records.py",
         "selforg/compiler/switches.py",
