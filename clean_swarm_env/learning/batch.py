@@ -25,11 +25,11 @@ from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
+from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
-from clean_swarm_env.world.warm_up import compile_once
 from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of

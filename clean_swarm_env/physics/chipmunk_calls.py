@@ -46,7 +46,7 @@ CHIPMUNK = Recording(Chipmunk)
 open_chipmunk = CHIPMUNK.open
 
 
-def call(function: int, arguments: tuple[float, ...]) -> None:
+def call_c(function: int, arguments: tuple[float, ...]) -> None:
     """Call the C function at an address; in compiled code only.
 
     Whole numbers are passed as pointers or integers, others as doubles; a `cpVect` is passed as its two doubles.
@@ -66,7 +66,7 @@ def call_for_vector(function: int, arguments: tuple[float, ...]) -> tuple[float,
 
 VECTOR = IR.LiteralStructType([IR.DoubleType(), IR.DoubleType()])
 RESULTS = {
-    call: (types.void, IR.VoidType()),
+    call_c: (types.void, IR.VoidType()),
     call_for_pointer: (types.int64, IR.IntType(64)),
     call_for_vector: (TYPES.UniTuple(types.float64, 2), VECTOR),
 }
@@ -84,7 +84,7 @@ def compile_calls(caller: Compiler) -> None:
             called = builder.inttoptr(given[0], IR.FunctionType(kind, kinds).as_pointer())
             values = [builder.extract_value(given[1], index) for index in range(len(kinds))]
             returned = builder.call(called, values)
-            if caller is call:
+            if caller is call_c:
                 return context.get_dummy_value()
             if caller is call_for_pointer:
                 return returned
@@ -114,14 +114,14 @@ def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]
     """
     c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
     space = call_for_pointer(c[SPACE_NEW], ())
-    call(c[SET_SLOP], (space, COLLISION_SLOP))
+    call_c(c[SET_SLOP], (space, COLLISION_SLOP))
     for index in range(m.parts.shape[0]):
         row, disc = world * m.parts.shape[0] + index, call_for_pointer(c[BODY_NEW], (1.0, np.inf))
-        call(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))  # circles at one place would all be pairs
+        call_c(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))  # circles at one place would all be pairs
         m.parts[index, 0] = call_for_pointer(c[ADD_BODY], (space, disc))
         circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, 0.0, 0.0))
         if not m.present[row]:
-            call(c[SET_FILTER], (circle, 0, 0))
+            call_c(c[SET_FILTER], (circle, 0, 0))
         m.parts[index, 1] = call_for_pointer(c[ADD_SHAPE], (space, circle))
     return space
 
@@ -137,22 +137,22 @@ def touch(world: int, space: int, last: bool, motion: Words[RobotMotion], chipmu
     robots = m.parts.shape[0]
     for index in range(robots):
         row, disc = world * robots + index, m.parts[index, 0]
-        call(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))
-        call(c[SET_VELOCITY], (disc, m.bodies[row, 2], m.bodies[row, 3]))
-        call(c[SET_FORCE], (disc, m.forces[row, 0], m.forces[row, 1]))
+        call_c(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))
+        call_c(c[SET_VELOCITY], (disc, m.bodies[row, 2], m.bodies[row, 3]))
+        call_c(c[SET_FORCE], (disc, m.forces[row, 0], m.forces[row, 1]))
         for bit in range(4):
             if m.copies[row] & (1 << bit) and m.parts[index, 2 + bit] == 0:
                 x, y = COPY_OFFSETS[bit][0] * m.width, COPY_OFFSETS[bit][1] * m.height
                 circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, x, y))
-                call(c[SET_FILTER], (circle, 0, COPY_CATEGORY | COPY_MASK << 32))
+                call_c(c[SET_FILTER], (circle, 0, COPY_CATEGORY | COPY_MASK << 32))
                 m.parts[index, 2 + bit] = call_for_pointer(c[ADD_SHAPE], (space, circle))
-    call(c[SPACE_STEP], (space, m.timestep))
+    call_c(c[SPACE_STEP], (space, m.timestep))
     for index in range(robots):
         row, disc = world * robots + index, m.parts[index, 0]
         m.bodies[row, 2], m.bodies[row, 3] = call_for_vector(c[GET_VELOCITY], (disc,))
         if last:
-            call(c[SET_VELOCITY], (disc, 0.0, 0.0))
-            call(c[UPDATE_POSITION], (disc, m.timestep))
+            call_c(c[SET_VELOCITY], (disc, 0.0, 0.0))
+            call_c(c[UPDATE_POSITION], (disc, m.timestep))
         m.bodies[row, 0], m.bodies[row, 1] = call_for_vector(c[GET_POSITION], (disc,))
 
 
@@ -160,10 +160,10 @@ def touch(world: int, space: int, last: bool, motion: Words[RobotMotion], chipmu
 def free_space(space: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
     """Give the memory of a space, its discs and circles back."""
     c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
-    call(c[SPACE_FREE], (space,))
+    call_c(c[SPACE_FREE], (space,))
     for index in range(m.parts.shape[0]):
         for column in range(1, m.parts.shape[1]):
             if m.parts[index, column] != 0:
-                call(c[SHAPE_FREE], (m.parts[index, column],))
-        call(c[BODY_FREE], (m.parts[index, 0],))
+                call_c(c[SHAPE_FREE], (m.parts[index, column],))
+        call_c(c[BODY_FREE], (m.parts[index, 0],))
         m.parts[index] = 0

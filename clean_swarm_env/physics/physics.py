@@ -37,7 +37,7 @@ from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
-CHIPMUNK: Final = chipmunk_functions()
+FUNCTIONS: Final = chipmunk_functions()
 PAIR_SEARCH_LIMIT: Final = 64  # robots; in larger worlds two robots touch nearly always, and the search costs more
 
 
@@ -157,7 +157,7 @@ class Physics:
         does unless contacts prevent it; then its heading advances by `turn_rate` (R,) [rad/s] * timestep.
         """
         motion = self._motion
-        if substep_worlds(speed, turn_rate, motion.words, CHIPMUNK.words):
+        if substep_worlds(speed, turn_rate, motion.words, FUNCTIONS.words):
             for world in np.flatnonzero(motion.record.left).tolist():
                 ContactSpace(world, motion.record).touch(last=True)
                 land(world, motion.words)
@@ -171,10 +171,10 @@ class Physics:
         that touch: within a tick a substep begins from the impulses of the one before.
         """
         motion, drives, counts = self._motion, drive.packed, counter.packed
-        if not begin_tick(now, substeps, orders.words, drives.words, motion.words, counts.words, CHIPMUNK.words):
+        if not begin_tick(now, substeps, orders.words, drives.words, motion.words, counts.words, FUNCTIONS.words):
             return
         for world in np.flatnonzero(motion.record.left).tolist():
             left, space = int(motion.record.left[world]), ContactSpace(world, motion.record)
             while left:
                 space.touch(last=left == 1)
-                left = land_and_go_on(world, left, drives.words, motion.words, counts.words, CHIPMUNK.words)
+                left = land_and_go_on(world, left, drives.words, motion.words, counts.words, FUNCTIONS.words)

@@ -19,7 +19,7 @@ from clean_swarm_env.recording.stepping import WholeNumbers
 SUFFIX: Final = ".swarm"
 MAGIC: Final = b"\x93SWARM\r\n"
 FORMAT_VERSION: Final = 1
-HEAD, PART, DONE = b"HEAD", b"DATA", b"DONE"
+HEAD, PART, CLOSING = b"HEAD", b"DATA", b"DONE"
 BLOCK: Final = struct.Struct("<4sII")
 """Kind of a block, length of its content, and the CRC-32 of the content."""
 LEVEL: Final = 2
@@ -59,7 +59,7 @@ class RecordingFile:
     def close(self, result: Mapping[str, Any] | None = None) -> None:
         """End the file; `result` is that of a mission that ended."""
         if result is not None:
-            self._write(DONE, _json(result))
+            self._write(CLOSING, _json(result))
         self._file.close()
 
     def _write(self, kind: bytes, content: bytes) -> None:
@@ -91,7 +91,7 @@ def blocks_of(path: Path) -> Iterator[tuple[bytes, bytes]]:
     while at + BLOCK.size <= len(data):
         kind, length, checksum = BLOCK.unpack_from(data, at)
         begin, at = at + BLOCK.size, at + BLOCK.size + length
-        if kind not in (HEAD, PART, DONE):
+        if kind not in (HEAD, PART, CLOSING):
             raise ConfigurationError(f"{path}: damaged at byte {begin - BLOCK.size}: expected a block, got {kind!r}")
         if at > len(data):
             return

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.recording.channels import Channel, unpacked_frames
-from clean_swarm_env.recording.file import DONE, HEAD, blocks_of
+from clean_swarm_env.recording.file import HEAD, CLOSING, blocks_of
 from clean_swarm_env.recording.stepping import WholeNumbers
 from selforg.arrays import Floats
 from selforg.registry import unknown
@@ -50,7 +50,7 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
         listed = [Channel(**{**c, "axes": tuple(c["axes"]), "shape": tuple(c["shape"])}) for c in self.head["channels"]]
         self.channels = {channel.name: channel for channel in listed}
         for kind, content in blocks:
-            if kind == DONE:
+            if kind == CLOSING:
                 self.result = json.loads(content)
             else:
                 parts.append(self._frames_of(content))

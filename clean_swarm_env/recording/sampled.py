@@ -21,7 +21,7 @@ from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
 from selforg.network.state.reasons import WORDS
 
-TERMS = ("activation", "satisfaction", *st.COMPONENTS)
+BEHAVIOUR_TERMS = ("activation", "satisfaction", *st.COMPONENTS)
 """Terms of a behaviour, in the order of the layers of `state`."""
 THRESHOLDS = ("threshold", "total", "deciding")
 MARKS = {
@@ -91,7 +91,7 @@ def networks_of(worlds: Worlds) -> dict[str, Any]:
         found |= {f"{c.model.goal}/{name}": content.network for name, content in names}
     found |= {nested.name: nested.network for nested in at_any_depth(worlds.minds.nested)}
     return {
-        "terms": TERMS,
+        "terms": BEHAVIOUR_TERMS,
         "reasons": [WORDS[code] for code in range(len(WORDS))],
         "networks": {prefix: _described(network) for prefix, network in found.items()},
     }
@@ -115,7 +115,9 @@ def _network(
     def channel(name: str, axes: tuple[str, ...], shape: tuple[int, ...], scale: int, about: str) -> Channel:
         return Channel(f"{prefix}/{name}", ("robot", *axes), (robots, *shape), scale, 1, "-", about)
 
-    terms = channel("values", ("term", "behaviour"), (len(TERMS), behaviours), MILLI, "the terms of each behaviour")
+    terms = channel(
+        "values", ("term", "behaviour"), (len(BEHAVIOUR_TERMS), behaviours), MILLI, "the terms of each behaviour"
+    )
     marks = tuple(
         (channel(name, ("behaviour",), (behaviours,), 1, about), _layer(layer))
         for name, (layer, about) in MARKS.items()

@@ -17,8 +17,8 @@ from numba.extending import models, register_model
 
 from selforg.compiler.llvm import Compiler
 
-P = ParamSpec("P")
-R = TypeVar("R")
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
 
 JIT: Compiler = numba.njit
 FUNCTION_OBJECT: Compiler = vars(numba)["_dynfunc"].make_function
@@ -86,7 +86,7 @@ class PartType(types.Dispatcher):
 register_model(PartType)(models.OpaqueModel)
 
 
-def known_to_kernels(function: Callable[P, R], options: Mapping[str, Any]) -> Callable[P, R]:
+def known_to_kernels(function: Callable[Given, Result], options: Mapping[str, Any]) -> Callable[Given, Result]:
     """Return `function` itself, with attributes by which compiled callers find what it is compiled to."""
     named: Any = function
     named.compiled = JIT(**options, no_cpython_wrapper=True, pipeline_class=PartCompiler)(function)

@@ -21,8 +21,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.warm_up import compiled_before
 from selector.store.exact_sums import REWARD_LIMIT
 from selector.strategies.strategy import DecisionStrategy
 from train.knowledge_store import Memory

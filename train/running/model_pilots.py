@@ -57,11 +57,12 @@ class ModelPilot:
         options: Ints = (given.argmax(axis=1) if given.ndim == 2 else given).astype(np.int64)
         if options.shape != observations.shape[:1] or options.max(initial=0) >= self._options:
             raise ValueError(f"options {options.tolist()}")
+        self._chosen = options
         return options
 
-    def opinions(self, observations: Observations) -> Floats:
-        """Return 1 for the option that the model prefers, 0 for the others (R, O)."""
-        return np.eye(self._options)[self.choose(observations)]
+    def opinions(self) -> Floats:
+        """Return 1 for the option that the model preferred, 0 for the others (R, O)."""
+        return np.eye(self._options)[self._chosen]
 
 
 def stable_baselines3(path: Path) -> Model:

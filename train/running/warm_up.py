@@ -1,6 +1,6 @@
 """Compile the kernels before the runs, once and in one process: workers would compile them all at the same time."""
 
-from clean_swarm_env.world.warm_up import announce, one_process
+from clean_swarm_env.learning.warm_up import announce, one_process
 from train.running.runs import Task
 
 

@@ -246,7 +246,7 @@ def drive_about(physics, ticks, seed):
 def test_both_ways_to_pymunk_give_the_same_bits(monkeypatch):
     courses = []
     for functions in (chipmunk_functions(), chipmunk_functions(called=False)):
-        monkeypatch.setattr("clean_swarm_env.physics.physics.CHIPMUNK", functions)
+        monkeypatch.setattr("clean_swarm_env.physics.physics.FUNCTIONS", functions)
         physics = placed(2, 8, 0, width=4.0, height=4.0)
         physics.remove(3)
         courses.append(drive_about(physics, 40, 1))

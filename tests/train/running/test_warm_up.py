@@ -130,7 +130,7 @@ def test_python_says_it_too_once_in_a_process_and_can_be_silenced(monkeypatch, c
 
 def test_other_processes_wait_for_the_one_that_compiles(tmp_path):
     code = (
-        "import time\nfrom clean_swarm_env.world.warm_up import one_process\n"
+        "import time\nfrom clean_swarm_env.learning.warm_up import one_process\n"
         "with one_process():\n    print(time.time(), flush=True)\n    time.sleep(0.3)\n    print(time.time())"
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
