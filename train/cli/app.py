@@ -13,7 +13,7 @@ import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli import draw, evaluate, knowledge, repeat, run, train
-from train.cli.options import Configs, error_console
+from train.cli.options import Configs, print_error
 from train.running.exit_codes import BAD_INPUT, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -35,7 +35,7 @@ def main() -> None:
     try:
         app()
     except ConfigurationError as error:
-        error_console().print(f"error: {error}", markup=False)
+        print_error(str(error))
         sys.exit(BAD_INPUT)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
@@ -59,12 +59,13 @@ def list_experiments(configs: Configs = None) -> None:
     """List the experiments with their conditions, and the families of scenarios."""
     from clean_swarm_env.config.load import load_experiment, load_family
     from selector.documents.find import files_of
+    from selector.documents.plain import plain
 
     for name in files_of("experiments", configs or ()):
         experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
-        typer.echo(f"{name}: {experiment.description}")
+        typer.echo(f"{plain(name)}: {plain(experiment.description)}")
         typer.echo(f"  {starts} start configurations; conditions: {', '.join(c.name for c in experiment.conditions)}")
     typer.echo("families of scenarios:")
     for name in files_of("families", configs or ()):
-        typer.echo(f"  {name}: {load_family(name, configs or ()).description}")
+        typer.echo(f"  {plain(name)}: {plain(load_family(name, configs or ()).description)}")

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, check_least, wide_console
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, Force, check_whole, wide_console
 
 
 def evaluate_command(
@@ -41,25 +41,29 @@ def evaluate_command(
         typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
     ] = None,
     configs: Configs = None,
+    force: Force = False,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
-    check_least({"--scenarios": (scenarios, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
+    check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
+    check_whole({"--seed": (seed, 0, MOST_SEED)})
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.running.needs import Machine
     from train.running.runs import usable_cpus
 
-    directories = tuple(configs or ())
+    directories, machine = tuple(configs or ()), Machine(workers or usable_cpus(), force)
     if family is None:
         _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal})
         conditions = tuple(condition or ())
-        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories)
+        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, machine)
         evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
-        evaluation = FamilyEvaluation(FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories))
-    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console())
+        asked = FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories, machine)
+        evaluation = FamilyEvaluation(asked)
+    execution = pipeline.Execution(machine.workers, output, resume, wide_console())
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, check_least
+from train.cli.options import MOST_SEED, Configs, Force, check_whole
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
@@ -21,16 +21,22 @@ Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last chec
 
 @app.command()
 def ppo(
-    config: Config = None, output: Output = None, seed: Seed = 0, resume: Resume = False, configs: Configs = None
+    config: Config = None,
+    output: Output = None,
+    seed: Seed = 0,
+    resume: Resume = False,
+    configs: Configs = None,
+    force: Force = False,
 ) -> None:
     """Train a policy by PPO and export it."""
-    check_least({"--seed": (seed, 0)})
+    check_whole({"--seed": (seed, 0, MOST_SEED)})
     from train.learning.session import TrainingRequest, check_installed, run_training  # imports Numba
 
     check_installed("ppo")
     from train.learning.ppo import PpoTraining  # imports torch
 
-    request = TrainingRequest("ppo", config or "general", seed, output, resume, directories=tuple(configs or ()))
+    directories = tuple(configs or ())
+    request = TrainingRequest("ppo", config or "general", seed, output, resume, None, directories, force)
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
@@ -45,9 +51,10 @@ def bandit(
         str | None, typer.Option(help="URL or file of a knowledge store that gets the learned scores.", metavar="URL")
     ] = None,
     configs: Configs = None,
+    force: Force = False,
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
-    check_least({"--seed": (seed, 0)})
+    check_whole({"--seed": (seed, 0, MOST_SEED)})
     from train.knowledge_store import opened  # these import SQLAlchemy and Numba
     from train.learning.bandit import BanditTraining
     from train.learning.session import TrainingRequest, run_training
@@ -57,7 +64,7 @@ def bandit(
         return BanditTraining(job, opened(store, create=True) if store is not None else None)
 
     directories = tuple(configs or ())
-    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories)
+    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories, force)
     with _one_line():
         raise typer.Exit(run_training(request, made, Console(highlight=False)))
 

@@ -9,9 +9,11 @@ from typing import Any
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.load import load_experiment
+from clean_swarm_env.config.needs import needs_of
 from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.cleaning_robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
+from selector.documents.errors import shown, within
 from selector.knowledge import load_knowledge
 from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
@@ -21,6 +23,7 @@ from train.evaluation.pipeline import Evaluation
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.reports.write_report import Publication
+from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.runs import RunKey, RunRecord, RunTask, tasks_of
 
@@ -40,6 +43,8 @@ class ExperimentRequest:
     """Names of the conditions to run; empty: all."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    machine: Machine = ALONE
+    """What the evaluation may use."""
 
     @property
     def words(self) -> list[str]:
@@ -48,6 +53,7 @@ class ExperimentRequest:
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--starts", str(self.starts)] if self.starts is not None else []
         words += [word for name in self.conditions for word in ("--condition", name)]
+        words += ["--force"] if self.machine.forced else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
 
 
@@ -66,17 +72,27 @@ class ExperimentEvaluation(Evaluation):
             given = load_starts(request.starts)
             self.measured, self.starts_from = given.measured, str(request.starts)
             self.stem += f"-{request.starts.stem}"
-            changes: dict[str, Any] = {"mission": given.world_of(chosen.mission), "starts": given.starts}
+            with within(shown(request.starts)):
+                mission = given.world_of(chosen.mission)
+            changes: dict[str, Any] = {"mission": mission, "starts": given.starts}
         elif self.own_starts:
             self.starts_from, changes = "the experiment's own start configurations", {}
         else:
             count = request.scenarios or chosen.scenarios
+            with within(request.experiment):
+                check_needs(Workload(chosen.mission, count * len(chosen.conditions)), request.machine)
             self.starts_from = f"{count} random start configurations of seed {request.seed}"
             self.stem += f"-{count}-scenarios"
-            changes = {"starts": tuple(random_start(chosen.mission, request.seed, index) for index in range(count))}
+            with within(request.experiment):
+                starts = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
+            changes = {"starts": starts}
         self.experiment = chosen.model_copy(update=changes)
         check_mission(self.experiment, directories, request.experiment)
-        self._tasks = tasks_of(self.experiment, self.seed, directories)
+        with within(shown(request.starts) if request.starts is not None else request.experiment):
+            self._tasks = tasks_of(self.experiment, self.seed, directories)
+            largest = max((task.mission for task in self._tasks), key=lambda mission: needs_of(mission).memory)
+            check_needs(Workload(largest, len(self._tasks)), request.machine)
+        self._missions = {(task.scenario, task.condition): task.mission for task in self._tasks}
         self.total = len(self._tasks)
         self.manifest = {
             "identity": {
@@ -94,6 +110,12 @@ class ExperimentEvaluation(Evaluation):
     def tasks(self, done: Collection[RunKey]) -> list[RunTask]:
         """Return one task for each run that is missing."""
         return [task for task in self._tasks if (task.scenario, task.condition) not in done]
+
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run is not one of this experiment's."""
+        if record.key not in self._missions:
+            return "this evaluation has no such run"
+        return record.mistake(self.experiment.name, self.seed, self._missions[record.key])
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return Table 1, ratios between conditions, comparisons with measured figures, and the picture."""
@@ -124,9 +146,12 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         check_planner(network.planner)
     except (ValueError, ModuleNotFoundError) as error:
         raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
-    library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
-    library.check(knowledge)
-    robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
+    library = library_of(directories)
+    with within(f"{where}: mission.knowledge"):
+        knowledge = load_knowledge(experiment.mission.knowledge, directories)
+        library.check(knowledge)
+    with within(f"{where}: mission.network.robot"):
+        robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

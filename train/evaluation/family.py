@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
@@ -22,6 +23,7 @@ from train.evaluation.pipeline import Evaluation
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
+from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints, versions
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
@@ -48,6 +50,8 @@ class FamilyRequest:
     """Goal that the strategies choose options for; see `DecidedGoal`."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    machine: Machine = ALONE
+    """What the evaluation may use."""
 
     @property
     def words(self) -> list[str]:
@@ -57,6 +61,7 @@ class FamilyRequest:
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--knowledge", self.knowledge] if self.knowledge is not None else []
         words += ["--goal", self.goal] if self.goal is not None else []
+        words += ["--force"] if self.machine.forced else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
 
 
@@ -114,11 +119,14 @@ class FamilyEvaluation(Evaluation):
     def __init__(self, request: FamilyRequest) -> None:
         self._request, self.words = request, request.words
         self.family = _family(request)
+        self.scenarios = request.scenarios or self.family.scenarios
+        with within(request.family):
+            missions = self.scenarios * len(request.strategies)
+            check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
         batch = Batch(self.family.scenario(0, 0, "test").mission, directories=request.directories)
         problem = DecidedGoal(batch, request.goal).problem
         self.goal, self.entrants = problem.goal, entrants_of(request.strategies, problem.options)
         _check_fits(self.entrants, problem, np.zeros(batch.rows, dtype=np.int64), request.directories)
-        self.scenarios = request.scenarios or self.family.scenarios
         self.total = self.scenarios * sum(len(entrant.members) for entrant in self.entrants)
         self.stem = f"{self.family.name}-seed{request.seed}"
         self.manifest = {
@@ -146,6 +154,12 @@ class FamilyEvaluation(Evaluation):
                     work = (self.family, request.seed, numbers, condition, member, self.goal, request.directories)
                     tasks.append(TrialTask(*work))
         return tasks
+
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run is not one of this family's; it may be of further scenarios and of other strategies."""
+        if not re.fullmatch(r"test-[1-9][0-9]{0,5}", record.scenario):
+            return "this family has no such scenario"
+        return record.mistake(self.family.name, self._request.seed, self.family.largest)
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the means of each strategy, and how the strategies compare with fixed options."""

@@ -51,6 +51,10 @@ class Evaluation(ABC):
         """Return the tasks for all runs except those that are `done`."""
 
     @abstractmethod
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run kept in the directory is not one of this evaluation; empty if it is."""
+
+    @abstractmethod
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the report on the finished runs; all runs of this evaluation are among them."""
 
@@ -73,7 +77,7 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     """Do the missing runs, write the results and print the tables; return the exit code."""
     directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
     folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
-    results = Results(folder)
+    results = Results(folder, evaluation.mistake)
     try:
         _run_missing(evaluation, results, execution.workers)
     except (KeyboardInterrupt, BrokenProcessPool) as end:

@@ -4,13 +4,12 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import one_line
+from selector.documents.errors import validated, within
+from selector.documents.plain import short
 from selforg.registry import unknown
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import MANIFEST, read_manifest
@@ -32,16 +31,17 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     """
     manifest = read_manifest(directory)
     path, identity = directory / MANIFEST, manifest["identity"]
-    directories = tuple(Path(name) for name in identity.get("directories", []))
+    listed = identity.get("directories", [])
+    if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
+        raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
+    directories = tuple(Path(name) for name in listed)
     _check_same_files(identity.get("files"), directories, path)
-    try:
-        experiment = ExperimentConfig.model_validate(identity.get("configuration"))
-    except ValidationError as error:
-        raise ConfigurationError(one_line(error, f"{path}: identity.configuration", ExperimentConfig)) from error
+    experiment = validated(ExperimentConfig, identity.get("configuration"), f"{path}: identity.configuration")
     seed = identity.get("seed")
-    if not isinstance(seed, int):
-        raise ConfigurationError(f"{path}: identity.seed: expected a whole number, got {seed!r}")
-    tasks = _of_scenario(tasks_of(experiment, seed, directories), scenario, directory)
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise ConfigurationError(f"{path}: identity.seed: expected a whole number from 0 on, got {short(seed)}")
+    with within(f"{path}: identity.configuration"):
+        tasks = _of_scenario(tasks_of(experiment, seed, directories), scenario, directory)
     names = [task.condition for task in tasks]
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
@@ -51,6 +51,8 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
 def changed_versions(directory: Path) -> list[str]:
     """Return the packages whose version has changed since an evaluation, such as `numba 0.61, now 0.62`."""
     held = read_manifest(directory).get("versions", {})
+    if not isinstance(held, dict):
+        raise ConfigurationError(f"{directory / MANIFEST}: versions: expected a mapping, got {short(held)}")
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 

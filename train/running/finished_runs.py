@@ -10,12 +10,13 @@ import io
 import json
 import os
 import re
-
-from pydantic import ValidationError
+from collections.abc import Callable
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.errors import shown
+from selector.documents.reading import json_value, read_text
 from train.running.run_folder import RunFolder
-from train.running.runs import RUN_COLUMNS, RunRecord
+from train.running.runs import RUN_COLUMNS, RunKey, RunRecord
 
 JOURNAL, RUNS = "runs.jsonl", "runs.csv"
 
@@ -27,11 +28,15 @@ class Results:
         folder: the directory.
         records: the finished runs.
 
+    Raises:
+        ConfigurationError: a line of the journal is no finished run, or one of another evaluation.
+
     """
 
-    def __init__(self, folder: RunFolder) -> None:
+    def __init__(self, folder: RunFolder, mistake: Callable[[RunRecord], str] = lambda record: "") -> None:
+        """`mistake` returns why a kept run is not one of this evaluation; empty if it is."""
         self.folder = folder
-        self.records = self._read()
+        self.records = self._read(mistake)
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
@@ -48,19 +53,24 @@ class Results:
         self.records.sort(key=lambda record: (natural_order(record.scenario), record.condition))
         self._rewrite()
 
-    def _read(self) -> list[RunRecord]:
+    def _read(self, mistake: Callable[[RunRecord], str]) -> list[RunRecord]:
         """Return the runs of the journal, without a last line that a crash cut off."""
         path = self.folder.path / JOURNAL
         if not path.exists():
             return []
-        records = {}
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(keepends=True), start=1):
-            if not line.endswith("\n"):
-                break
+        records: dict[RunKey, RunRecord] = {}
+        lines = read_text(path).split("\n")[:-1]  # what follows the last end of a line is nothing, or cut off
+        for number, line in enumerate(lines, start=1):
+            where = f"{shown(path)}: line {number}"
             try:
-                record = RunRecord.of_mapping(json.loads(line))
-            except (ValueError, ValidationError) as error:
-                raise ConfigurationError(f"{path}: line {number}: expected a finished run") from error
+                record = RunRecord.of_mapping(json_value(line, where))
+            except (ValueError, TypeError) as error:
+                why = str(error).removeprefix(f"{where}: ")
+                raise ConfigurationError(f"{where}: expected a finished run: {why}") from error
+            why = "is there twice" if record.key in records else mistake(record)
+            if why:
+                run = f"scenario {record.scenario}, condition {record.condition}"
+                raise ConfigurationError(f"{where}: {run}: {why}; not a run of this evaluation")
             records[record.key] = record
         return list(records.values())
 
@@ -79,9 +89,14 @@ def _line(record: RunRecord) -> str:
     return json.dumps(record.as_mapping(), allow_nan=False) + "\n"
 
 
+def _data(cell: object) -> object:
+    """Return a cell that no spreadsheet takes for a formula: a text that begins like one gets a quotation mark."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@")) else cell
+
+
 def _row(record: RunRecord) -> str:
     """Return the line of `runs.csv`, with the collisions at the first distance only."""
     cells, text = record.as_mapping(), io.StringIO()
     firsts = [value[0] if isinstance(value, tuple) else value for value in cells.values()]
-    csv.writer(text, lineterminator="\n").writerow(firsts)
+    csv.writer(text, lineterminator="\n").writerow(map(_data, firsts))
     return text.getvalue()

@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.reading import read_json
 from selector.documents.writing import write_whole
 
 MANIFEST = "manifest.json"
+MOST_STEM = 200
+"""Length of the name of a directory; file systems allow 255, and a number may follow."""
 
 Json = dict[str, Any]
 
@@ -66,7 +69,7 @@ class RunFolder:
 
 def default_directory(stem: str, *, resume: bool) -> Path:
     """Return the first of results/<stem>, <stem>-2, <stem>-3, ... that is free; to resume, the last that exists."""
-    root = Path("results")
+    root, stem = Path("results"), stem[:MOST_STEM]
     taken, number = None, 1
     while (candidate := root / (stem if number == 1 else f"{stem}-{number}")).exists():
         taken, number = candidate, number + 1
@@ -83,24 +86,20 @@ def read_manifest(directory: Path) -> Json:
     if not directory.is_dir():
         raise ConfigurationError(f"{directory}: no such directory")
     path = directory / MANIFEST
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation") from error
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f"{path}: cannot be read ({error})") from error
-    if not (isinstance(content, dict) and isinstance(content.get("identity"), dict)):
+    if not path.exists():
+        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation")
+    content: Json = read_json(path)
+    if not isinstance(content.get("identity"), dict):
         raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
     return content
 
 
 def _identity(directory: Path) -> Json | None:
-    """Return the identity in the manifest of a directory; None without a manifest."""
-    try:
-        identity: Json = read_manifest(directory)["identity"]
-    except ConfigurationError:
+    """Return the identity in the manifest of a directory; None without one; ConfigurationError if it is damaged."""
+    if not (directory / MANIFEST).is_file():
         return None
-    return identity
+    identity = read_json(directory / MANIFEST).get("identity")
+    return identity if isinstance(identity, dict) else None
 
 
 def _difference(held: object, wanted: object, key: str = "") -> str:

@@ -80,7 +80,7 @@ MISTAKES = [
     ("robots: {radius: 2.0}", "", "mission.robots.count: expected at most 4 solid robots of radius 2 m"),
     ("robots: {radius: 2.76, count: 1}", "", "mission.robots.count: expected at most 0"),
     ("robots: {count: 5.5}", "", "mission.robots.count: expected a valid integer, got 5.5"),
-    ("robots: {radius: yes}", "", "mission.robots.radius: expected a valid number, got True"),
+    ("robots: {radius: true}", "", "mission.robots.radius: expected a valid number, got True"),
     ("world: {width: .inf}", "", "mission.world.width: expected a finite number, got inf"),
     ("stations: {dump: [12, 3]}", "", "mission.stations.dump: expected a point on the torus 11 m x 11 m, got [12, 3]"),
     ("stations: {recycling: [1, -0.1]}", "", "mission.stations.recycling: expected a point on the torus"),

@@ -161,7 +161,7 @@ def test_directories_without_results_are_refused(tmp_path, told):
     code, _, err = told("explain", tmp_path, *words)
     assert code == 2
     assert "holds no manifest.json; expected the results of an evaluation" in err
-    for content, expected in (("{", "cannot be read"), ("[]", "expected the manifest of an evaluation")):
+    for content, expected in (("{", "manifest.json: line 1: "), ("[]", "expected the manifest of an evaluation")):
         (tmp_path / "manifest.json").write_text(content)
         code, _, err = told("explain", tmp_path, *words)
         assert code == 2
