@@ -7,6 +7,11 @@ The names below can be imported from here. Environments have modules of their ow
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import clean_swarm_env.siblings as siblings
+
+siblings.own("selforg")
+siblings.own("selector")
+
 if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` cannot wait for: see `__getattr__`
     from clean_swarm_env.config.errors import ConfigurationError as ConfigurationError
     from clean_swarm_env.config.families import FamilyConfig as FamilyConfig

@@ -6,10 +6,12 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
-from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.borders.spaces import check_render_mode, start_of
+from clean_swarm_env.learning.given import GivenMission, seeds_from
 from clean_swarm_env.learning.observation.observer import Observations
 
 
@@ -20,7 +22,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     (MultiDiscrete), or one option for all robots (Discrete). The reward is the mean over the robots.
 
     Args:
-        mission: a mission, or the name of one in `configs/missions`.
+        mission: a mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         one_for_all: whether one option serves all robots.
         render_mode: None or "rgb_array".
         settings: further arguments of `Batch`.
@@ -31,15 +33,15 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
 
     def __init__(
         self,
-        mission: MissionConfig | str = "table1",
+        mission: GivenMission | None = None,
         *,
         one_for_all: bool = False,
         render_mode: str | None = None,
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")
-        self._envs = TeamVectorEnv(1, one_for_all=one_for_all, mission=mission, begin_anew=False, **settings)
+        check_render_mode(render_mode, self.metadata["render_modes"])
+        whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED, "render_mode": render_mode}
+        self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **whole, **settings)
         self.batch = self._envs.batch
         self.render_mode = render_mode
         self.observation_space = self._envs.single_observation_space
@@ -49,8 +51,9 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Begin an episode; `options["start"]` may give a `StartConfiguration`."""
-        super().reset(seed=seed)
+        """Begin an episode; `options["start"]` may give a `StartConfiguration` or its keys."""
+        start_of(options)
+        super().reset(seed=seeds_from([seed], 1)[0])
         observations, infos = self._envs.reset(seed=[seed], options=options)
         self._over = False
         return observations[0], _first(infos)
@@ -61,18 +64,30 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
         seen, rewards, terminated, truncated, infos = self._envs.step(np.asarray(action)[None])
         self._over = bool(terminated[0] or truncated[0])
-        info = _first(infos) | _first(infos.get("final_info", {}))
-        return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), info
+        return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which options can serve next, those of each robot one after the other (for sb3-contrib).
+
+        One option for all robots can serve if it can in any robot.
+        """
+        masks: NDArray[np.bool_] = self._envs.masks()[0]
+        return masks
+
+    def close(self) -> None:
+        """End the recording of a mission that is still going on."""
+        self.batch.close()
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or None without a render mode."""
-        if self.render_mode is None:
-            return None
-        from clean_swarm_env.drawing.world_picture import portrait  # drawing is slow to import and seldom wanted
-
-        return portrait(self.batch.worlds, 0)
+        pictures = self._envs.render()
+        return None if pictures is None else pictures[0]
 
 
 def _first(infos: dict[str, Any]) -> dict[str, Any]:
     """Return the infos of the first environment."""
-    return {name: values[0] for name, values in infos.items() if not name.startswith(("_", "final_")) and len(values)}
+    return {
+        name: values[0].item() if np.ndim(values[0]) == 0 else values[0]
+        for name, values in infos.items()
+        if not name.startswith("_")
+    }

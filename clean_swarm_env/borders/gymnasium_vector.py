@@ -4,9 +4,14 @@
     observations, infos = envs.reset(seed=1)
     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
 
-A world whose mission is over begins anew in the same step (`AutoresetMode.SAME_STEP`). The observation returned is the
-first of the new episode. `infos["final_obs"]` holds the last one of the old episode, `infos["final_info"]` the figures
-of the mission. World w of `reset(seed=S)` has the seed S + w.
+What happens when the mission of a world is over:
+
+- `autoreset_mode="SameStep"` (the default): the world begins anew in the same step. The observation returned is the
+  first of the new episode. `infos["final_obs"]` holds the last one of the old episode, `infos["final_info"]` its infos.
+- "NextStep": the world begins anew in the next step, whatever the actions; that step pays nothing.
+- "Disabled": `reset(options={"reset_mask": mask})` must begin it anew before the next step.
+
+World w of `reset(seed=S)` has the seed S + w.
 """
 
 from __future__ import annotations
@@ -19,58 +24,144 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.spaces import action_space, observation_space, start_of
-from clean_swarm_env.learning.batch import Batch, Finished
+from clean_swarm_env.borders.infos import MASK, OWN, TEAM, Info, robot_infos
+from clean_swarm_env.borders.members import Member
+from clean_swarm_env.borders.spaces import action_space, check_render_mode, observation_space, start_of
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.learning.progress import EVENTS
-from selforg.arrays import Flags, Floats
-
-Infos = dict[str, Any]
+from selforg.arrays import Flags, Floats, Ints
 
 
 class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     """The base class of both kinds: E environments of `together` rows each, E * together = R.
 
     Args:
-        batch: the worlds.
-        together: rows of one environment: 1, or the number of robots of a world.
+        together: rows of one environment: 1, or 0 for all robots of a world.
+        worlds: W.
+        autoreset_mode: what happens when the mission of a world is over.
+        render_mode: None or "rgb_array".
+        settings: further arguments of `Batch`.
+
+    Attributes:
+        autoreset_mode: the mode, as a member of `AutoresetMode`.
 
     """
 
-    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
+    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012
 
-    def __init__(self, batch: Batch, together: int) -> None:
-        self.batch, self._together = batch, together
-        self.num_envs = batch.rows // together
-        self._per_world = batch.robots // together
-        self.single_observation_space = observation_space(batch, together)
-        self.single_action_space = action_space(batch, together)
+    def __init__(
+        self,
+        together: int,
+        worlds: int,
+        *,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+        render_mode: str | None = None,
+        **settings: Any,  # noqa: ANN401  (those of Batch)
+    ) -> None:
+        check_render_mode(render_mode, self.metadata["render_modes"])
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        self.batch = Batch(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
+        self._together = together or self.batch.robots
+        self.num_envs = self.batch.rows // self._together
+        self._per_world = self.batch.robots // self._together
+        self.single_observation_space = observation_space(self.batch, self._together)
+        self.single_action_space = action_space(self.batch, self._together)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._over = np.zeros(worlds, dtype=np.bool_)
+        rows = [slice(env * self._together, (env + 1) * self._together) for env in range(self.num_envs)]
+        self.envs = [Member(self.batch, env // self._per_world, own) for env, own in enumerate(rows)]
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observations, Infos]:
-        """Begin an episode in every world; `seed` may be one for each world, `options["start"]` a start for all."""
-        super().reset(seed=seed if isinstance(seed, int) else None)
-        worlds = self.batch.worlds.worlds
-        seeds = [seed + world for world in range(worlds)] if isinstance(seed, int) else seed
-        observations = self.batch.reset(seeds, [start_of(options)] * worlds)
+    ) -> tuple[Observations, Info]:
+        """Begin an episode in every world.
+
+        `seed` may be one for each world or for each environment: a world takes that of its first robot. In `options`,
+        `start` is a start for all worlds; `reset_mask` (E,) says which environments begin, always whole worlds.
+        """
+        start = start_of(options, ("start", "reset_mask"))
+        seeds, worlds = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
+        super().reset(seed=seeds[0])
+        if len(worlds) == len(self._over):
+            observations = self.batch.reset(seeds, [start] * len(seeds))
+        else:
+            observations = self.batch.begin(worlds, seeds, [start] * len(seeds))
+        self._over[worlds] = False
         return self._joined(observations), self._infos()
 
-    def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Infos]:
+    def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Info]:
         """Run one decision period."""
-        step = self.batch.step(self._rows_of(np.asarray(actions)))
+        rows, waiting = self._rows_of(np.asarray(actions)), np.flatnonzero(self._over)
+        if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
+            raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
+        step = self.batch.step(rows)
+        terminated, truncated = step.terminated & ~self._over, step.truncated & ~self._over
+        if len(waiting):
+            self.batch.begin(waiting)
         infos = self._infos()
-        if self.batch.finished:
-            self._add_final(infos, self.batch.finished, step.final_observations)
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            self._add_final(infos, step.final_observations)
+        else:
+            self._over = terminated | truncated
         return (
             self._joined(step.observations),
             step.rewards.reshape(self.num_envs, -1).mean(axis=1),
-            np.repeat(step.terminated, self._per_world),
-            np.repeat(step.truncated, self._per_world),
+            np.repeat(terminated, self._per_world),
+            np.repeat(truncated, self._per_world),
             infos,
         )
+
+    def close_extras(self, **_: object) -> None:
+        """End the recordings of missions that are still going on."""
+        self.batch.close()
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Return a picture (height, width, 3) for each environment, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        from clean_swarm_env.drawing.world_picture import portrait  # drawing is slow to import and seldom wanted
+
+        pictures = [portrait(self.batch.worlds, world) for world in range(len(self._over))]
+        return tuple(pictures[env.world] for env in self.envs)
+
+    def call(self, name: str, *arguments: Any, **settings: Any) -> tuple[Any, ...]:  # noqa: ANN401
+        """Call a method of every environment (`action_masks`), or return an attribute of each."""
+        found = [getattr(env, name) for env in self.envs]
+        return tuple(one(*arguments, **settings) if callable(one) else one for one in found)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Return an attribute of every environment, such as `world`; AttributeError if they do not have it."""
+        return tuple(getattr(env, name) for env in self.envs)
+
+    def set_attr(self, name: str, values: Any) -> None:  # noqa: ANN401  (one for each environment, or one for all)
+        """Set an attribute of every environment; those that follow from the batch cannot be set."""
+        each = values if isinstance(values, list | tuple) else [values] * self.num_envs
+        for env, value in zip(self.envs, each, strict=True):
+            setattr(env, name, value)
+
+    def _seeds(self, given: int | Sequence[int | None] | None) -> list[int | None]:
+        """Return the seed of each world."""
+        worlds = len(self._over)
+        if given is None:
+            return [None] * worlds
+        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+            return seeds_from(given[:: self._per_world] if len(given) == self.num_envs else given, worlds)
+        return [whole_number(given, "seed") + world for world in range(worlds)]
+
+    def _chosen(self, mask: Any) -> Ints:  # noqa: ANN401  (what a user gave)
+        """Return the worlds that a mask (E,) of environments chooses; all without one."""
+        flags = np.ones(self.num_envs, dtype=np.bool_) if mask is None else np.asarray(mask)
+        if flags.shape != (self.num_envs,) or flags.dtype != np.bool_:
+            expected = f"truth values of shape {(self.num_envs,)}"
+            raise ValueError(f"options['reset_mask']: expected {expected}, got {flags.dtype} of shape {flags.shape}")
+        worlds = flags.reshape(-1, self._per_world)
+        if (worlds.any(axis=1) != worlds.all(axis=1)).any():
+            raise ValueError("options['reset_mask']: expected all robots of a world or none")
+        return np.flatnonzero(worlds[:, 0])
 
     def _rows_of(self, actions: NDArray[Any]) -> NDArray[Any]:
         """Return the actions (R, ...) of rows."""
@@ -81,32 +172,28 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     def _joined(self, observations: Observations) -> Observations:
         return observations.reshape(self.num_envs, -1).copy()
 
-    def _infos(self) -> Infos:
-        """Return what happened in the period (E,), or (E, N) of each robot, and which options can serve next."""
-        batch, progress = self.batch, self.batch.progress
-        infos: Infos = {
-            "time_s": np.repeat(progress.elapsed * batch.worlds.period, self._per_world),
-            "dumped": np.repeat(progress.dumped, self._per_world),
-            "action_mask": batch.masks().astype(np.int8).reshape(self.num_envs, -1),
-        }
-        for name, counts in zip(EVENTS, progress.events, strict=True):
-            own = counts if self._together == 1 else counts.reshape(self.num_envs, -1)
-            infos[f"own_{name}"] = own.copy()
+    def _infos(self) -> Info:
+        """Return the infos as arrays: (E,) for the keys of `TEAM`, (E,) or (E, N) for `OWN`, (E, ...) for the mask."""
+        rows = robot_infos(self.batch)
+        firsts = rows[:: self._together]
+        infos: Info = {name: np.array([info[name] for info in firsts]) for name in TEAM}
+        for name in OWN:
+            own = np.array([info[name] for info in rows])
+            infos[name] = own if self._together == 1 else own.reshape(self.num_envs, -1)
+        if self.batch.action.mode == "option":
+            infos[MASK] = self.batch.masks().astype(np.int8).reshape(self.num_envs, -1)
         infos.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(infos)})
         return infos
 
-    def _add_final(self, infos: Infos, finished: Sequence[Finished], final: Observations) -> None:
-        """Add the last observations of the missions that ended, and their figures."""
-        ended = np.zeros(self.num_envs, dtype=np.bool_)
+    def _add_final(self, infos: Info, final: Observations) -> None:
+        """Add the last observations of the missions that ended, and their infos."""
+        if not self.batch.finished:
+            return
+        ended = np.isin(np.arange(self.num_envs) // self._per_world, [end.world for end in self.batch.finished])
         last = np.full(self.num_envs, None, dtype=object)
+        for env in np.flatnonzero(ended):
+            last[env] = self._joined(final)[env]
         happened = {name: values for name, values in infos.items() if not name.startswith("_")}
-        for end in finished:
-            own = slice(end.world * self._per_world, (end.world + 1) * self._per_world)
-            ended[own] = True
-            for name, value in end.statistics.items():
-                happened.setdefault(name, np.zeros(self.num_envs, dtype=type(value)))[own] = value
-        for env, seen in zip(np.flatnonzero(ended), self._joined(final)[ended], strict=True):
-            last[env] = seen
         infos["final_info"] = happened | {f"_{name}": ended.copy() for name in happened}
         infos |= {"final_obs": last, "_final_obs": ended, "_final_info": ended.copy()}
 
@@ -115,21 +202,13 @@ class RobotVectorEnv(BatchVectorEnv):
     """Every robot of every world is an environment; learners share parameters among them (rows = worlds * robots).
 
     Args:
-        worlds: W; or give `num_envs`, a multiple of the robots of a mission.
-        num_envs: W * N, as `gymnasium.make_vec` has it.
-        settings: further arguments of `Batch`.
+        worlds: W.
+        settings: further arguments of `BatchVectorEnv`.
 
     """
 
-    def __init__(self, worlds: int | None = None, *, num_envs: int | None = None, **settings: Any) -> None:  # noqa: ANN401
-        if (worlds is None) == (num_envs is None):
-            raise ValueError("RobotVectorEnv: expected either worlds or num_envs")
-        if num_envs is not None:
-            robots = Batch(**settings).robots
-            if num_envs < 1 or num_envs % robots:
-                raise ValueError(f"num_envs: expected a multiple of the {robots} robots of a world, got {num_envs}")
-            worlds = num_envs // robots
-        super().__init__(Batch(worlds=worlds or 1, **settings), 1)
+    def __init__(self, worlds: int = 1, **settings: Any) -> None:  # noqa: ANN401
+        super().__init__(1, worlds, **settings)
 
 
 class TeamVectorEnv(BatchVectorEnv):
@@ -138,17 +217,21 @@ class TeamVectorEnv(BatchVectorEnv):
     Args:
         num_envs: W.
         one_for_all: whether one option serves all robots of a team.
-        settings: further arguments of `Batch`.
+        settings: further arguments of `BatchVectorEnv`.
 
     """
 
     def __init__(self, num_envs: int = 1, *, one_for_all: bool = False, **settings: Any) -> None:  # noqa: ANN401
-        batch = Batch(worlds=num_envs, **settings)
-        super().__init__(batch, batch.robots)
+        super().__init__(0, whole_number(num_envs, "num_envs", 1), **settings)
         self._one_for_all = one_for_all
         if one_for_all:
-            self.single_action_space = action_space(batch)
+            self.single_action_space = action_space(self.batch)
             self.action_space = batch_space(self.single_action_space, self.num_envs)
+
+    def masks(self) -> Flags:
+        """Return which options (E, ...) can serve next; one option for all can if it can in any robot."""
+        masks = self.batch.masks().reshape(self.num_envs, self.batch.robots, -1)
+        return np.any(masks, axis=1, out=None) if self._one_for_all else masks.reshape(self.num_envs, -1)
 
     def _rows_of(self, actions: NDArray[Any]) -> NDArray[Any]:
         if not self._one_for_all:

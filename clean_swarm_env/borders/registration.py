@@ -5,7 +5,6 @@
 
     team = gymnasium.make("CleanSwarm-v0")
     teams = gymnasium.make_vec("CleanSwarm-v0", num_envs=64)
-    robots = gymnasium.make_vec("CleanSwarmRobots-v0", num_envs=320)
     env = pettingzoo.make("parallel", "CleanSwarm-v0")
 
 Importing this module registers the ids; `gymnasium.make("clean_swarm_env.registration:CleanSwarm-v0")` does so too.
@@ -18,7 +17,7 @@ from typing import Any
 import gymnasium
 import pettingzoo
 
-TEAM_ID, ONE_FOR_ALL_ID, ROBOTS_ID = "CleanSwarm-v0", "CleanSwarmOneForAll-v0", "CleanSwarmRobots-v0"
+TEAM_ID, ONE_FOR_ALL_ID = "CleanSwarm-v0", "CleanSwarmOneForAll-v0"
 
 
 def register_gymnasium() -> None:
@@ -33,7 +32,6 @@ def register_gymnasium() -> None:
             "vector_entry_point": "clean_swarm_env.borders.gymnasium_vector:TeamVectorEnv",
             "kwargs": {"one_for_all": True},
         },
-        ROBOTS_ID: {"vector_entry_point": "clean_swarm_env.borders.gymnasium_vector:RobotVectorEnv"},
     }
     for name, spec in specs.items():
         if name not in gymnasium.registry:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.given import config_from
+from selforg.registry import unknown
 
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
 
@@ -39,9 +42,23 @@ def masks_of(batch: Batch) -> Iterable[Mask]:
     return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
 
 
-def start_of(options: Mapping[str, Any] | None) -> StartConfiguration | None:
-    """Return the start in the options of a reset, None without one; other keys are ignored."""
+def state_space(names: Sequence[str]) -> spaces.Box:
+    """Return the space of the global state with these components."""
+    return spaces.Box(-1.0, 1.0, (len(names),), np.float32)
+
+
+def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",)) -> StartConfiguration | None:
+    """Return the start in the options of a reset, None without one; `known` are the keys that they may have."""
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"options: expected a dictionary, got {brief(options)}")
+    for key in options or {}:
+        if key not in known:
+            raise ValueError(f"options: {unknown('key', str(key), known)}")
     start = (options or {}).get("start")
-    if start is not None and not isinstance(start, StartConfiguration):
-        raise TypeError(f"options['start']: expected a StartConfiguration, got {type(start).__name__}")
-    return start
+    return None if start is None else config_from(StartConfiguration, start, "options['start']")
+
+
+def check_render_mode(mode: object, known: Sequence[str]) -> None:
+    """Raise ValueError for a render mode other than None and those `known`."""
+    if mode is not None and mode not in known:
+        raise ValueError(f"render_mode: expected None or {' or '.join(map(repr, known))}, got {mode!r}")

@@ -6,12 +6,11 @@
     mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
 
 Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
-mission is over begins anew in the same step. Infos hold:
+mission is over begins anew in the same step. Infos hold in every step what `clean_swarm_env.borders.infos` names
+(`VecMonitor` keeps figures of missions by `info_keywords`), and at the end of a mission:
 
-- in every period: `own_picked`, `own_recycled`, `own_dumped`, `own_collision`, where they are not 0;
-- at the end of a mission: `terminal_observation`, `TimeLimit.truncated` (the time was over and garbage was left),
-  `episode` (return, length and time, as `VecMonitor` writes them), and the figures of the mission: `duration_s`,
-  `garbage_done`, `mission_collision_events`, `completed`, which `VecMonitor` keeps by `info_keywords`.
+- `terminal_observation` and `TimeLimit.truncated` (the time was over and garbage was left),
+- `episode`: return, length and time, as `VecMonitor` writes them.
 
 World w of `seed(S)` has the seed S + w. Options of `set_options` may hold a `start`, in the row of the first robot of a
 world.
@@ -28,57 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
+from clean_swarm_env.borders.infos import Info, robot_infos
+from clean_swarm_env.borders.members import Member
 from clean_swarm_env.borders.spaces import action_space, observation_space, start_of
 from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
+from clean_swarm_env.learning.given import seeds_from
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.learning.progress import COLLISIONS, EVENTS
-
-Info = dict[str, Any]
-
-
-class Robot:
-    """One row, for `get_attr`, `set_attr` and `env_method` of the environment.
-
-    Attributes:
-        row: number of the row among all rows.
-        world: number of the robot's world, over all batches.
-        robot: number of the robot within the world.
-
-    """
-
-    spec = None
-    render_mode = None
-
-    def __init__(self, row: int, world: int, batch: Batch, own_row: int) -> None:
-        """`own_row`: number of the row within its batch."""
-        self.row, self.world, self.robot = row, world, own_row % batch.robots
-        self._batch, self._own_row = batch, own_row
-
-    @property
-    def batch(self) -> Batch:
-        """The batch of the robot's world."""
-        return self._batch
-
-    @property
-    def options(self) -> dict[str, tuple[str, ...]]:
-        """Coordinated goal -> names of its options."""
-        return dict(self._batch.options)
-
-    @property
-    def observation_space(self) -> gymnasium.spaces.Box:
-        """Space of the observations."""
-        return observation_space(self._batch)
-
-    @property
-    def action_space(self) -> gymnasium.Space[Any]:
-        """Space of the actions."""
-        return action_space(self._batch)
-
-    def action_masks(self) -> NDArray[np.bool_]:
-        """Return which options (O,) of all goals, one goal after the other, can serve next (for sb3-contrib)."""
-        masks: NDArray[np.bool_] = self._batch.masks()[self._own_row]
-        return masks
+from selforg.arrays import Flags
 
 
 class RobotVecEnv(VecEnv):
@@ -111,7 +67,9 @@ class RobotVecEnv(VecEnv):
         self.finished: tuple[Finished, ...] = ()
         own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
         worlds_of = self._joined.world_of.tolist()
-        self._robots = [Robot(row, worlds_of[row], *of) for row, of in enumerate(own)]
+        self._robots = [
+            Member(batch, world, slice(row, row + 1)) for (batch, row), world in zip(own, worlds_of, strict=True)
+        ]
         self._actions: NDArray[Any] = np.zeros(0)
         self._returns = np.zeros(self._joined.rows)
         self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
@@ -132,7 +90,8 @@ class RobotVecEnv(VecEnv):
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Give world w the seed `seed` + w from the next reset on; without one, seeds drawn from the system."""
-        first = int(np.random.default_rng().integers(2**32)) if seed is None else seed
+        (given,) = seeds_from([seed], 1)
+        first = int(np.random.default_rng().integers(2**32)) if given is None else given
         self._seeds = [first + world for world in self._joined.world_of.tolist()]
         return self._seeds
 
@@ -146,33 +105,30 @@ class RobotVecEnv(VecEnv):
         self.finished = self._joined.finished
         self._returns += step.rewards
         self._lengths += 1
-        infos = self._infos()
+        infos = [info for batch in self.batches for info in robot_infos(batch)]
         for end in self.finished:
             self._add_end(infos, end, step)
         over = (step.terminated | step.truncated)[self._joined.world_of]
         return step.observations, step.rewards.astype(np.float32), over, infos
 
-    def _infos(self) -> list[Info]:
-        """Return what happened in the period, for each row."""
-        infos: list[Info] = [{} for _ in range(self.num_envs)]
-        events = self._joined.events[: COLLISIONS + 1]
-        for kind, row in np.argwhere(events).tolist():
-            infos[row][f"own_{EVENTS[kind]}"] = int(events[kind, row])
-        return infos
-
     def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
         """Add the figures of a mission to the infos, and set the sums of its world to 0."""
         elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
-            infos[row] |= end.statistics
             infos[row]["terminal_observation"] = step.final_observations[row].copy()
             infos[row]["TimeLimit.truncated"] = bool(step.truncated[end.world])
             infos[row]["episode"] = {"r": float(self._returns[row]), "l": length, "t": elapsed}
             self._returns[row] = 0.0
         self._lengths[end.world] = 0
 
+    def action_masks(self) -> Flags:
+        """Return which options (R, O) of all goals, one goal after the other, can serve next."""
+        return self._joined.masks()
+
     def close(self) -> None:
-        """Do nothing: there is nothing to close."""
+        """End the recordings of missions that are still going on."""
+        for batch in self.batches:
+            batch.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Return an attribute of the rows; AttributeError if the rows do not have it."""
@@ -199,5 +155,5 @@ class RobotVecEnv(VecEnv):
         """Return False for each row: rows are not wrapped one by one."""
         return [False for _ in self._chosen(indices)]
 
-    def _chosen(self, indices: VecEnvIndices) -> list[Robot]:
+    def _chosen(self, indices: VecEnvIndices) -> list[Member]:
         return [self._robots[index] for index in self._get_indices(indices)]

@@ -55,3 +55,15 @@ def portrait(worlds: Worlds, world: int) -> NDArray[np.uint8]:
     agg.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(agg.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
     return pixels[:, :, :3].copy()
+
+
+def show_picture(picture: NDArray[np.uint8]) -> None:
+    """Show a picture in a window of Matplotlib, always the same one."""
+    from matplotlib import pyplot  # waits: it looks for a display
+
+    figure = pyplot.figure("Clean Swarm", figsize=(picture.shape[1] / 100, picture.shape[0] / 100), dpi=100)
+    figure.clear()
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.axis("off")
+    axes.imshow(picture)
+    pyplot.pause(0.001)

@@ -6,7 +6,7 @@ w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Unpack
 
@@ -14,21 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.learning.reward import RewardConfig, Rewards
+from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
+from clean_swarm_env.recording.recorder import Recorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
-from selforg.arrays import Flags, Floats
+from selforg.arrays import Flags, Floats, Ints
 
 
 class BatchStep(NamedTuple):
@@ -80,16 +82,20 @@ class BatchSettings(EpisodeSettings, total=False):
     begin_anew: bool
     """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
     the world stays as it is until `reset`, and counts no more."""
+    record: RecordSettings | None
+    """Where every mission is recorded; none is unless given."""
+    explained: bool
+    """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
 
 
 class Batch:
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
-        mission: a mission, or the name of one in `configs/missions`.
+        mission: a mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         worlds: W.
         observation: terms of the observation.
-        reward: weights of the reward's terms.
+        reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.
         action: what an action is.
         settings: see `BatchSettings` and `EpisodeSettings`.
 
@@ -100,6 +106,7 @@ class Batch:
         options: coordinated goal -> names of its options.
         observer: has the names of the components of an observation.
         choices: the options as actions.
+        recorder: records the missions; None unless asked for.
         progress: what happened in the last period.
         observations: (R, F) float32, the last ones, always the same array.
         doing: (W,) present or last scenario of each world; None where a source has given none yet.
@@ -114,25 +121,30 @@ class Batch:
 
     def __init__(
         self,
-        mission: MissionConfig | str = "table1",
+        mission: GivenMission | None = None,
         worlds: int = 1,
         *,
-        observation: ObservationConfig | None = None,
-        reward: RewardConfig | None = None,
-        action: ActionConfig | None = None,
+        observation: ObservationConfig | Mapping[str, Any] | None = None,
+        reward: RewardConfig | Mapping[str, Any] | OwnRewards | str | None = None,
+        action: ActionConfig | Mapping[str, Any] | None = None,
         **settings: Unpack[BatchSettings],
     ) -> None:
         unknown = settings.keys() - BatchSettings.__optional_keys__
         if unknown:
             raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
-        episodes, directories = episodes_of(mission, settings), settings.get("directories", ())
+        worlds = whole_number(worlds, "worlds", 1)
+        episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
         self._source: EpisodeSource = settings.get("source") or self._series
-        self.action, self.begin_anew = action or ActionConfig(), settings.get("begin_anew", True)
+        self.action = config_from(ActionConfig, action, "action")
+        self.begin_anew = settings.get("begin_anew", True)
         known = load_knowledge(self.mission.knowledge, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
-        self.worlds = Worlds(self.mission, models, worlds, directories=directories)
+        record, explained = settings.get("record"), settings.get("explained", False)
+        explained = explained or (record is not None and record.minds)
+        self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)
+        self.recorder = Recorder(self.worlds, record) if record is not None else None
         self.rows, self.robots = self.worlds.rows, self.worlds.robots
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(self.worlds, self.action)
@@ -140,8 +152,11 @@ class Batch:
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
         self.progress = MissionProgress(self.worlds)
-        self.rewards = Rewards(reward or RewardConfig(), self.worlds.period)
-        self.observer = Observer(self.worlds, self.progress, observation)
+        self._own_rewards = own_rewards(reward)
+        weights = config_from(RewardConfig, None if self._own_rewards else reward, "reward")  # type: ignore[arg-type]
+        self.rewards = Rewards(weights, self.worlds.period)
+        seen = config_from(ObservationConfig, observation, "observation")
+        self.observer = Observer(self.worlds, self.progress, seen if self._steering is None else seen.steered())
         self.width = self.observer.width
         self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
@@ -158,21 +173,32 @@ class Batch:
         `seeds` (W,) begin the series of episodes anew. A world without a seed (None) continues its series, or begins
         one whose seed is drawn from the system. `starts` (W,) take the place of random starts.
         """
-        nothing = [None] * self.worlds.worlds
-        for name, given in (("seeds", seeds), ("starts", starts)):
-            if given is not None and len(given) != len(nothing):
-                raise ValueError(f"{name}: expected one for each of {len(nothing)} worlds, got {len(given)}")
-        if self._source is self._series:
-            self._series.begin(seeds or nothing)
-        elif seeds is not None and any(seed is not None for seed in seeds):
-            raise ValueError("seeds: expected none, because a source says what the worlds do")
-        for world, start in enumerate(starts or nothing):
-            self._begin(world, start)
-        self._begun = True
         self._finished.clear()
         self.progress.begin_period()
-        self.progress.elapsed[:] = 0
-        self.observer.observe(self.observations)
+        return self.begin(np.arange(self.worlds.worlds), seeds, starts)
+
+    def begin(
+        self,
+        worlds: Ints,
+        seeds: Sequence[int | None] | None = None,
+        starts: Sequence[StartConfiguration | None] | None = None,
+    ) -> Observations:
+        """Begin an episode in `worlds` (K,) only, and return the observations (R, F); the counts of the period stay.
+
+        `seeds` (W,) and `starts` (W,) are those of `reset`.
+        """
+        known = seeds_from(seeds, self.worlds.worlds)
+        if starts is not None and len(starts) != len(known):
+            raise ValueError(f"starts: expected one for each of {len(known)} worlds, got {len(starts)}")
+        if self._source is self._series:
+            self._series.begin(known)
+        elif any(seed is not None for seed in known):
+            raise ValueError("seeds: expected none, because a source says what the worlds do")
+        for world in worlds.tolist():
+            self._begin(world, None if starts is None else starts[world])
+            self.progress.elapsed[world] = 0
+        self._begun = True
+        self.observer.observe(self.observations, worlds)
         return self.observations
 
     def share(self, seed: int) -> None:
@@ -198,9 +224,18 @@ class Batch:
         rows = self.worlds.rows_of(world)
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)
+        if self.recorder is not None:
+            self.recorder.begin(world, {"scenario": scenario.id, "seed": scenario.seed})
 
     def masks(self) -> Flags:
-        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period."""
+        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
+
+        Raises:
+            ValueError: actions are vectors.
+
+        """
+        if self._steering is not None:
+            raise ValueError("masks: expected options as actions, got mode 'velocity'")
         return self.choices.masks(self.observer.phases)
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
@@ -208,6 +243,17 @@ class Batch:
 
         `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
         """
+        for _ in self.ticks(actions):
+            pass
+        return self.end_period()
+
+    def close(self) -> None:
+        """End the recordings of missions that are still going on."""
+        if self.recorder is not None:
+            self.recorder.close()
+
+    def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
+        """Run one decision period as `step` does, and yield the worlds after each control period."""
         if not self._begun:
             raise RuntimeError("step: call reset first")
         if self._steering is None:
@@ -219,11 +265,23 @@ class Batch:
         progress = self.progress
         progress.begin_period()
         for _ in range(self._ticks_per_step):
-            if progress.note(self.worlds.tick()):
+            entered = self.worlds.tick()
+            if self.recorder is not None:
+                self.recorder.take()
+            ended = progress.note(entered)
+            if ended:
                 self._keep_ends()
-                if progress.outcome.all():  # no world runs
-                    break
-        self.rewards.of(progress, self._gained)
+            yield self.worlds
+            if ended and progress.outcome.all():  # no world runs
+                break
+
+    def end_period(self) -> BatchStep:
+        """Begin the next missions, and return what the period gave."""
+        progress = self.progress
+        if self._own_rewards is None:
+            self.rewards.of(progress, self._gained)
+        else:
+            self._gained[:] = self._own_rewards(self)
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self._finished:

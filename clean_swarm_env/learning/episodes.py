@@ -5,18 +5,26 @@ Every episode is a `Scenario`. An episode of a series follows from a seed and it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import count
-from pathlib import Path
 from typing import TypedDict
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
-from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.learning.given import (
+    GivenFamily,
+    GivenMission,
+    Named,
+    directories_from,
+    family_from,
+    mission_from,
+    whole_number,
+)
 
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
@@ -62,34 +70,42 @@ class Series:
     def share(self, seed: int) -> None:
         """Distribute the episodes of one seed: world w of W gets the episodes w, w + W, ..."""
         worlds = len(self._running)
+        whole_number(seed, "seed")
         self._running = [self._episodes(seed, world, worlds) for world in range(worlds)]
 
 
 class EpisodeSettings(TypedDict, total=False):
     """The choice of episodes; without settings the mission from random starts."""
 
-    family: FamilyConfig | str | None
-    """A family of scenarios, or the name of one in `configs/families`, in place of the mission: its scenarios are the
-    episodes."""
+    family: GivenFamily | None
+    """A family of scenarios (its name in `configs/families`, its path, its keys) in place of the mission: its scenarios
+    are the episodes."""
     split: Split
     """Split of the family, "train" unless given."""
     size: Size | None
     """Torus of a family that draws from several: its scenarios on that torus."""
-    knowledge: str | None
-    """Name of the expert knowledge, in place of that of the mission."""
-    directories: tuple[Path, ...]
+    knowledge: Named | None
+    """Name or path of the expert knowledge, in place of that of the mission."""
+    directories: Named | Iterable[Named]
     """The user's configurations, knowledge and robots, searched before the shipped ones."""
 
 
-def episodes_of(mission: MissionConfig | str, settings: EpisodeSettings | None = None) -> Episodes:
-    """Return the episodes of a mission, or of the family that the settings name."""
+def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings | None = None) -> Episodes:
+    """Return the episodes of a mission, "table1" unless given, or of the family that the settings name."""
     chosen = settings or {}
-    family, directories = chosen.get("family"), chosen.get("directories", ())
+    family, directories = chosen.get("family"), directories_from(chosen.get("directories"))
     size, knowledge = chosen.get("size"), chosen.get("knowledge")
     if family is None:
-        given = load_mission(mission, directories) if isinstance(mission, str) else mission
-        return _of_mission(_with_knowledge(given, knowledge))
-    drawn = load_family(family, directories) if isinstance(family, str) else family
+        for name in ("split", "size"):
+            if chosen.get(name) is not None:
+                raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
+        return _of_mission(
+            _with_knowledge(mission_from("table1" if mission is None else mission, directories), knowledge)
+        )
+    if mission is not None:
+        raise ValueError("family: expected a mission or a family, got both")
+    drawn = family_from(family, directories)
+    size = None if size is None else (size[0], size[1])
     _check_size(drawn, size)
     known = drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)})
     return _of_family(known, chosen.get("split", "train"), size)
@@ -129,5 +145,5 @@ def _check_size(family: FamilyConfig, size: Size | None) -> None:
         raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
 
 
-def _with_knowledge(mission: MissionConfig, knowledge: str | None) -> MissionConfig:
-    return mission if knowledge is None else mission.model_copy(update={"knowledge": knowledge})
+def _with_knowledge(mission: MissionConfig, knowledge: Named | None) -> MissionConfig:
+    return mission if knowledge is None else mission.model_copy(update={"knowledge": os.fspath(knowledge)})

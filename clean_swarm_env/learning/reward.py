@@ -6,13 +6,16 @@ paid for picking could carry items about. Their weights are 0 unless given.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from collections.abc import Callable
+from reprlib import repr as brief
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.learning.progress import EVENTS, MissionProgress, Period, open_period
 from clean_swarm_env.world.mission_end import COMPLETED
 from selector.documents.fields import Closed, Number, Share
+from selector.documents.imported import imported
 from selforg.arrays import Floats
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
@@ -41,6 +44,30 @@ class RewardConfig(Closed):
     """Shaping: for each second in which the robot avoided others [1/s]."""
     shared: Share = 0.0
     """Share of a robot's own terms (collisions and shaping) that goes to all robots of its world alike [-]."""
+
+
+OwnRewards = Callable[[Any], Floats]
+"""A function of a `Batch` at the end of a period that returns the rewards (R,)."""
+
+
+def own_rewards(chosen: object) -> OwnRewards | None:
+    """Return the user's own function, given as it is or as `module:name`, with its result checked; None for weights.
+
+    The function is called at the end of each decision period, before worlds whose missions ended begin anew. Robots
+    that took no part in the period are paid nothing.
+    """
+    function = imported(chosen, "reward") if isinstance(chosen, str) else chosen
+    if not callable(function):
+        return None
+
+    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (a Batch, which stands above this module)
+        given = function(batch)
+        paid = np.asarray(given, dtype=np.float64)
+        if paid.shape != (batch.rows,) or not np.isfinite(paid).all():
+            raise ValueError(f"reward: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
+        return np.where(batch.progress.took_part, paid, 0.0)
+
+    return rewards
 
 
 class Prices(NamedTuple):

@@ -63,7 +63,8 @@ class Minds(Uncopied):
     Attributes:
         poses: the pose gradients of the robots.
         reception: the delivery of messages.
-        items, pheromones, gradients: the buffers: garbage, traces of the patrol, everything else.
+        items, pheromones, gradients: the buffers: garbage, traces of the patrol, everything else; `buffers` has them
+            by name.
         directions: random directions, one stream a row.
         network: the robots' behaviour networks.
         coordinators: (C,) one for each goal that the robot's document coordinates, in its order.
@@ -132,7 +133,7 @@ class Minds(Uncopied):
         self.items = SoBuffer(newest, space, self.poses)
         self.pheromones = SoBuffer(strongest, space, self.poses, self.reception.delivery())
         self.gradients = SoBuffer(BufferSettings(), space, self.poses)
-        self._buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
+        self.buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
         self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
         self.patrol = Patrol(
             self.pheromones,
@@ -152,7 +153,7 @@ class Minds(Uncopied):
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
-        host = Host(self.poses, self._buffers, self.directions, self._chances, self._memory)
+        host = Host(self.poses, self.buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
         self.nested = inner_networks(robot, self.network, host, explained=explained)
         self._movers = {
@@ -171,7 +172,7 @@ class Minds(Uncopied):
 
     def reset(self, world: int, mission: MissionConfig, rows: Ints, seed: np.random.SeedSequence) -> None:
         """Clear the buffers of a world whose robots are `rows` (N,), and begin its random draws from `seed`."""
-        for buffer in self._buffers.values():
+        for buffer in self.buffers.values():
             buffer.clear(world)
         streams = [np.random.default_rng(stream) for stream in seed.spawn(2 * len(rows))]
         self.directions.reset(rows, streams[: len(rows)])

@@ -14,6 +14,7 @@ from selector.configurations.library import library_of
 from selector.coordination.selection import BY_SCORE, Selection
 from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec
+from selforg.arrays import Floats
 
 Scores = Mapping[str, Mapping[str, float]]
 
@@ -100,6 +101,16 @@ class Course:
         self._limit = tick_limit(mission)
         self.worlds.hold(self._selection.decide())
 
+    def opinions(self) -> dict[str, Floats]:
+        """Return what each robot thinks of the options (R, O) of each coordinated goal."""
+        thought = self._selection.opinions()
+        return {c.model.goal: values for c, values in zip(self.worlds.coordinators, thought, strict=True)}
+
+    @property
+    def decides(self) -> bool:
+        """Whether the next control period is the first one of a decision period."""
+        return bool(self.worlds.ticks[0] % self._decision_ticks == 0)
+
     @property
     def in_progress(self) -> bool:
         """Whether garbage and time are left."""
@@ -108,8 +119,7 @@ class Course:
 
     def tick(self) -> None:
         """Run one control period; at the first one of a decision period, choose the options first."""
-        ticks = self.worlds.ticks[0]
-        if ticks > 0 and ticks % self._decision_ticks == 0:
+        if self.worlds.ticks[0] > 0 and self.decides:
             self.worlds.hold(self._selection.decide())
         self.worlds.tick()
 

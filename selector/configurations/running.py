@@ -72,6 +72,12 @@ class RunningConfiguration:
         """The network of the configuration."""
         return self.robots.network
 
+    @property
+    def view_distance(self) -> float:
+        """The longest view distance of a mechanism that moves the robot [m]; 0 without one."""
+        seen = [m.view_distance for m in self.mechanisms.values() if isinstance(m, MovementMechanism)]
+        return float(max(seen, default=0.0))
+
     def forget(self, rows: Ints) -> None:
         """Reset memory and decisions of `rows` (K,) to their first values, and drop kept movements."""
         self._memory.reset(rows)

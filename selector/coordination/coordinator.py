@@ -88,6 +88,11 @@ class Coordinator:
                 self.contents[k].forget(self._new[k, :count])
         self._list_in_use()
 
+    @property
+    def used(self) -> tuple[int, ...]:
+        """The options that any row holds."""
+        return tuple(k for k, _ in self._in_use)
+
     def _list_in_use(self) -> None:
         """List the options that any row holds, with these rows."""
         self._in_use = [(k, self._members[k, :count]) for k, count in enumerate(self._counts.tolist()) if count]

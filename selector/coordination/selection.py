@@ -10,7 +10,7 @@ import numpy as np
 from selector.coordination.coordinator import Coordinator
 from selector.strategies.registry import StrategySpec
 from selector.strategies.streams import row_keys
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 
 BY_SCORE = StrategySpec(name="MaxScore")
 """The strategy of the paper: the highest score of the expert."""
@@ -52,3 +52,7 @@ class Selection:
     def decide(self) -> Ints:
         """Return the option (R, C) that each row is to hold of each coordinator until the next decision."""
         return np.stack([strategy.select(self._context) for strategy in self.strategies], axis=1)
+
+    def opinions(self) -> tuple[Floats, ...]:
+        """Return what each row thinks of the options (R, O) of each coordinator."""
+        return tuple(strategy.opinions(self._context) for strategy in self.strategies)

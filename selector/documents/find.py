@@ -9,10 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import configs
 from selector.documents.errors import DocumentError, M, shown, validated
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
+
+SHIPPED = Path(__file__).resolve().parents[2] / "configs"
+"""The directory of the shipped files, beside this package in a checkout and in an installed wheel."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ def roots(directories: Sequence[Path] = ()) -> list[Path]:
     for directory in directories:
         if not directory.is_dir():
             raise DocumentError(f"{directory}: no such directory")
-    return [*directories, configs.directory()]
+    return [*directories, SHIPPED]
 
 
 def _is_file(path: Path) -> bool:

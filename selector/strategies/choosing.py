@@ -26,6 +26,13 @@ def even(allowed: Flags) -> Floats:
     return shares
 
 
+def shares(preferences: Floats) -> Floats:
+    """Return probabilities (K, O) whose logarithms are `preferences` (K, O), up to a constant for each row."""
+    weights = np.exp(preferences - preferences.max(axis=1, keepdims=True))
+    parts: Floats = weights / weights.sum(axis=1, keepdims=True)
+    return parts
+
+
 def chance_of(chances: Floats, option: Ints) -> Floats:
     """Return the probability (K,) of each chosen `option` (K,) among `chances` (K, O)."""
     taken: Floats = np.take_along_axis(chances, option[:, None], axis=1)[:, 0]

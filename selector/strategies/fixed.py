@@ -10,7 +10,7 @@ from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 
 
@@ -39,6 +39,9 @@ class Fixed(DecisionStrategy):
             raise DocumentError(f"strategy Fixed: goal {self.problem.goal}: {unknown('option', name, known)}")
         self._order = self.problem.scores.copy()
         self._order[known.index(name)] = np.inf
+
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return np.isposinf(self._order).astype(np.float64)
 
     def _select(self, decisions: Decisions) -> Ints:
         return best(np.broadcast_to(self._order, decisions.allowed.shape), decisions.allowed)

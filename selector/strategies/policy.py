@@ -4,7 +4,7 @@ import numpy as np
 
 from selector.documents.errors import shown
 from selector.documents.fields import Closed, Flag, Named
-from selector.strategies.choosing import best, chance_of, drawn
+from selector.strategies.choosing import best, chance_of, drawn, shares
 from selector.strategies.policy_file import Floats32, TrainedPolicy, find_policy, load_policy
 from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
@@ -40,12 +40,14 @@ class Policy(DecisionStrategy):
         """Random numbers that one row takes for one decision."""
         return int(self.parameters.sampled)
 
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return shares(self.network.outputs(decisions.context))
+
     def _select(self, decisions: Decisions) -> Ints:
         preferences = np.where(decisions.allowed, self.network.outputs(decisions.context), -np.inf)
         if not self.parameters.sampled:
             return best(preferences, decisions.allowed)
-        weights = np.exp(preferences - preferences.max(axis=1, keepdims=True))
-        chances = weights / weights.sum(axis=1, keepdims=True)
+        chances = shares(preferences)
         option = drawn(chances, decisions.draws[:, 0])
         self.chance[decisions.rows] = chance_of(chances, option)
         return option

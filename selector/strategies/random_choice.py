@@ -4,7 +4,7 @@ from selector.strategies.choosing import chance_of, drawn, even
 from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 
 
 @STRATEGIES.register
@@ -15,6 +15,9 @@ class Random(DecisionStrategy):
     def draws_per_decision(self) -> int:
         """Random numbers that one row takes for one decision."""
         return 1
+
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return even(decisions.allowed)
 
     def _select(self, decisions: Decisions) -> Ints:
         chances = even(decisions.allowed)

@@ -127,6 +127,16 @@ class DecisionStrategy(ABC):
         return options
 
     @final
+    def opinions(self, context: Floats) -> Floats:
+        """Return what each row thinks of each option (R, O) in `context` (R, F), for readers of a decision.
+
+        A score, an estimate of the reward or a probability, as the strategy has it. Nothing changes.
+        """
+        rows, seen = np.arange(self.rows), readable("context", context, (self.rows, self.features))
+        decisions = Decisions(rows, self.group_of, seen, self._allowed(None, rows), np.zeros((self.rows, 0)))
+        return np.broadcast_to(self._opinions(decisions), (self.rows, self.options))
+
+    @final
     def update(
         self, option: Ints, reward: Floats, context: Floats, rows: Ints | None = None, chance: Floats | None = None
     ) -> None:
@@ -229,6 +239,10 @@ class DecisionStrategy(ABC):
     @abstractmethod
     def _select(self, decisions: Decisions) -> Ints:
         """Return the option (K,) of each decision; set `chance[decisions.rows]` if the choice was random."""
+
+    def _opinions(self, decisions: Decisions) -> Floats:
+        """Return what is thought of each option (K, O); the scores of the expert unless a strategy has better."""
+        return self.problem.scores
 
     def _update(self, outcomes: Outcomes) -> None:  # noqa: B027  (not every strategy learns)
         """Learn from the rewards of decisions; a strategy that does not learn leaves this out."""

@@ -1,6 +1,6 @@
 """SoBuffer: the gradients that robots have received, stored so that near ones are found fast."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,7 @@ class SoBuffer:
         self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
         self._channel_tables: dict[tuple[str, ...], Ints] = {}  # of the channels used so far
         self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
+        self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None  # is told the arguments of `deposit`
 
     def __len__(self) -> int:
         """Return how many gradients of all teams are stored; some of them may have evaporated since the last look."""
@@ -131,6 +132,8 @@ class SoBuffer:
 
     def deposit(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
         """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
+        if self.on_deposit is not None:
+            self.on_deposit(rows, message, tag)
         if self.shared:
             if not deposit_rows(rows, message, tag, now, self.poses.packed.words, self.table.packed.words):
                 self.table.reserve(len(rows))

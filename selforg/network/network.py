@@ -176,7 +176,8 @@ class BehaviourNetwork:
             key = self.plans.keys[row].tobytes()
             if key not in found:
                 alternatives = self.state.mark_table[row, st.ALTERNATIVE]
-                steps = planner.plan(self.readings[row], alternatives, self.state.goal_enabled[row])
+                enabled = self.state.goal_enabled[row]
+                steps = planner.plan(self.readings[row], alternatives, enabled) if enabled.any() else None
                 if self._memory.reach == reach:  # otherwise the keys of this step stand for too many readings
                     self._memory.insert(self.plans.keys[row], steps)
                     found[key] = steps

@@ -79,13 +79,14 @@ def course(worlds: Worlds, world: int, ticks: int) -> list[dict[str, np.ndarray]
     return steps
 
 
-def difference(first: list[dict[str, np.ndarray]], second: list[dict[str, np.ndarray]]) -> str:
-    """Return the first place at which two courses differ in any bit; empty if there is none."""
+def difference(first: list[dict[str, np.ndarray]], second: list[dict[str, np.ndarray]], within: float = 0.0) -> str:
+    """Return the first place at which two courses differ in any bit, or by more than `within`; empty if nowhere."""
     if len(first) != len(second):
         return f"{len(first)} and {len(second)} steps"
     for step, (one, other) in enumerate(zip(first, second, strict=True)):
         for name, part in one.items():
-            if part.tobytes() != other[name].tobytes():
+            same = part.tobytes() == other[name].tobytes()
+            if not same and not (within and np.allclose(part, other[name], rtol=0.0, atol=within, equal_nan=True)):
                 return f"step {step}: {name}"
     return ""
 

@@ -1,27 +1,33 @@
-"""`python -m tests.golden [DIR]`: replay the golden data of the original implementation."""
+"""`python -m tests.golden [DIR ...]`: replay the golden data of the original implementation."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.golden import registered
 from tests.golden.runner import Outcome, find_files, replay_file
 
-DEFAULT = Path("../shared/golden")
+DIRECTORIES = (Path("../shared/golden"), Path("../shared/golden-2"))
+"""The two parts, replayed where no directory is named; the second one only where it exists."""
 SHOWN = 20  # failures listed per file
 
 
-def main(arguments: list[str]) -> int:
-    """Print a line a file and the sum; return 1 if anything failed, 2 if there is nothing to replay."""
-    directory = Path(arguments[0]) if arguments else DEFAULT
+def main(arguments: list[str], usual: Sequence[Path] = DIRECTORIES) -> int:
+    """Print a line a file and the sum; return 1 if anything failed, 2 if there is nothing to replay.
+
+    arguments: directories; none: the `usual` ones.
+    """
+    first, *others = usual
+    directories = [Path(argument) for argument in arguments] or [first, *(path for path in others if path.is_dir())]
     try:
-        files = find_files(directory)
+        files = [path for directory in directories for path in find_files(directory)]
     except ValueError as error:
         print(f"golden: {error}", file=sys.stderr)
         return 2
     total = Outcome()
     for path in files:
         outcome = replay_file(path)
-        print(f"{path.name}: {outcome}")
+        print(f"{path.parent.name}/{path.name}: {outcome}")
         for failure in outcome.failures[:SHOWN]:
             print(f"  {failure}")
         total.add(outcome)

@@ -8,6 +8,7 @@ import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, Force, check_whole, wide_console
+from train.running.run_folder import RECORDINGS
 
 
 def evaluate_command(
@@ -42,10 +43,13 @@ def evaluate_command(
     ] = None,
     configs: Configs = None,
     force: Force = False,
+    record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
+    minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
     check_whole({"--seed": (seed, 0, MOST_SEED)})
+    from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
@@ -63,7 +67,8 @@ def evaluate_command(
         strategies = tuple(strategy or ("fixed",))
         asked = FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories, machine)
         evaluation = FamilyEvaluation(asked)
-    execution = pipeline.Execution(machine.workers, output, resume, wide_console())
+    recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
+    execution = pipeline.Execution(machine.workers, output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 

@@ -1,4 +1,4 @@
-"""`clean-swarm explain` and `clean-swarm record`: repeat a run of an evaluation to see its decisions."""
+"""`clean-swarm explain` and `record`: repeat a run of an evaluation to see its decisions."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -38,18 +38,19 @@ def explain_command(
 
 def record_command(
     run: RunDirectory,
-    output: Annotated[Path, typer.Option(help="NPZ file to write; one that exists is refused.")],
+    output: Annotated[Path, typer.Option(help="File to write, NAME.swarm; one that exists is refused.")],
     scenario: ScenarioOption = None,
     condition: ConditionOption = None,
+    minds: Annotated[bool, typer.Option(help="Record what the robots' networks decide, too.")] = True,
 ) -> None:
-    """Repeat a run and keep every step of every robot's networks, and the options held, in an NPZ file."""
+    """Repeat a run and record it: docs/recordings.md describes the file."""
     from train.evaluation.record_run import record_run  # imports Numba
     from train.evaluation.repeat import task_of
 
     task = task_of(run, scenario, condition)
     with _repeating(run):
-        steps = record_run(task, output)
-    typer.echo(f"{steps} steps of {task.mission.robots.count} robots in {output}")
+        recording = record_run(task, output, minds=minds)
+    typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")
 
 
 @contextmanager

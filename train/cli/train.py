@@ -18,6 +18,8 @@ Output = Annotated[Path | None, typer.Option(help="Directory of the training; on
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the directory.")]
 
+Record = Annotated[bool, typer.Option("--record", help="Record the missions of validations, for `clean-swarm replay`.")]
+
 
 @app.command()
 def ppo(
@@ -26,6 +28,7 @@ def ppo(
     seed: Seed = 0,
     resume: Resume = False,
     configs: Configs = None,
+    record: Record = False,
     force: Force = False,
 ) -> None:
     """Train a policy by PPO and export it."""
@@ -36,7 +39,7 @@ def ppo(
     from train.learning.ppo import PpoTraining  # imports torch
 
     directories = tuple(configs or ())
-    request = TrainingRequest("ppo", config or "general", seed, output, resume, None, directories, force)
+    request = TrainingRequest("ppo", config or "general", seed, output, resume, None, directories, record, force)
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
@@ -51,6 +54,7 @@ def bandit(
         str | None, typer.Option(help="URL or file of a knowledge store that gets the learned scores.", metavar="URL")
     ] = None,
     configs: Configs = None,
+    record: Record = False,
     force: Force = False,
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
@@ -64,7 +68,7 @@ def bandit(
         return BanditTraining(job, opened(store, create=True) if store is not None else None)
 
     directories = tuple(configs or ())
-    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories, force)
+    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories, record, force)
     with _one_line():
         raise typer.Exit(run_training(request, made, Console(highlight=False)))
 

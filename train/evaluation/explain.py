@@ -22,8 +22,7 @@ from selforg.network.explain.explanation import BehaviourAccount, ConditionAccou
 from selforg.network.explain.recording import Recorder
 from selforg.network.explain.text import TERM_TITLES, header
 from selforg.network.network import BehaviourNetwork
-from train.evaluation.repeat import world_at
-from train.running.runs import RunTask
+from train.evaluation.repeat import Repeated, world_at
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short heads of columns, so that the table fits."""
@@ -54,7 +53,7 @@ class Nested:
 Inside = Coordinated | Nested
 
 
-def explained(task: RunTask, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Inside, ...]]:
+def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Inside, ...]]:
     """Repeat a run up to `time` [s]; return robot and step as a mapping, the explanation, and the networks inside."""
     count = task.mission.robots.count
     if not 0 <= robot < count:
@@ -80,7 +79,7 @@ def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, r
     return _step_of(network, robot) if holder.parent.executing[robot, holder.index] == 1 else None
 
 
-def _situation(task: RunTask, worlds: Worlds, robot: int) -> dict[str, Any]:
+def _situation(task: Repeated, worlds: Worlds, robot: int) -> dict[str, Any]:
     step = int(worlds.ticks[0]) - 1
     return {
         "experiment": task.experiment,

@@ -13,7 +13,9 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
@@ -29,6 +31,8 @@ from train.running.provenance import fingerprints, versions
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
 from train.running.trials import TrialSettings, run_trials
 
+TEST_SCENARIO = r"test-[1-9][0-9]{0,5}"
+"""Form of the name of a scenario of the split "test"."""
 TASK_SCENARIOS = 25
 """Scenarios of one task, which run at the same time in one batch."""
 
@@ -79,19 +83,41 @@ class TrialTask:
     directories: tuple[Path, ...]
     time_limit: float = math.inf
     """Limit of simulated time in addition to that of the mission [s]."""
+    record: RecordSettings | None = None
+    """Where the missions are recorded; none is unless given."""
 
     @property
     def runs(self) -> int:
         """Number of scenarios."""
         return len(self.numbers)
 
+    @property
+    def experiment(self) -> str:
+        """Name of the family."""
+        return self.family.name
+
+    @property
+    def scenario(self) -> str:
+        """Name of the first scenario."""
+        return self.scenario_of(self.numbers[0]).id
+
+    @property
+    def mission(self) -> MissionConfig:
+        """Mission of the first scenario."""
+        return self.scenario_of(self.numbers[0]).mission
+
+    @property
+    def mission_seed(self) -> int:
+        """Seed of the first mission."""
+        return self.scenario_of(self.numbers[0]).seed
+
     def run(self) -> list[RunRecord]:
         """Run the scenarios in one batch."""
         began = time.perf_counter()
-        scenarios = [self._scenario(number) for number in self.numbers]
-        results = run_trials(
-            scenarios, self._pilot, TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories)
-        )
+        scenarios = [self.scenario_of(number) for number in self.numbers]
+        record = self.record and replace(self.record, about=self.naming)
+        settings = TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories, record=record)
+        results = run_trials(scenarios, self.pilot, settings)
         wall = round((time.perf_counter() - began) / len(scenarios), 3)
         return [
             RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall)
@@ -100,14 +126,25 @@ class TrialTask:
 
     def beginning(self) -> TrialTask:
         """Return the first scenario up to `WARM_UP_LIMIT`."""
-        return replace(self, numbers=self.numbers[:1], time_limit=WARM_UP_LIMIT)
+        return replace(self, numbers=self.numbers[:1], time_limit=WARM_UP_LIMIT, record=None)
 
-    def _scenario(self, number: int) -> Scenario:
+    def recorded(self, settings: RecordSettings) -> TrialTask:
+        """Return the runs with recordings."""
+        return replace(self, record=settings)
+
+    @property
+    def naming(self) -> dict[str, str]:
+        """What the heads of recordings say of the runs."""
+        return {"experiment": self.family.name, "condition": self.condition}
+
+    def scenario_of(self, number: int) -> Scenario:
+        """Return the scenario of a number."""
         scenario = self.family.scenario(self.seed, number, "test")
         limit = min(scenario.mission.time_limit, self.time_limit)
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
-    def _pilot(self, problem: Problem, teams: Ints) -> Pilot:
+    def pilot(self, problem: Problem, teams: Ints) -> Pilot:
+        """Return the pilot of the member."""
         return member_pilot(self.member, problem, teams, self.directories)
 
 
@@ -140,6 +177,7 @@ class FamilyEvaluation(Evaluation):
                 },
                 "files": fingerprints(request.directories),
             },
+            "directories": [str(path.resolve()) for path in request.directories],
             "versions": versions(),
         }
 
@@ -157,7 +195,7 @@ class FamilyEvaluation(Evaluation):
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this family's; it may be of further scenarios and of other strategies."""
-        if not re.fullmatch(r"test-[1-9][0-9]{0,5}", record.scenario):
+        if not re.fullmatch(TEST_SCENARIO, record.scenario):
             return "this family has no such scenario"
         return record.mistake(self.family.name, self._request.seed, self.family.largest)
 

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from clean_swarm_env.recording.recorder import RecordSettings
 from train.reports.write_report import Publication, publish
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
@@ -71,6 +72,8 @@ class Execution:
     """Whether to do only the runs that are missing in the directory."""
     console: Console
     """Shows the tables; the standard error shows the progress."""
+    record: RecordSettings | None = None
+    """How the runs are recorded, in a directory below that of the results; they are not unless given."""
 
 
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:
@@ -79,7 +82,7 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
     results = Results(folder, evaluation.mistake)
     try:
-        _run_missing(evaluation, results, execution.workers)
+        _run_missing(evaluation, results, execution)
     except (KeyboardInterrupt, BrokenProcessPool) as end:
         results.close()
         broken = isinstance(end, BrokenProcessPool)
@@ -90,12 +93,15 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     return FINISHED
 
 
-def _run_missing(evaluation: Evaluation, results: Results, workers: int) -> None:
+def _run_missing(evaluation: Evaluation, results: Results, execution: Execution) -> None:
     tasks = evaluation.tasks({record.key for record in results.records})
     if tasks and not compiled_before():
         compile_first(tasks[0])
+    if execution.record is not None:
+        settings = replace(execution.record, directory=results.folder.path / execution.record.directory)
+        tasks = [task.recorded(settings) for task in tasks]
     done = evaluation.total - sum(task.runs for task in tasks)
-    with _progress(evaluation.total, done) as advance, closing(each_done(tasks, workers)) as each:
+    with _progress(evaluation.total, done) as advance, closing(each_done(tasks, execution.workers)) as each:
         for records in each:
             for record in records:
                 results.add(record)

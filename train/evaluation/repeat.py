@@ -1,8 +1,9 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
@@ -11,41 +12,53 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated, within
 from selector.documents.plain import short
 from selforg.registry import unknown
+from train.evaluation.family import TrialTask
+from train.evaluation.repeat_trial import family_tasks, seed_of, trial_steps
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
 
+Repeated = RunTask | TrialTask
+"""One run that can be repeated; a task of trials has one scenario then."""
 LISTED = 8
 """Largest number of scenarios in an error."""
 ROUNDING = 1e-9
 """A time this little before the beginning of a control period belongs to that period [periods]."""
 
 
-def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> RunTask:
+def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> Repeated:
     """Return one run of an evaluation; without names the first scenario and the first condition.
+
+    The runs of an experiment are those of its configuration, the runs of a family those that were finished.
 
     Raises:
         ConfigurationError: there are no results, no such scenario or condition, or the files of mechanisms, knowledge
-            or robots have changed since.
+            robots, policies or strategies have changed since.
 
     """
     manifest = read_manifest(directory)
     path, identity = directory / MANIFEST, manifest["identity"]
-    listed = identity.get("directories", [])
+    listed = identity.get("directories", manifest.get("directories", []))
     if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
         raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
     directories = tuple(Path(name) for name in listed)
     _check_same_files(identity.get("files"), directories, path)
-    experiment = validated(ExperimentConfig, identity.get("configuration"), f"{path}: identity.configuration")
-    seed = identity.get("seed")
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise ConfigurationError(f"{path}: identity.seed: expected a whole number from 0 on, got {short(seed)}")
-    with within(f"{path}: identity.configuration"):
-        tasks = _of_scenario(tasks_of(experiment, seed, directories), scenario, directory)
-    names = [task.condition for task in tasks]
+    if "family" in identity:
+        tasks: Sequence[Repeated] = family_tasks(identity, directories, directory)
+    else:
+        tasks = _experiment_tasks(identity, directories, path)
+    of_scenario = _of_scenario(tasks, scenario, directory)
+    names = [task.condition for task in of_scenario]
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
-    return tasks[0 if condition is None else names.index(condition)]
+    return of_scenario[0 if condition is None else names.index(condition)]
+
+
+def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> list[RunTask]:
+    where = f"{path}: identity.configuration"
+    experiment = validated(ExperimentConfig, identity.get("configuration"), where)
+    with within(where):
+        return tasks_of(experiment, seed_of(identity, path), directories)
 
 
 def changed_versions(directory: Path) -> list[str]:
@@ -56,8 +69,11 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: RunTask) -> Iterator[Worlds]:
+def steps_of(task: Repeated) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
+    if isinstance(task, TrialTask):
+        yield from trial_steps(task)
+        return
     run = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
     course = Course(run, explained=True)
     while course.in_progress:
@@ -65,7 +81,7 @@ def steps_of(task: RunTask) -> Iterator[Worlds]:
         yield course.worlds
 
 
-def world_at(task: RunTask, time: float) -> Worlds:
+def world_at(task: Repeated, time: float) -> Worlds:
     """Return the world of a run just after the control period in which `time` [s] lies.
 
     Raises:
@@ -86,7 +102,7 @@ def world_at(task: RunTask, time: float) -> Worlds:
     raise ConfigurationError(f"--time {time:g}: this mission {how} {result.duration_s:g} s")
 
 
-def _of_scenario(tasks: Sequence[RunTask], scenario: str | None, directory: Path) -> list[RunTask]:
+def _of_scenario(tasks: Sequence[Repeated], scenario: str | None, directory: Path) -> list[Repeated]:
     known = list(dict.fromkeys(task.scenario for task in tasks))
     wanted = known[0] if scenario is None else scenario
     if wanted not in known:

@@ -129,8 +129,8 @@ class TrainingConfig(Closed):
     """Goal of which the options are learned; AvoidCollision, or the only goal of the missions, unless given."""
     observation: ObservationConfig = ObservationConfig()
     """Observation of each robot."""
-    reward: RewardConfig = RewardConfig()
-    """Rewards of each robot."""
+    reward: RewardConfig | Name = RewardConfig()
+    """Rewards of each robot; or `module:name` of a function of one's own, see `Batch`."""
     checkpoints: Count = 20
     """Number of checkpoints; each saves everything and resets all worlds."""
     decisions: Count = 100_000

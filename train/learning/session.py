@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import MOST_LETTERS
 from train.learning.config import TrainingConfig, load_training
@@ -22,7 +23,7 @@ from train.learning.training import Training, TrainingJob
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.needs import Machine, Workload, check_needs
 from train.running.provenance import versions
-from train.running.run_folder import RunFolder
+from train.running.run_folder import RECORDINGS, RunFolder
 from train.running.warm_up import announce, compiled_before
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
@@ -45,6 +46,8 @@ class TrainingRequest:
     """URL of a knowledge store that learned scores go to; none unless given."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    record: bool = False
+    """Whether the missions of validations are recorded."""
     forced: bool = False
     """Whether to start what the machine is estimated to be too small for."""
 
@@ -86,11 +89,12 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         "directories": [str(path.resolve()) for path in request.directories],
     }
     folder = RunFolder(request.directory, {"identity": identity}, resume=request.resume)
+    record = RecordSettings(Path(RECORDINGS)) if request.record else None
     if not compiled_before():
         announce()
     try:
         with _progress(config) as on_progress:
-            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories))
+            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories, record))
             on_progress(training.decisions)
             while not training.finished:
                 training.advance()

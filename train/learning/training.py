@@ -12,10 +12,11 @@ from __future__ import annotations
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from clean_swarm_env.recording.recorder import RecordSettings
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.validation import CheckpointHistory, measured
@@ -40,6 +41,9 @@ class TrainingJob:
     """Called repeatedly with the number of decisions made."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    record: RecordSettings | None = None
+    """How the missions of validations are recorded, in a directory below that of the training; they are not unless
+    given."""
 
 
 class Training(ABC):
@@ -119,4 +123,11 @@ class Training(ABC):
     def _measured(self) -> dict[str, float]:
         if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
             return {}
-        return measured(self.curriculum.validation, self._pilot_maker(), self.trials)
+        return measured(self.curriculum.validation, self._pilot_maker(), replace(self.trials, record=self._recording()))
+
+    def _recording(self) -> RecordSettings | None:
+        record, name = self.job.record, f"checkpoint-{self.checkpoint}"
+        if record is None:
+            return None
+        directory = self.job.folder.path / record.directory / name
+        return replace(record, directory=directory, about={"experiment": self.config.name, "condition": name})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ def measured(
     """Return means for each family: cost [s], share of completed missions, duration [s] and collision events [1/s]."""
     figures = {}
     for family, some in scenarios.items():
-        results = run_trials(some, maker, settings)
+        record = settings.record and replace(settings.record, directory=settings.record.directory / family)
+        results = run_trials(some, maker, replace(settings, record=record))
         figures[f"{family}/cost_s"] = float(np.mean([result.cost_s for result in results]))
         figures[f"{family}/completed"] = float(np.mean([result.completed for result in results]))
         figures[f"{family}/duration_s"] = float(np.mean([result.duration_s for result in results]))

@@ -11,6 +11,7 @@ import json
 import os
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import shown
@@ -36,7 +37,7 @@ class Results:
     def __init__(self, folder: RunFolder, mistake: Callable[[RunRecord], str] = lambda record: "") -> None:
         """`mistake` returns why a kept run is not one of this evaluation; empty if it is."""
         self.folder = folder
-        self.records = self._read(mistake)
+        self.records = runs_of(folder.path / JOURNAL, mistake)
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
@@ -53,30 +54,39 @@ class Results:
         self.records.sort(key=lambda record: (natural_order(record.scenario), record.condition))
         self._rewrite()
 
-    def _read(self, mistake: Callable[[RunRecord], str]) -> list[RunRecord]:
-        """Return the runs of the journal, without a last line that a crash cut off."""
-        path = self.folder.path / JOURNAL
-        if not path.exists():
-            return []
-        records: dict[RunKey, RunRecord] = {}
-        lines = read_text(path).split("\n")[:-1]  # what follows the last end of a line is nothing, or cut off
-        for number, line in enumerate(lines, start=1):
-            where = f"{shown(path)}: line {number}"
-            try:
-                record = RunRecord.of_mapping(json_value(line, where))
-            except (ValueError, TypeError) as error:
-                why = str(error).removeprefix(f"{where}: ")
-                raise ConfigurationError(f"{where}: expected a finished run: {why}") from error
-            why = "is there twice" if record.key in records else mistake(record)
-            if why:
-                run = f"scenario {record.scenario}, condition {record.condition}"
-                raise ConfigurationError(f"{where}: {run}: {why}; not a run of this evaluation")
-            records[record.key] = record
-        return list(records.values())
-
     def _rewrite(self) -> None:
         self.folder.write(JOURNAL, "".join(map(_line, self.records)))
         self.folder.write(RUNS, ",".join(RUN_COLUMNS) + "\n" + "".join(map(_row, self.records)))
+
+
+def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "") -> list[RunRecord]:
+    """Return the runs of a journal, without a last line that a crash cut off.
+
+    Args:
+        path: the journal; without it there are no runs.
+        mistake: returns why a run is not one of the evaluation that is asked for; empty if it is.
+
+    Raises:
+        ConfigurationError: a line is no finished run, or one that was not asked for.
+
+    """
+    if not path.exists():
+        return []
+    records: dict[RunKey, RunRecord] = {}
+    lines = read_text(path).split("\n")[:-1]  # what follows the last end of a line is nothing, or cut off
+    for number, line in enumerate(lines, start=1):
+        where = f"{shown(path)}: line {number}"
+        try:
+            record = RunRecord.of_mapping(json_value(line, where))
+        except (ValueError, TypeError) as error:
+            why = str(error).removeprefix(f"{where}: ")
+            raise ConfigurationError(f"{where}: expected a finished run: {why}") from error
+        why = "is there twice" if record.key in records else mistake(record)
+        if why:
+            run = f"scenario {record.scenario}, condition {record.condition}"
+            raise ConfigurationError(f"{where}: {run}: {why}; not a run of this evaluation")
+        records[record.key] = record
+    return list(records.values())
 
 
 def natural_order(scenario: str) -> tuple[tuple[int, int, str], ...]:

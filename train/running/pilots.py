@@ -13,12 +13,13 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
+from selector.strategies.choosing import shares
 from selector.strategies.policy import Network
 from selector.strategies.policy_file import TrainedPolicy
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 
 
@@ -30,6 +31,9 @@ class Pilot(Protocol):
 
     def choose(self, observations: Observations) -> Ints:
         """Return the option (R,) of each row for the next decision period, from its observations (R, F)."""
+
+    def opinions(self, observations: Observations) -> Floats:
+        """Return what each row thinks of each option (R, O) at its observations (R, F), for recordings."""
 
 
 PilotMaker = Callable[[Problem, Ints], Pilot]
@@ -51,6 +55,10 @@ class StrategyPilot:
         """Return the options (R,) that the strategy selects."""
         return self.strategy.select(observations[:, self._columns].astype(np.float64))
 
+    def opinions(self, observations: Observations) -> Floats:
+        """Return the scores, estimates or probabilities (R, O) of the strategy."""
+        return self.strategy.opinions(observations[:, self._columns].astype(np.float64))
+
 
 class PolicyPilot:
     """A trained network that always takes the likeliest option."""
@@ -65,9 +73,15 @@ class PolicyPilot:
 
     def choose(self, observations: Observations) -> Ints:
         """Return the likeliest options (R,)."""
-        outputs = self._network.outputs(observations[:, self._columns].astype(np.float64))
-        options: Ints = outputs.argmax(axis=1)
+        options: Ints = self._outputs(observations).argmax(axis=1)
         return options
+
+    def opinions(self, observations: Observations) -> Floats:
+        """Return the probabilities (R, O) of the network."""
+        return shares(self._outputs(observations))
+
+    def _outputs(self, observations: Observations) -> Floats:
+        return self._network.outputs(observations[:, self._columns].astype(np.float64))
 
 
 class RulePilot:
@@ -82,7 +96,7 @@ class RulePilot:
 
     def __init__(self, problem: Problem, situations: tuple[str, ...], rules: Ints) -> None:
         self._columns = columns_of(problem, situations, "context")
-        self.rules = rules
+        self.rules, self._options = rules, len(problem.options)
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Do nothing: the decisions do not depend on the mission."""
@@ -93,6 +107,10 @@ class RulePilot:
         situations = observations[:, self._columns].argmax(axis=1) if len(self._columns) else np.zeros_like(rows)
         chosen: Ints = self.rules[rows, situations]
         return chosen
+
+    def opinions(self, observations: Observations) -> Floats:
+        """Return 1 for the option of the rule, 0 for the others (R, O)."""
+        return np.eye(self._options)[self.choose(observations)]
 
 
 def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 
+from clean_swarm_env.siblings import call
 from train.running.runs import RunRecord, Task
 
 
@@ -22,7 +23,9 @@ def each_done(tasks: Sequence[Task], workers: int) -> Generator[list[RunRecord],
         return
     context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context, initializer=_start_worker)
+    pool = ProcessPoolExecutor(
+        min(workers, len(tasks)), mp_context=context, initializer=call, initargs=(__name__, "start_worker")
+    )
     finished = False
     try:
         with _ctrl_c_ignored():  # the first tasks start the workers, which inherit this
@@ -51,7 +54,7 @@ def _ctrl_c_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _start_worker() -> None:
+def start_worker() -> None:
     """Start a thread that ends this worker when its parent ends, because a killed parent cannot end its workers."""
     parent = multiprocessing.parent_process()
     if parent is not None:

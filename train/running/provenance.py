@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-import configs
+from selector.documents.find import SHIPPED
 
 PACKAGES = ("clean-swarm", "numpy", "numba", "pymunk", "scipy", "pydantic")
 """Packages that every result depends on."""
@@ -26,10 +26,9 @@ def versions(more: Sequence[str] = ()) -> dict[str, str]:
 
 def fingerprints(directories: Sequence[Path] = ()) -> dict[str, str]:
     """Return file -> SHA-256 of the fingerprinted files, both shipped and in the user's directories."""
-    shipped = configs.directory()
     found = {}
-    for root in (shipped, *directories):
+    for root in (SHIPPED, *directories):
         for path in sorted(path for kind in FINGERPRINTED for path in (root / kind).glob("*.yaml")):
-            name = (path.relative_to(root) if root == shipped else path).as_posix()
+            name = (path.relative_to(root) if root == SHIPPED else path).as_posix()
             found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
     return found

@@ -16,6 +16,8 @@ from selector.documents.writing import write_whole
 MANIFEST = "manifest.json"
 MOST_STEM = 200
 """Length of the name of a directory; file systems allow 255, and a number may follow."""
+RECORDINGS = "recordings"
+"""Directory of the recordings below a run folder."""
 
 Json = dict[str, Any]
 

@@ -13,7 +13,9 @@ from pydantic import TypeAdapter, ValidationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
-from clean_swarm_env.world.mission import MissionResult, run_mission
+from clean_swarm_env.recording.mission_recording import record_mission
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
 from selector.strategies.registry import StrategySpec
 
 WARM_UP_LIMIT = 300.0
@@ -119,6 +121,9 @@ class Task(Protocol):
     def beginning(self) -> "Task":
         """Return a task that does only the beginning of one run, which compiles the kernels that all runs call."""
 
+    def recorded(self, settings: RecordSettings) -> "Task":
+        """Return a task that does the same runs and records each."""
+
 
 @dataclass(frozen=True)
 class RunTask:
@@ -139,6 +144,8 @@ class RunTask:
     """The user's own directories of configurations."""
     run_mission: MissionRunner
     """Function that runs the mission."""
+    record: RecordSettings | None = None
+    """Where the mission is recorded; it is not unless given."""
 
     @property
     def runs(self) -> int:
@@ -150,19 +157,30 @@ class RunTask:
         """Seed of everything random in the mission."""
         return run_seed(self.seed, self.scenario)
 
+    @property
+    def naming(self) -> dict[str, Any]:
+        """What the head of a recording says of the run."""
+        return {"experiment": self.experiment, "scenario": self.scenario, "condition": self.condition}
+
     def run(self) -> list[RunRecord]:
         """Run the mission."""
         began = time.perf_counter()
-        result = self.run_mission(
-            self.mission, self.start, self.mission_seed, self.scores, self.strategy, self.directories
-        )
+        run = MissionRun(self.mission, self.start, self.mission_seed, self.scores, self.strategy, self.directories)
+        if self.record is not None:
+            result = record_mission(run, self.record, self.naming)
+        else:
+            result = self.run_mission(run.mission, run.start, run.seed, run.scores, run.strategy, run.directories)
         wall = round(time.perf_counter() - began, 3)
         return [RunRecord(self.experiment, self.scenario, self.seed, self.condition, result, wall)]
 
     def beginning(self) -> "RunTask":
         """Return the run up to `WARM_UP_LIMIT`."""
         limit = min(self.mission.time_limit, WARM_UP_LIMIT)
-        return replace(self, mission=self.mission.model_copy(update={"time_limit": limit}))
+        return replace(self, mission=self.mission.model_copy(update={"time_limit": limit}), record=None)
+
+    def recorded(self, settings: RecordSettings) -> "RunTask":
+        """Return the run with a recording."""
+        return replace(self, record=settings)
 
 
 def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:

@@ -6,7 +6,7 @@ The result of a mission depends neither on the worlds beside it nor on their num
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.frames import grouped
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker
@@ -35,6 +36,8 @@ class TrialSettings:
     """Terms of the observation; the default ones unless given."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations."""
+    record: RecordSettings | None = None
+    """Where the missions are recorded; none is unless given."""
 
 
 def run_trials(
@@ -65,8 +68,15 @@ def _trials(
             begun.append((world, scenario.seed))
         return scenario
 
-    frame = scenarios[0].mission
-    batch = Batch(frame, worlds, source=following, observation=settings.observation, directories=settings.directories)
+    frame, record = scenarios[0].mission, settings.record
+    batch = Batch(
+        frame,
+        worlds,
+        source=following,
+        observation=settings.observation,
+        directories=settings.directories,
+        record=replace(record, thinking=True) if record else None,
+    )
     decided = DecidedGoal(batch, settings.goal)
     pilot = maker(decided.problem, np.repeat(np.arange(worlds), batch.robots))
     observations = batch.reset()
@@ -74,6 +84,8 @@ def _trials(
         for world, seed in begun:
             pilot.begin(batch.worlds.rows_of(world), seed)
         begun.clear()
+        if batch.recorder is not None:
+            batch.recorder.think(decided.problem.goal, pilot.opinions(observations))
         observations = batch.step(decided.actions(pilot.choose(observations))).observations
         for end in batch.finished:
             yield did[end.world], end.result

@@ -10,14 +10,16 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from clean_swarm_env.config.types import Count
 from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
+from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name, Number, Positive
+from selector.documents.imported import imported, is_import
 from selforg.registry import unknown
 
 DEFAULT_TERMS = (
@@ -34,9 +36,14 @@ class TermConfig(Closed):
     __pydantic_extra__: dict[str, Number] = Field(init=False)
 
     name: Name
-    """Name of a registered term."""
+    """Name of a registered term, or `module:class` of one that is registered when that is imported."""
     weight: Number = 1.0
     """Factor on the components of the term [-]."""
+
+    @field_validator("name", mode="after")
+    @classmethod
+    def _imported(cls, name: str) -> str:
+        return str(imported(name, "name").name) if is_import(name) else name
 
     @model_validator(mode="after")
     def _known(self) -> Self:
@@ -85,6 +92,13 @@ class ObservationConfig(Closed):
                 if not optional and name not in given:
                     raise ValueError(f"terms: {term.name}: missing setting {name!r}")
         return self
+
+    def steered(self) -> Self:
+        """Return the observation of robots that are steered by vectors: they hold no options."""
+        held = any(term.name == "holds" for term in self.terms)
+        if held and "terms" in self.model_fields_set:
+            raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
+        return self.model_copy(update={"terms": tuple(term for term in self.terms if term.name != "holds")})
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
         """Return the terms of what is `observed`."""

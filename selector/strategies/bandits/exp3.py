@@ -75,6 +75,9 @@ class EXP3(DecisionStrategy):
         self.chance[decisions.rows] = chance_of(chances, option)
         return option
 
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return self.chances(decisions)
+
     def _update(self, outcomes: Outcomes) -> None:
         estimated = self._scaled(outcomes.reward) / outcomes.chance
         steps = self.parameters.gamma * estimated / self.options

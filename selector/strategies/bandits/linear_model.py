@@ -46,6 +46,9 @@ class LinearModel(DecisionStrategy):
         predict(self.inverse, self.weights, decisions.groups, _with_constant(decisions.context), expected, error)
         return expected, error
 
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return self.predictions(decisions)[0]
+
     def _update(self, outcomes: Outcomes) -> None:
         inputs = _with_constant(outcomes.context)
         learn(self.inverse, self.weights, outcomes.groups, outcomes.option, inputs, outcomes.reward)

@@ -41,6 +41,9 @@ class RecentUCB(DecisionStrategy):
         width = self.width * settings.exploration * np.sqrt(settings.confidence)
         return most_promising(decisions, self.estimates(), self.counts + settings.prior, width, self.problem.scores)
 
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return self.estimates()[decisions.groups]
+
 
 def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: float, scores: Floats) -> Ints:
     """Return the option (K,) of the highest upper bound mean + width * sqrt(ln(sum of pulls) / pulls).

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative
-from selector.strategies.problem import Outcomes
+from selector.strategies.problem import Decisions, Outcomes
 from selector.strategies.strategy import LEARNED_LIMIT, DecisionStrategy
 from selforg.arrays import Floats, Ints
 
@@ -40,6 +40,9 @@ class ValueTable(DecisionStrategy):
     def estimates(self) -> Floats:
         """Return the estimated reward (G, O) of each option: the mean of its rewards and of the expert's score."""
         return weighted(self.counts, self.means, self.parameters.prior, self.problem.scores)
+
+    def _opinions(self, decisions: Decisions) -> Floats:
+        return self.estimates()[decisions.groups]
 
     def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
         merge_rewards(self.counts, self.means, self.spreads, count, mean, count * variance)

@@ -41,6 +41,7 @@ class PackedModel(NamedTuple):
     priority: Annotated[Ints, "B"]  # at the start
     interruptable: Annotated[Ints, "B"]  # 1 if it may be stopped
     timeout: Annotated[Ints, "B"]  # [steps], -1: never
+    independent: Annotated[Ints, "B"]  # 1 if it is left out of planning
 
     effect_first: Annotated[Ints, "B+1"]  # into the next four
     effect_owner: Annotated[Ints, "E"]  # behaviour
@@ -59,6 +60,7 @@ class PackedModel(NamedTuple):
     wish_sensor: Annotated[Ints, "U"]
     wish_leaf: Annotated[Ints, "U"]
     wish_tag: Annotated[Ints, "U"]
+    wish_optional: Annotated[Ints, "U"]  # 1 for a wish of an optional precondition
     turn_first: Annotated[Ints, "U+1"]  # into turn_direction
     turn_direction: Annotated[Floats, "TURN"]  # wish of a satisfied leaf after each negation above it, innermost first
 

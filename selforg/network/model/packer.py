@@ -13,7 +13,7 @@ from selforg.compiler.records import Packed
 from selforg.network.model import packed
 from selforg.network.model.activators import BOOLEAN_RULE, EQUAL_RULE, THRESHOLD_RULE
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor, column_of
-from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Leaf, Negation, Optional, Tree, leaves
+from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
 from selforg.network.model.packed import PACKED_MODEL, PackedModel
 
 COMPOSED = {Conjunction: packed.CONJUNCTION, Disjunction: packed.DISJUNCTION}
@@ -57,6 +57,7 @@ class WishRow(NamedTuple):
     sensor: int
     leaf: int
     tag: int
+    optional: bool
     directions: tuple[float, ...]
 
 
@@ -99,10 +100,8 @@ class Packer:
         where = f"behaviour {behaviour.name!r}"
         for tag, interface in behaviour.interfaces:
             for precondition in interface.preconditions:
-                if isinstance(precondition, Optional):
-                    node = self._add_tree(precondition.of, b, tag, where)
-                else:
-                    node = self._add_tree(precondition, b, tag, where)
+                node = self._add_tree(precondition, b, tag, where)
+                if not isinstance(precondition, Optional):
                     self._preconditions.append(RootRow(b, node, tag))
                 self.roots[b].append(node)
             for effect in interface.effects:
@@ -114,16 +113,16 @@ class Packer:
             what = f"effect {effect.change} on {effect.sensor!r} is larger than 1"
             warnings.warn(f"{where}: {what}: it can support what it hinders", stacklevel=5)
 
-    def _add_tree(self, tree: Tree, owner: int, tag: int, where: str) -> int:
+    def _add_tree(self, condition: Tree | Optional, owner: int, tag: int, where: str) -> int:
         """Add the nodes of a condition tree and the wishes of its owner; return the root node."""
+        optional = isinstance(condition, Optional)
+        tree = condition.of if isinstance(condition, Optional) else condition
         root = self._add_node(tree, where)
         for leaf in leaves(tree):
-            self._wishes.append(self._wish(leaf, owner, tag, where))
+            sensor = column_of(self._columns, leaf.condition.sensor, where)
+            index = self._add_leaf(leaf.condition, where)
+            self._wishes.append(WishRow(owner, sensor, index, tag, optional, leaf.directions))
         return root
-
-    def _wish(self, leaf: Leaf, owner: int, tag: int, where: str) -> WishRow:
-        sensor = column_of(self._columns, leaf.condition.sensor, where)
-        return WishRow(owner, sensor, self._add_leaf(leaf.condition, where), tag, leaf.directions)
 
     def _add_node(self, tree: Tree, where: str) -> int:
         if isinstance(tree, Condition):
@@ -183,6 +182,7 @@ class Packer:
             priority=ints(behaviour.priority for behaviour in self.behaviours),
             interruptable=ints(behaviour.interruptable for behaviour in self.behaviours),
             timeout=ints(-1 if behaviour.timeout is None else behaviour.timeout for behaviour in self.behaviours),
+            independent=ints(behaviour.planner_independent for behaviour in self.behaviours),
             effect_first=firsts((effect.owner for effect in effects), behaviours),
             effect_owner=ints(effect.owner for effect in effects),
             effect_sensor=ints(effect.sensor for effect in effects),
@@ -198,6 +198,7 @@ class Packer:
             wish_sensor=ints(wish.sensor for wish in wishes),
             wish_leaf=ints(wish.leaf for wish in wishes),
             wish_tag=ints(wish.tag for wish in wishes),
+            wish_optional=ints(wish.optional for wish in wishes),
             turn_first=firsts((u for u, wish in enumerate(wishes) for _ in wish.directions), len(wishes)),
             turn_direction=floats(direction for wish in wishes for direction in wish.directions),
             sensor_effect_first=firsts((sensor for sensor, _ in about_effects), sensors),

@@ -20,8 +20,12 @@ from selforg.compiler.records import Recording
     PLAN_LAYERS,
 ) = range(6)
 
-LAST_STEP, SINCE_IDLE = range(2)
-"""Layers of readings: those of the last step, and what has changed since nothing ran or a plan was asked for."""
+LAST_STEP, LAST_CHANGE, TWO_STEPS, SINCE_IDLE, READING_LAYERS = range(5)
+"""Layers of readings [1e-6 units]: those of the last step; what changed in the last step, in the last two, and since
+nothing ran or a plan was asked for."""
+
+UNITS = 1e6
+"""The planner compares numbers with six decimals."""
 
 MAX_PLAN = 64
 
@@ -32,7 +36,7 @@ class RowPlans(NamedTuple):
     planned: int  # 1 if a planner answers
     steps: Annotated[Ints, "R MAX_PLAN"]  # behaviours in their order
     marks: Annotated[Ints, "R PLAN"]
-    readings: Annotated[Floats, "R 2 S"]
+    readings: Annotated[Floats, "R READING S"]
     keys: Annotated[Ints, "R KEY"]  # what the plan of a row depends on, see `planning.memory`
 
 
@@ -46,7 +50,7 @@ class PlanState:
     def __init__(self, rows: int, sensors: int, planned: bool = False, key_words: int = 0) -> None:
         self.steps: Ints = np.zeros((rows, MAX_PLAN), dtype=np.int64)
         self.mark_table: Ints = np.zeros((rows, PLAN_LAYERS), dtype=np.int64)
-        self.readings: Floats = np.zeros((rows, 2, sensors))
+        self.readings: Floats = np.zeros((rows, READING_LAYERS, sensors))
         self.keys: Ints = np.zeros((rows, key_words), dtype=np.int64)
         self.packed = ROW_PLANS.pack(RowPlans(int(planned), self.steps, self.mark_table, self.readings, self.keys))
 

@@ -20,13 +20,14 @@ def arbitrate_row(
 ) -> bool:
     """Stop and start behaviours of `row`; with `guarantee`, again until something runs or nothing could.
 
-    Returns whether a behaviour had used up its time.
+    Returns whether a behaviour was stopped because its time was up (M6).
     """
-    s = open_states(states)
+    s, interruptable = open_states(states), open_model(model).interruptable
     marks, row_values = s.marks, s.row_values
     timed_out = False
     for b in range(marks.shape[2]):
-        timed_out = timed_out or (marks[row, st.EXECUTING, b] == 1 and is_timed_out(row, b, model, marks))
+        may_stop = interruptable[b] == 1 and not marks[row, st.MANUAL, b]
+        timed_out = timed_out or (may_stop and marks[row, st.EXECUTING, b] == 1 and is_timed_out(row, b, model, marks))
         marks[row, st.STARTED, b] = 0
         marks[row, st.STOPPED, b] = 0
     first, again = True, True

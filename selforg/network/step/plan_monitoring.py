@@ -1,16 +1,23 @@
 """Plan monitoring: when the next step of a plan is due and when a new plan is needed (compiled).
 
-A new plan is needed when there is none, when the world changed in a way that nothing running was expected to bring
-about, when a behaviour timed out or one that the plan did not ask for ended itself, and when the network itself
-changed.
+The rules are those of the original (`M1` to `M6`, found from its recorded traces). A new plan is needed when
 
-The step that is due is passed when its behaviour ran and all its effects count as realised. As in the original (Q22),
-an effect counts as realised when it is not below the change seen since the robot last stood idle: a positive effect at
-once, a negative one only after the change. `strict_progress` asks for a change of the effect's own sign and at least
-half its size instead.
+- there is none, or the network itself changed;
+- a sensor changed in a way that nothing running was expected to bring about. Sensors that only optional conditions read
+  do not count (M1), nor do changes that six decimals do not show (M2);
+- a behaviour was stopped because its time was up (M6);
+- a behaviour ended itself that was not due, or ends while the plan holds it again later; planner-independent ones never
+  ask for a plan (M5).
+
+The step that is due is passed when its behaviour ended itself, with all equal steps that follow (M5), or when it ran
+and all its effects count as realised: an effect that is not below the change of this step and the one before (M3). A
+positive effect is therefore realised at once, a negative one only after the change (Q22). `strict_progress` asks for a
+change of the effect's own sign and at least half its size instead, summed up since the robot last stood idle.
 """
 
 from __future__ import annotations
+
+import numpy as np
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined
@@ -29,22 +36,39 @@ def monitor_plan(row: int, model: Words[PackedModel], states: Words[RowStates], 
     Call it before the marks of what ended itself are cleared.
     """
     expected = see_changes(row, model, states, plans)
-    p, marks = open_plans(plans), open_states(states).marks
-    steps, plan_marks, seen = p.steps, p.marks, p.readings
-    index = plan_marks[row, ps.INDEX]
-    due = steps[row, index] if index < plan_marks[row, ps.LENGTH] else -1
-    alarm = plan_marks[row, ps.ALARM] == 1
-    for b in range(marks.shape[2]):
-        alarm = alarm or (marks[row, st.ENDED, b] == 1 and b != due)
-    plan_marks[row, ps.ALARM] = 0
-    if alarm or not expected or not plan_marks[row, ps.KNOWN]:
+    p = open_plans(plans)
+    plan_marks, seen = p.marks, p.readings
+    in_order = pass_steps(row, model, states, plans)
+    if plan_marks[row, ps.ALARM] == 1 or not expected or not in_order or not plan_marks[row, ps.KNOWN]:
         plan_marks[row, ps.NEEDED] = 1
         for sensor in range(seen.shape[2]):
             seen[row, ps.SINCE_IDLE, sensor] = 0.0
-    elif due >= 0 and ran(row, due, marks):
-        done = marks[row, st.ENDED, due] == 1
-        if done or is_realised(row, due, model, states, plans):
-            plan_marks[row, ps.INDEX] = index + 1
+    plan_marks[row, ps.ALARM] = 0
+
+
+@inlined
+def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
+    """Pass what is done of the plan of `row`; return whether all that ended itself was meant to."""
+    p, marks, independent = open_plans(plans), open_states(states).marks, open_model(model).independent
+    steps, plan_marks = p.steps, p.marks
+    index, length = plan_marks[row, ps.INDEX], plan_marks[row, ps.LENGTH]
+    due = steps[row, index] if index < length else -1
+    realised = due >= 0 and ran(row, due, marks) and is_realised(row, due, model, states, plans)
+    if realised:
+        index += 1
+    in_order = True
+    for b in range(marks.shape[2]):
+        if not marks[row, st.ENDED, b]:
+            continue
+        meant = b == due and not realised  # as in the original, not what ended and was realised in one step
+        if meant:
+            while index < length and steps[row, index] == b:
+                index += 1
+            for k in range(index, length):
+                meant = meant and steps[row, k] != b
+        in_order = in_order and (meant or independent[b] == 1)
+    plan_marks[row, ps.INDEX] = index
+    return in_order
 
 
 @inlined
@@ -57,14 +81,15 @@ def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], p
         idle = idle and not ran(row, b, marks)
     expected = True
     for sensor in range(readings.shape[1]):
-        change = readings[row, sensor] - seen[row, ps.LAST_STEP, sensor]
-        seen[row, ps.LAST_STEP, sensor] = readings[row, sensor]
-        if idle:
-            seen[row, ps.SINCE_IDLE, sensor] = 0.0
-        if change == 0.0 or not is_relevant(row, sensor, model, states):
-            continue
-        seen[row, ps.SINCE_IDLE, sensor] += change
-        expected = expected and was_expected(row, sensor, change, model, states)
+        reading, last = np.rint(readings[row, sensor] * ps.UNITS), seen[row, ps.LAST_STEP, sensor]
+        counts = reading != last and is_relevant(row, sensor, model, states)
+        change = reading - last if counts else 0.0
+        before = 0.0 if idle else seen[row, ps.SINCE_IDLE, sensor]
+        seen[row, ps.TWO_STEPS, sensor] = seen[row, ps.LAST_CHANGE, sensor] + change
+        seen[row, ps.LAST_STEP, sensor] = reading
+        seen[row, ps.LAST_CHANGE, sensor] = change
+        seen[row, ps.SINCE_IDLE, sensor] = before + change
+        expected = expected and (change == 0.0 or was_expected(row, sensor, change, model, states))
     return expected
 
 
@@ -76,14 +101,17 @@ def ran(row: int, b: int, marks: Ints) -> bool:
 
 @inlined
 def is_relevant(row: int, sensor: int, model: Words[PackedModel], states: Words[RowStates]) -> bool:
-    """Whether a condition of a behaviour, or of a goal that is on, looks at `sensor`."""
+    """Whether a condition of a behaviour that is not optional, or of a goal that is on, looks at `sensor`."""
     m, s = open_model(model), open_states(states)
-    owner, tag, marks = m.wish_owner, m.wish_tag, s.marks
+    owner, tag, optional = m.wish_owner, m.wish_tag, m.wish_optional
+    marks = s.marks
     first, about = m.sensor_wish_first, m.sensor_wish
     goal_first, about_goals, enabled = m.sensor_goal_wish_first, m.sensor_goal_wish, s.goal_enabled
     for k in range(first[sensor], first[sensor + 1]):
         wish = about[k]
         b = owner[wish]
+        if optional[wish]:
+            continue
         if marks[row, st.PRESENT, b] and (tag[wish] < 0 or tag[wish] == marks[row, st.ALTERNATIVE, b]):
             return True
     behaviours = marks.shape[2]
@@ -110,15 +138,16 @@ def was_expected(row: int, sensor: int, change: float, model: Words[PackedModel]
 
 @inlined
 def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowStates], plans: Words[RowPlans]) -> bool:
-    """Whether all effects of behaviour `b` count as realised by the change since the row last stood idle."""
+    """Whether all effects of behaviour `b` count as realised."""
     m, marks, readings = open_model(model), open_states(states).marks, open_plans(plans).readings
     first, sensor, tag = m.effect_first, m.effect_sensor, m.effect_tag
     effect, strict = m.effect_change, m.strict_progress
     for e in range(first[b], first[b + 1]):
         if tag[e] >= 0 and tag[e] != marks[row, st.ALTERNATIVE, b]:
             continue
-        seen, wanted = readings[row, ps.SINCE_IDLE, sensor[e]], effect[e]
-        realised = wanted * seen > 0.0 and abs(seen) >= 0.5 * abs(wanted) if strict else wanted >= seen
-        if not realised:
+        wanted, recent = np.rint(effect[e] * ps.UNITS), readings[row, ps.TWO_STEPS, sensor[e]]
+        since_idle = readings[row, ps.SINCE_IDLE, sensor[e]]
+        seen = wanted * since_idle > 0.0 and abs(since_idle) >= 0.5 * abs(wanted)
+        if not (seen if strict else wanted >= recent):
             return False
     return True

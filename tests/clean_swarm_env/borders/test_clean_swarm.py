@@ -6,6 +6,8 @@ import sys
 import numpy as np
 import pytest
 from pettingzoo.test import api_test, parallel_api_test
+from pettingzoo.test.render_test import render_test
+from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.config.errors import ConfigurationError
@@ -176,12 +178,12 @@ def test_wrong_actions_are_named_and_nothing_moves(actions, message):
 def test_wrong_use_is_an_error_that_says_what_was_expected():
     with pytest.raises(ConfigurationError, match=r"unknown mission 'tabel1'.*table1"):
         clean_swarm_v0.parallel_env("tabel1")
-    with pytest.raises(ValueError, match="render_mode: expected None or 'rgb_array', got 'human'"):
-        clean_swarm_v0.parallel_env(render_mode="human")
+    with pytest.raises(ValueError, match="render_mode: expected None or 'human' or 'rgb_array', got 'ansi'"):
+        clean_swarm_v0.parallel_env(render_mode="ansi")
     env = clean_swarm_v0.parallel_env()
     with pytest.raises(RuntimeError, match="call reset first"):
         env.step({})
-    with pytest.raises(TypeError, match="expected a StartConfiguration, got list"):
+    with pytest.raises(TypeError, match="expected a dictionary or a StartConfiguration, got \\[1, 2\\]"):
         env.reset(options={"start": [1, 2]})
     with pytest.raises(ValueError, match="expected 5 robots and 10 items, got 6 and 10"):
         env.reset(options={"start": random_start(mission(robots={"count": 6}), 1, 0)})
@@ -189,7 +191,7 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
 
 def test_a_start_can_be_given():
     env, start = clean_swarm_v0.parallel_env(), random_start(mission(), 77, 4)
-    env.reset(seed=1, options={"start": start, "of others": 1})
+    env.reset(seed=1, options={"start": start})
     assert np.allclose(env._batch.worlds.physics.positions, np.array(start.robots)[:, :2])
     again = _episode(env, 1, 1, {"start": start}, limit=5)
     assert _episode(env, 1, 1, {"start": start}, limit=5) == again
@@ -223,3 +225,22 @@ def test_importing_the_environment_loads_neither_torch_nor_matplotlib():
     code = "from clean_swarm_env import clean_swarm_v0; import sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {name.partition(".")[0] for name in done.stdout.split()} & {"torch", "stable_baselines3", "matplotlib"}
+
+
+def test_the_usual_parts_of_a_pettingzoo_module_are_there():
+    assert isinstance(clean_swarm_v0.env(), OrderEnforcingWrapper)
+    assert not isinstance(clean_swarm_v0.raw_env(), OrderEnforcingWrapper)
+    render_test(clean_swarm_v0.env)
+
+
+def test_an_episode_is_truncated_after_the_most_steps():
+    env = clean_swarm_v0.parallel_env(max_cycles=3)
+    for _ in range(2):
+        env.reset(seed=1)
+        for step in range(3):
+            _, _, terminations, truncations, _ = env.step(dict.fromkeys(env.agents, 0))
+            assert set(truncations.values()) == {step == 2}
+            assert set(terminations.values()) == {False}
+        assert env.agents == []
+    with pytest.raises(ValueError, match="max_cycles: expected a whole number of at least 1, got 0"):
+        clean_swarm_v0.parallel_env(max_cycles=0)

@@ -46,8 +46,8 @@ def test_rows_are_those_of_the_batch_and_truncation_is_kept_apart():
         ends = {end.world: end for end in batch.finished}
         for row, info in enumerate(infos):
             assert ("terminal_observation" in info) == dones[row] == ("TimeLimit.truncated" in info)
-            for kind, name in enumerate(("picked", "recycled", "dumped", "collision")):
-                assert info.get(f"own_{name}", 0) == batch.progress.events[kind, row]
+            for kind, name in enumerate(("picked", "recycled", "dumped", "collisions")):
+                assert info[f"own_{name}"] == batch.progress.events[kind, row]
             if dones[row]:
                 assert np.array_equal(info["terminal_observation"], step.final_observations[row])
                 assert info["TimeLimit.truncated"] == step.truncated[row // 5]
@@ -109,6 +109,7 @@ def test_attributes_and_methods_of_rows():
     assert envs.get_attr("options", 0) == [{"AvoidCollision": OPTIONS}]
     masks = np.stack(envs.env_method("action_masks"))
     assert np.array_equal(masks, envs.batches[0].masks())
+    assert np.array_equal(masks, envs.action_masks())
     assert np.array_equal(envs.env_method("action_masks", indices=7)[0], masks[7])
     assert envs.has_attr("action_masks")
     assert not envs.has_attr("weather")

@@ -103,12 +103,12 @@ def test_what_is_returned_belongs_to_the_caller():
     envs = RobotVectorEnv(1, mission=SHORT)
     envs.reset(seed=1)
     seen, rewards, *_, infos = envs.step(np.zeros(5, dtype=np.int64))
-    kept = seen.copy(), rewards.copy(), infos["own_avoiding"].copy()
+    kept = seen.copy(), rewards.copy(), infos["own_avoiding_s"].copy()
     for _ in range(5):
         envs.step(np.ones(5, dtype=np.int64))
     assert np.array_equal(seen, kept[0])
     assert np.array_equal(rewards, kept[1])
-    assert np.array_equal(infos["own_avoiding"], kept[2])
+    assert np.array_equal(infos["own_avoiding_s"], kept[2])
 
 
 @long_course
@@ -146,7 +146,6 @@ def test_a_start_can_be_given():
 
 
 def test_ids_make_all_kinds():
-    assert gymnasium.make_vec("CleanSwarmRobots-v0", num_envs=10, mission=SHORT).batch.worlds.worlds == 2
     assert gymnasium.make_vec("CleanSwarm-v0", num_envs=2, mission=SHORT).num_envs == 2
     assert gymnasium.make("clean_swarm_env.registration:CleanSwarm-v0").action_space.nvec.tolist() == [3] * 5
     assert gymnasium.make("CleanSwarmOneForAll-v0").action_space.n == 3
@@ -162,10 +161,8 @@ def test_rendering_gives_a_picture():
 
 
 def test_wrong_use_is_an_error_that_says_what_was_expected():
-    with pytest.raises(ValueError, match="expected a multiple of the 5 robots of a world, got 7"):
-        RobotVectorEnv(num_envs=7)
-    with pytest.raises(ValueError, match="expected either worlds or num_envs"):
-        RobotVectorEnv()
+    with pytest.raises(ValueError, match="worlds: expected a whole number of at least 1, got 0"):
+        RobotVectorEnv(0)
     envs = RobotVectorEnv(1)
     envs.reset(seed=1)
     with pytest.raises(ValueError, match=r"actions: expected shape \(5,\), got \(4,\)"):
@@ -175,3 +172,73 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
         env.step(np.zeros(5, dtype=np.int64))
     with pytest.raises(ValueError, match="render_mode: expected None or 'rgb_array', got 'human'"):
         CleanSwarmTeam(SHORT, render_mode="human")
+
+
+@long_course
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_both_modes_of_beginning_anew_are_gymnasiums(mode):
+    reference = SyncVectorEnv([lambda: CleanSwarmTeam(SHORT)] * 2, autoreset_mode=mode)
+    envs = gymnasium.make_vec("CleanSwarm-v0", num_envs=2, mission=SHORT, autoreset_mode=mode)
+    assert envs.unwrapped.autoreset_mode == envs.metadata["autoreset_mode"] == AutoresetMode(mode)
+    rng, ends = np.random.default_rng(1), 0
+    assert np.array_equal(envs.reset(seed=4)[0], reference.reset(seed=4)[0])
+    for _ in range(110):
+        actions = rng.integers(0, 3, (2, 5))
+        own, other = envs.step(actions), reference.step(actions)
+        for mine, theirs in zip(own[:4], other[:4], strict=True):
+            assert np.array_equal(mine, theirs)
+        ends += int((own[2] | own[3]).sum())
+    assert ends > 2
+
+
+def test_without_beginning_anew_a_mask_says_which_worlds_begin():
+    envs = RobotVectorEnv(2, mission=mission(time_limit=2.0), autoreset_mode="Disabled")
+    first, _ = envs.reset(seed=1)
+    still = np.zeros(10, dtype=np.int64)
+    envs.step(still)
+    seen, _, _, truncated, _ = envs.step(still)
+    assert truncated.all()
+    with pytest.raises(RuntimeError, match=r"missions of worlds \[0, 1\] are over, call reset first"):
+        envs.step(still)
+    mask = np.arange(10) >= 5
+    again, infos = envs.reset(seed=1, options={"reset_mask": mask})
+    assert np.array_equal(again[5:], first[5:])
+    assert np.array_equal(again[:5], seen[:5])
+    assert infos["time_s"].tolist() == [2.0] * 5 + [0.0] * 5
+    with pytest.raises(ValueError, match="expected all robots of a world or none"):
+        envs.reset(options={"reset_mask": np.arange(10) > 5})
+    with pytest.raises(ValueError, match=r"reset_mask.*: expected truth values of shape \(10,\)"):
+        envs.reset(options={"reset_mask": [1]})
+
+
+def test_seeds_may_be_those_of_worlds_or_of_robots():
+    envs = RobotVectorEnv(2, mission=SHORT)
+    first, _ = envs.reset(seed=[7, 9])
+    assert np.array_equal(envs.reset(seed=[7] * 5 + [9] * 5)[0], first)
+    with pytest.raises(ValueError, match="seeds: expected one for each of 2 worlds, got 3"):
+        envs.reset(seed=[1, 2, 3])
+
+
+def test_attributes_methods_masks_and_pictures_of_environments():
+    envs = RobotVectorEnv(2, mission=SHORT, action=SERVES, render_mode="rgb_array")
+    envs.reset(seed=1)
+    assert envs.get_attr("world") == (0,) * 5 + (1,) * 5
+    assert envs.call("robot") == (0, 1, 2, 3, 4) * 2
+    assert np.array_equal(np.stack(envs.call("action_masks")), envs.batch.masks())
+    envs.set_attr("nickname", [f"r{k}" for k in range(10)])
+    assert envs.get_attr("nickname")[9] == "r9"
+    with pytest.raises(AttributeError, match="weather"):
+        envs.get_attr("weather")
+    assert len(envs.render()) == 10
+    team = CleanSwarmTeam(SHORT, action=SERVES)
+    _, infos = team.reset(seed=1)
+    assert team.action_masks().tolist() == infos["action_mask"].tolist()
+    assert CleanSwarmTeam(SHORT, one_for_all=True).action_masks().shape == (3,)
+
+
+def test_make_vec_takes_what_make_takes_and_every_id_has_both():
+    settings = {"mission": SHORT, "render_mode": "rgb_array", "knowledge": "avoidance", "reward": {"dumped": 2.0}}
+    for name in [name for name in gymnasium.registry if name.startswith("CleanSwarm")]:
+        assert gymnasium.registry[name].entry_point
+        gymnasium.make(name, **settings)
+        gymnasium.make_vec(name, num_envs=2, **settings)

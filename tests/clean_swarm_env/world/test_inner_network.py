@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import yaml
 
-import configs
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
+from selector.documents.find import SHIPPED
 from tests.clean_swarm_env.courses import mission
 from train.evaluation.explain import as_json, explained
 from train.evaluation.record_run import record_run
@@ -37,7 +37,7 @@ def robot(tmp_path):
     """Write the shipped robot with a behaviour Search in place of Patrol, with or without a network inside."""
 
     def write(nested):
-        document = yaml.safe_load((configs.directory() / "robots" / "cleaning.yaml").read_text())
+        document = yaml.safe_load((SHIPPED / "robots" / "cleaning.yaml").read_text())
         behaviours = document["networks"]["robot"]["behaviours"]
         document["networks"]["robot"]["behaviours"] = {"Search": behaviours.pop("Patrol"), **behaviours}
         if nested:
@@ -104,8 +104,8 @@ def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]
-    steps = record_run(task, tmp_path / "run.npz")
-    with np.load(tmp_path / "run.npz") as kept:
-        assert kept["network_names"].tolist() == ["Search", "Search/Pause"]
-        assert kept["Search/behaviour_names"].tolist() == ["Roam", "Pause"]
-        assert kept["Search/values"].shape[0] == steps
+    recording = record_run(task, tmp_path / "run.swarm")
+    assert recording.head["networks"]["Search"]["behaviours"] == ["Roam", "Pause"]
+    assert "Search/Pause" in recording.head["networks"]
+    assert recording["Search/values"].shape == (recording.frames, 5, 9, 2)
+    assert recording["Search/running"].any()

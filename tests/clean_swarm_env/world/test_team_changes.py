@@ -8,6 +8,7 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.garbage import CARRIED, LYING, NOTHING
 from clean_swarm_env.world.mission import run_mission
+from selector.strategies.registry import StrategySpec
 from selforg.gradients.queries import Filter, Queries
 from tests.clean_swarm_env.courses import (
     begin,
@@ -19,6 +20,8 @@ from tests.clean_swarm_env.courses import (
     snapshot,
     worlds_at_start,
 )
+
+GRADIENT = StrategySpec(name="Fixed", parameters={"option": "RepulsionGradient"})
 
 CHANGING = {
     "events": [
@@ -65,7 +68,8 @@ def test_a_robot_out_of_reach_that_goes_changes_nothing_for_the_others(way, cont
             getattr(worlds.team, way)(np.array([4]))
         courses.append(_without_last(steps + course(worlds, 0, 100 - tick)))
     assert worlds.collisions.samples[0, 0] > 0  # they did meet
-    assert difference(*courses) == ""
+    # how many pheromones a world holds decides in which order those near a robot are summed: the last bit may differ
+    assert difference(*courses, within=1e-12) == ""
 
 
 @pytest.mark.parametrize("name", ["table1", "reference"])
@@ -192,7 +196,7 @@ def test_missions_complete_although_robots_fail_with_their_cargo():
     events = [{"at": 40.0, "do": "fail", "robots": [0, 1]}, {"at": 60.0, "do": "fail", "robots": [2]}]
     for seed in range(4):
         config = mission(events=events)
-        assert run_mission(config, random_start(config, seed, 0), seed, {}).completed
+        assert run_mission(config, random_start(config, seed, 0), seed, {}, GRADIENT).completed
 
 
 @long_course

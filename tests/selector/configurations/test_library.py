@@ -3,18 +3,18 @@ import copy
 import pytest
 import yaml
 
-import configs
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
+from selector.documents.find import SHIPPED
 from selforg.network.model.activators import Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional
 
-SHIPPED = ["RepulsionFernandez", "RepulsionGradient"]
+AVOIDANCE = ["RepulsionFernandez", "RepulsionGradient"]
 
 
 def shipped_content():
-    return yaml.safe_load((configs.directory() / "mechanisms" / "RepulsionGradient.yaml").read_text())
+    return yaml.safe_load((SHIPPED / "mechanisms" / "RepulsionGradient.yaml").read_text())
 
 
 def library_of(directory, content):
@@ -33,7 +33,7 @@ def changed(*path, value):
     return content
 
 
-@pytest.mark.parametrize("key", SHIPPED)
+@pytest.mark.parametrize("key", AVOIDANCE)
 def test_shipped_configurations_are_the_avoidance_of_the_robot_model(key):
     spec = Library().configuration(key)
     assert spec.mechanisms["avoidance"].type == key
@@ -140,7 +140,7 @@ def test_unknown_configurations_list_the_known():
 
 def test_a_directory_of_ones_own_adds_and_hides(tmp_path):
     library = library_of(tmp_path, shipped_content())
-    assert set(library.keys) >= {"Mine", *SHIPPED}
+    assert set(library.keys) >= {"Mine", *AVOIDANCE}
     (tmp_path / "mechanisms" / "Mine.yaml").rename(tmp_path / "mechanisms" / "RepulsionFernandez.yaml")
     hidden = Library([tmp_path])
     assert hidden.configuration("RepulsionFernandez").mechanisms["avoidance"].type == "RepulsionGradient"

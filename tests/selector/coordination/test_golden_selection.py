@@ -1,12 +1,7 @@
-import json
-
 import pytest
 
-from tests.golden.case import Case, read_case
+from tests.golden.case import Case, SetAside
 from tests.golden.selection import replay
-from tests.paths import SHARED
-
-RECORDED = SHARED / "golden" / "selection.json"
 
 
 def case(options, goal, expected):
@@ -22,8 +17,6 @@ def test_replay_tells_right_from_wrong():
     assert "keys ['error'] expected" in replay(case(options, "G", {"error": "KeyError"}))
 
 
-@pytest.mark.skipif(not RECORDED.is_file(), reason="the recorded cases lie outside the project")
-def test_recorded_selections_come_out():
-    cases = [read_case(entry) for entry in json.loads(RECORDED.read_text())]
-    assert cases
-    assert {case.id: failure for case in cases if (failure := replay(case)) is not None} == {}
+def test_boolean_scores_are_refused_and_set_aside_by_their_number():
+    with pytest.raises(SetAside, match="B6"):
+        replay(case({"G": [["A", 0.0, {}], ["B", True, {}]]}, "G", {"config_key": "B", "params": {}}))

@@ -5,11 +5,11 @@ import copy
 import pytest
 import yaml
 
-import configs
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import load_network, network_from
 from selector.documents.errors import DocumentError
+from selector.documents.find import SHIPPED
 from selector.knowledge import load_knowledge
 from selforg.network.model.activators import Linear
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings
@@ -17,7 +17,7 @@ from selforg.network.model.conditions import Condition, Negation
 from tests.selforg.network.cleaning import TASKS, condition, effect
 
 GOAL = "AvoidCollision"
-PATH = configs.directory() / "robots" / "cleaning.yaml"
+PATH = SHIPPED / "robots" / "cleaning.yaml"
 
 
 @pytest.fixture(scope="module")

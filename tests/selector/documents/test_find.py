@@ -4,9 +4,8 @@ import shutil
 
 import pytest
 
-import configs
 from selector.documents.errors import DocumentError
-from selector.documents.find import KINDS, files_of, find_file
+from selector.documents.find import KINDS, SHIPPED, files_of, find_file
 
 pytestmark = pytest.mark.parametrize("kind", list(KINDS))
 
@@ -19,7 +18,7 @@ def written(directory, kind, name="mine"):
 
 
 def test_the_shipped_directory_holds_every_kind_and_no_other(kind):
-    assert {path.name for path in configs.directory().iterdir() if path.is_dir()} - {"__pycache__"} == set(KINDS)
+    assert {path.name for path in SHIPPED.iterdir() if path.is_dir()} - {"__pycache__"} == set(KINDS)
     assert files_of(kind)
 
 
@@ -30,7 +29,7 @@ def test_a_name_is_looked_for_in_every_directory_in_order(tmp_path, kind):
     assert find_file(kind, "mine", (first, second)) == theirs
     ours = written(first, kind)
     assert find_file(kind, "mine", (first, second)) == ours
-    assert find_file(kind, shipped, (first, second)) == configs.directory() / kind / (shipped + KINDS[kind].ending)
+    assert find_file(kind, shipped, (first, second)) == SHIPPED / kind / (shipped + KINDS[kind].ending)
     assert set(files_of(kind, (first, second))) == {"mine", *files_of(kind)}
 
 

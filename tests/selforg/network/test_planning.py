@@ -1,11 +1,13 @@
 """From the model to plans, the memory of plans, and how a plan is followed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
-from selforg.network.model.conditions import Condition
+from selforg.network.model.conditions import Condition, Optional
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
@@ -198,6 +200,105 @@ def test_a_positive_effect_counts_as_realised_at_once_unless_progress_is_strict(
     assert index(network) == passed
     assert step(network, given=True) == 0
     assert index(network) == 1
+
+
+def test_a_sensor_that_only_optional_conditions_read_asks_for_nothing():
+    """M1 of the original."""
+    model = errand()
+    model = NetworkModel(
+        model.sensors,
+        [*model.behaviours, Behaviour("look", (Optional(Condition("unused", Boolean())),))],
+        model.goals,
+        model.settings,
+    )
+    network = BehaviourNetwork(model, 1, Recorded(model, [0, 1]))
+    step(network, far=5.0)
+    assert step(network, unused=True) == 0
+    assert step(network, noise=True) == 1
+
+
+def test_a_change_that_six_decimals_do_not_show_asks_for_nothing():
+    """M2 of the original."""
+    network = following(far=0.25)
+    assert step(network, far=0.25 + 4e-7) == 0
+    assert step(network, far=0.25 + 2e-6) == 1
+
+
+def test_only_the_change_of_this_step_and_the_one_before_is_held_against_an_effect():
+    """M3 of the original."""
+    network = following()
+    for far in (4.5, 4.0):
+        assert (step(network, far=far), index(network)) == (0, int(far < 4.5))
+    network = following()
+    step(network, far=4.5)
+    step(network)
+    assert (step(network, far=4.0), index(network)) == (0, 0)  # half of the effect, and nothing the step before
+
+
+def test_a_new_plan_does_not_clear_the_change_of_the_step_before():
+    """M3 of the original."""
+    network = following()
+    network.plans.marks[ps.ALARM] = 1
+    assert (step(network, far=4.5), index(network)) == (1, 0)
+    assert (step(network, far=4.0), index(network)) == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("plan", "asks", "passed"),
+    [
+        ((0, 1), 0, 1),
+        ((0, 0, 1), 0, 2),  # equal steps that follow one another are passed together
+        ((0, 1, 0), 1, 0),  # it is in the plan again later
+        ((1,), 1, 0),  # it is not due
+    ],
+)
+def test_a_behaviour_that_ends_itself(plan, asks, passed):
+    """M5 of the original."""
+    network = following(plan)
+    network.finish(ROW, 0)
+    assert (step(network), index(network)) == (asks, passed)
+
+
+def test_what_ends_itself_and_was_realised_in_one_step_asks_for_a_plan():
+    """M5 of the original."""
+    network = following()
+    step(network)  # the change of the first step, from 0, no longer counts
+    network.finish(ROW, 0)
+    assert (step(network, far=4.0), index(network)) == (1, 0)
+
+
+def test_a_planner_independent_behaviour_that_ends_itself_asks_for_nothing():
+    """M5 of the original."""
+    model = errand()
+    shy = replace(model.behaviours[2], planner_independent=True)
+    model = NetworkModel(model.sensors, [*model.behaviours[:2], shy], model.goals, model.settings)
+    network = BehaviourNetwork(model, 1, Recorded(model, [0, 1]))
+    network.start_by_hand(ROW, 2, True)
+    step(network, far=5.0)
+    assert "other" in running(network)
+    network.finish(ROW, 2)
+    assert step(network) == 0
+
+
+@pytest.mark.parametrize(("held", "asks"), [("", 1), ("not interruptable", 0), ("by hand", 0)])
+def test_a_timeout_asks_for_a_plan_only_when_it_stops_the_behaviour(held, asks):
+    """M6 of the original."""
+    model = errand()
+    short = replace(model.behaviours[0], timeout=1, interruptable=held != "not interruptable")
+    model = NetworkModel(model.sensors, [short, *model.behaviours[1:]], model.goals, model.settings)
+    network = BehaviourNetwork(model, 1, Recorded(model, [0, 1]))
+    network.start_by_hand(ROW, 0, held == "by hand")
+    step(network, far=5.0)
+    assert "fetch" in running(network)
+    assert [step(network) for _ in range(3)] == [0, 0, asks]
+
+
+def test_without_a_goal_the_planner_is_not_asked():
+    network = following()
+    network.enable_goal(ROW, 0, False)
+    network.plans.marks[ps.ALARM] = 1
+    assert step(network) == 0
+    assert network.plans.marks[ps.KNOWN, 0] == 0
 
 
 def test_an_unplanned_behaviour_that_ends_itself_asks_for_a_plan():

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.recording.reader import Recording
 from clean_swarm_env.world.cleaning_robot import GOAL
-from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of, run_mission
-from selforg.network.explain.explanation import explain
-from selforg.network.explain.recording import record_at
+from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, run_mission
 from tests.clean_swarm_env.courses import difference, snapshot
 from train.cli import app as cli
 from train.evaluation.repeat import steps_of, task_of
@@ -214,39 +213,44 @@ def test_a_mission_that_ran_out_of_time_says_so(evaluated, tmp_path, told):
     assert "this mission ended uncompleted at its time limit of 3 s" in err
 
 
-def test_a_recording_holds_every_step_and_explains_it(evaluated, tmp_path, told):
-    path = tmp_path / "run.npz"
+def test_a_recording_holds_what_explain_says(evaluated, tmp_path, told):
+    path = tmp_path / "run.swarm"
     code, out, err = told("record", evaluated, "--output", path, "--scenario", "2")
     assert code == 0, err
-    task = task_of(evaluated, "2")
-    with np.load(path) as arrays:
-        assert json.loads(str(arrays["run"]))["scenario"] == "2"
-        assert out.startswith(f"{len(arrays['readings'])} steps of 5 robots in ")
-        steps = 0
-        for step, worlds in enumerate(steps_of(task)):
-            np.testing.assert_array_equal(arrays["readings"][step], worlds.network.readings)
-            steps += 1
-            if step == 40:
-                _, printed, _ = told("explain", evaluated, "--scenario", 2, "--robot", 1, "--time", 8, "--json")
-                account = explain(worlds.network.model, record_at(arrays, step), 1)
-                assert [b.name for b in account.behaviours] == [b["name"] for b in json.loads(printed)["behaviours"]]
-                assert [b.why for b in account.behaviours] == [b["why"] for b in json.loads(printed)["behaviours"]]
-        assert steps == len(arrays["readings"])
-        assert arrays["behaviour_names"].tolist() == [b.name for b in worlds.network.model.behaviours]
-        held, inner = arrays["held"], record_at(inner_arrays(arrays, "AvoidCollision/RepulsionFernandez"), 40)
-        assert held.shape == (steps, 5, 1)
-        assert not held.any()  # the first option, all the time
-        assert arrays["coordinator_names"].tolist() == ["AvoidCollision"]
-        assert arrays["AvoidCollision/option_names"][0] == "RepulsionFernandez"
-        content = worlds.minds.coordinator_of(GOAL).contents[0].network
-        assert explain(content.model, inner, 2).behaviours[0].name == "Avoid"
-        assert not any(name.startswith("AvoidCollision/RepulsionGradient/") for name in arrays)
-    assert steps == result_of(worlds, 0).ticks
-    assert told("record", evaluated, "--output", path)[0] == 2  # nothing is overwritten
-
-
-def inner_arrays(arrays, prefix):
-    return {name.removeprefix(f"{prefix}/"): arrays[name] for name in arrays if name.startswith(f"{prefix}/")}
+    recording = Recording(path)
+    assert recording.head["about"] == {
+        "scenario": "2",
+        "seed": run_seed(5, "2"),
+        "experiment": "short",
+        "condition": "RepulsionFernandez",
+    }
+    assert out == f"{recording.frames} steps of 5 robots in {path}\n"
+    held = next(r for r in map(json.loads, (evaluated / "runs.jsonl").open()) if r["scenario"] == "2")
+    assert recording.result == {name: held[name] for name in MissionResult.__dataclass_fields__}
+    assert recording.frames == held["ticks"]
+    names = recording.head["networks"]["robot"]
+    for frame, robot in ((0, 0), (40, 1), (recording.frames - 1, 4)):
+        time = frame * recording.period
+        step = json.loads(told("explain", evaluated, "--scenario", 2, "--robot", robot, "--time", time, "--json")[1])
+        values = recording["robot/values"][frame, robot]
+        for account in step["behaviours"]:
+            b = names["behaviours"].index(account["name"])
+            expected = [account["activation"], account["satisfaction"], *account["components"].values()]
+            assert values[:, b] == pytest.approx(expected, abs=0.00051)
+            assert recording["robot/running"][frame, robot, b] == account["running"]
+            by = recording["robot/by"][frame, robot, b]
+            words = recording.head["reasons"][recording["robot/reason"][frame, robot, b]]
+            assert words.format(by=names["behaviours"][by]) == account["why"]
+        length = recording["robot/plan_length"][frame, robot]
+        plan = [names["behaviours"][b] for b in recording["robot/plan"][frame, robot, : max(length, 0)]]
+        assert (plan if length >= 0 else None) == step["plan"]
+        assert dict(zip(names["sensors"], recording["robot/readings"][frame, robot], strict=True)) == pytest.approx(
+            step["readings"], abs=0.00051
+        )
+    code, _, err = told("record", evaluated, "--output", path)
+    assert (code, "exists already; expected a new file" in err) == (2, True)
+    code, _, err = told("record", evaluated, "--output", tmp_path / "run.npz")
+    assert (code, "expected a name that ends with .swarm" in err) == (2, True)
 
 
 def test_a_running_coordinator_is_explained_from_inside(evaluated, told):
@@ -268,6 +272,6 @@ def test_a_running_coordinator_is_explained_from_inside(evaluated, told):
 
 
 def test_a_recording_needs_a_directory(evaluated, tmp_path, told):
-    code, _, err = told("record", evaluated, "--output", tmp_path / "none" / "run.npz")
+    code, _, err = told("record", evaluated, "--output", tmp_path / "none" / "run.swarm")
     assert code == 2
     assert "cannot be written" in err

@@ -1,0 +1,102 @@
+"""Arguments of Python callers as models: names, paths, dictionaries or the models themselves.
+
+A mistake is an error of one line that names the argument and the key, as in a YAML file.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from numbers import Integral
+from pathlib import Path
+from reprlib import repr as brief
+from typing import Any
+
+from pydantic import BaseModel
+
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.load import load_family, load_mission, with_changes
+from clean_swarm_env.config.mission import MissionConfig
+from selector.documents.errors import M, validated
+
+Named = str | os.PathLike[str]
+"""A name of a shipped file, or a path."""
+GivenMission = MissionConfig | Mapping[str, Any] | Named
+"""A mission: its name, its path, its keys (with `base` changes of another one), or the model."""
+GivenFamily = FamilyConfig | Mapping[str, Any] | Named
+"""A family of scenarios, as a mission is given."""
+
+
+def directories_from(given: Named | Iterable[Named] | None) -> tuple[Path, ...]:
+    """Return one directory or several as paths."""
+    if given is None:
+        return ()
+    return (Path(given),) if isinstance(given, str | os.PathLike) else tuple(Path(one) for one in given)
+
+
+def mission_from(given: GivenMission, directories: tuple[Path, ...] = ()) -> MissionConfig:
+    """Return the mission; DocumentError or TypeError if there is no such one."""
+    if isinstance(given, MissionConfig):
+        return checked(given, "mission")
+    if isinstance(given, str | os.PathLike):
+        return load_mission(os.fspath(given), directories)
+    if not isinstance(given, Mapping):
+        raise TypeError(f"mission: expected a name, a path, a dictionary or a MissionConfig, got {brief(given)}")
+    content = dict(given)
+    if "base" in content:
+        content = with_changes(mission_from(content.pop("base"), directories).model_dump(), content)
+    return validated(MissionConfig, content, "mission")
+
+
+def family_from(given: GivenFamily, directories: tuple[Path, ...] = ()) -> FamilyConfig:
+    """Return the family of scenarios; DocumentError or TypeError if there is no such one."""
+    if isinstance(given, FamilyConfig):
+        return checked(given, "family")
+    if isinstance(given, str | os.PathLike):
+        return load_family(os.fspath(given), directories)
+    if not isinstance(given, Mapping):
+        raise TypeError(f"family: expected a name, a path, a dictionary or a FamilyConfig, got {brief(given)}")
+    mission = mission_from(given["mission"], directories) if "mission" in given else MissionConfig()
+    return validated(FamilyConfig, {**given, "mission": mission}, "family")
+
+
+def config_from(model: type[M], given: M | Mapping[str, Any] | None, where: str) -> M:
+    """Return a model from its keys, or as it is; without anything given, the model of the defaults."""
+    if isinstance(given, model):
+        return checked(given, where)
+    if given is not None and not isinstance(given, Mapping):
+        raise TypeError(f"{where}: expected a dictionary or a {model.__name__}, got {brief(given)}")
+    return validated(model, dict(given or {}), where)
+
+
+def checked(given: M, where: str) -> M:
+    """Return the model, or raise DocumentError: `model_copy` takes any keys and values."""
+    validated(type(given), _content(given), where)
+    return given
+
+
+def _content(value: object) -> Any:  # noqa: ANN401  (what a file could hold)
+    """Return the content of models, at any depth, without their types."""
+    if isinstance(value, BaseModel):
+        parts = vars(value) | (value.model_extra or {})
+        return {name: _content(part) for name, part in parts.items() if not name.startswith("__")}
+    return tuple(_content(part) for part in value) if isinstance(value, tuple) else value
+
+
+def whole_number(given: object, where: str, least: int = 0) -> int:
+    """Return a whole number of at least `least`, or raise ValueError; truth values are none."""
+    if isinstance(given, bool) or not isinstance(given, Integral) or given < least:
+        raise ValueError(f"{where}: expected a whole number of at least {least}, got {brief(given)}")
+    return int(given)
+
+
+def seeds_from(given: object, count: int) -> list[int | None]:
+    """Return the seeds of `count` worlds, each None without one."""
+    if given is None:
+        return [None] * count
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ValueError(f"seeds: expected one for each of {count} worlds, got {brief(given)}")
+    seeds = list(given)
+    if len(seeds) != count:
+        raise ValueError(f"seeds: expected one for each of {count} worlds, got {len(seeds)}")
+    return [None if seed is None else whole_number(seed, "seed") for seed in seeds]

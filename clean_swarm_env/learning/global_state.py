@@ -1,0 +1,100 @@
+"""The global state of a world, for learners that see everything: bodies, cargo, items, stations, options, time.
+
+Shapes: W worlds, N robots, M items, G components. Every component lies within [-1, 1].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.learning.progress import MissionProgress
+from clean_swarm_env.world.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.world.worlds import Worlds
+from selforg.arrays import Floats, Ints
+
+ROBOT = ("works", "x", "y", "heading_cos", "heading_sin", "carrying", "recycled")
+ITEM = ("lying", "carried", "done", "x", "y")
+STATION = ("x", "y")
+
+
+class GlobalState:
+    """The components of the global state of each world.
+
+    `names` names them: `robot_K_NAME` (`ROBOT`, then `holds_OPTION` or with several goals `holds_GOAL_OPTION`),
+    `item_K_NAME` (`ITEM`), `recycling_x`, `recycling_y`, `dump_x`, `dump_y`, `time` and `garbage_done`. Places go from
+    -1 to 1 along each side of the torus; that of an item is where it lies or was picked. `time` is the share of the
+    time limit that has passed, `garbage_done` the share of the items dumped of those that arrived. All else are flags,
+    but for cosine and sine. What is not there is 0.
+
+    Args:
+        worlds: the worlds.
+        progress: has the time limits of their missions.
+        options: whether robots hold options; not if they are steered by vectors.
+
+    Attributes:
+        names: (G,) names of the components.
+
+    """
+
+    def __init__(self, worlds: Worlds, progress: MissionProgress, *, options: bool) -> None:
+        self._worlds, self._progress = worlds, progress
+        self._coordinators = worlds.coordinators if options else ()
+        several = len(self._coordinators) > 1
+        holds = [
+            f"holds_{c.model.goal}_{option}" if several else f"holds_{option}"
+            for c in self._coordinators
+            for option in c.model.options
+        ]
+        robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in (*ROBOT, *holds)]
+        items = [f"item_{k}_{name}" for k in range(worlds.garbage.stage.shape[1]) for name in ITEM]
+        stations = [f"{station}_{name}" for station in ("recycling", "dump") for name in STATION]
+        self.names = (*robots, *items, *stations, "time", "garbage_done")
+
+    def now(self) -> NDArray[np.float32]:
+        """Return the state (W, G) of the worlds as they are."""
+        worlds = self._worlds
+        parts = (self._robots(), self._items(), self._places(worlds.stations), self._course())
+        return np.concatenate([part.reshape(worlds.worlds, -1) for part in parts], axis=1).astype(np.float32)
+
+    def _places(self, points: Floats) -> Floats:
+        places: Floats = 2.0 * points / self._worlds.extent - 1.0
+        return places
+
+    def _robots(self) -> Floats:
+        """Return the components (R, ...) of the robots."""
+        physics, garbage = self._worlds.physics, self._worlds.garbage
+        headings, carrying = physics.headings, garbage.cargo != NOTHING
+        own = np.column_stack(
+            (
+                self._worlds.team.working,
+                self._places(physics.positions),
+                np.cos(headings),
+                np.sin(headings),
+                carrying,
+                carrying & (garbage.recycled == 1),
+                *(_flags(c.held, len(c.model.options)) for c in self._coordinators),
+            )
+        )
+        own[~physics.present] = 0.0
+        return np.asarray(own, dtype=np.float64)
+
+    def _items(self) -> Floats:
+        """Return the components (W, M, ...) of the items."""
+        garbage = self._worlds.garbage
+        stages = [(garbage.stage == stage)[..., None] for stage in (LYING, CARRIED, DONE)]
+        items = np.concatenate((*stages, self._places(garbage.positions)), axis=2, dtype=np.float64)
+        items[garbage.stage == ABSENT] = 0.0
+        return items
+
+    def _course(self) -> Floats:
+        """Return the share of the time that has passed and of the items that are dumped (W, 2)."""
+        garbage, progress = self._worlds.garbage, self._progress
+        time = np.minimum(self._worlds.ticks / progress.limits, 1.0)
+        return np.column_stack((time, garbage.done / np.maximum(garbage.arrived, 1)))
+
+
+def _flags(numbers: Ints, count: int) -> Floats:
+    """Return `numbers` (R,) as rows of `count` flags, one of which is set."""
+    flags: Floats = np.eye(count)[numbers]
+    return flags

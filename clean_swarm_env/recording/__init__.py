@@ -1,0 +1,1 @@
+"""Recordings of missions: one format, written while a mission runs, and read as arrays and tables."""

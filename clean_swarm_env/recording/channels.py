@@ -1,0 +1,131 @@
+"""Channels of a recording: what each holds, and how its numbers become bytes and numbers again.
+
+A channel has one frame for each control period. Its numbers are kept as whole numbers, rounded multiples of 1 / scale,
+as differences in time. `docs/recordings.md` describes the bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.recording.stepping import Whole, round_values, take_differences
+
+LARGEST: Final = 2**30 - 1
+"""Largest whole number that a channel holds; what is beyond is kept as this number."""
+MILLI: Final = 1000
+"""Steps of a metre, of a radian, and of the numbers of a network."""
+Values = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What a channel holds."""
+
+    name: str
+    axes: tuple[str, ...]
+    """Names of the axes of a frame."""
+    shape: tuple[int, ...]
+    """Their lengths."""
+    scale: int
+    """Steps of a unit: values are whole numbers divided by this."""
+    order: int
+    """How often differences are taken in time, 1 or 2."""
+    unit: str
+    """Unit of the values, - for pure numbers."""
+    about: str
+    """One line for readers."""
+
+    @property
+    def columns(self) -> int:
+        """Numbers of a frame, K."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Return the fields as plain data."""
+        return asdict(self)
+
+    def whole(self, values: Values) -> Whole:
+        """Return values (T, ...) as whole numbers (T, K); NaN is 0."""
+        flat = values.reshape(len(values), self.columns)
+        if flat.dtype.kind in "bi" and self.scale == 1:
+            return flat.astype(np.int32)
+        whole = np.empty(flat.shape, dtype=np.int32)
+        numbers = np.ascontiguousarray(flat, dtype=np.float64)
+        round_values(numbers.reshape(-1), float(self.scale), LARGEST, whole.reshape(-1))
+        return whole
+
+    def values(self, whole: Whole) -> Values:
+        """Return whole numbers (T, K) as values (T, ...): floats, or whole numbers where the scale is 1."""
+        shaped = whole.reshape(len(whole), *self.shape)
+        return shaped if self.scale == 1 else shaped / self.scale
+
+
+Part = tuple[Channel, Callable[[Values], Values]]
+"""A channel, and the function from the sampled array of a world (T, ...) to its values."""
+
+
+def whole(name: str, axis: tuple[str, int], about: str) -> Channel:
+    """Return a channel of whole numbers."""
+    return Channel(name, (axis[0],), (axis[1],), 1, 1, "-", about)
+
+
+def point(name: str, axes: tuple[tuple[str, int], ...], about: str, order: int = 1) -> Iterator[Part]:
+    """Yield the channels of the coordinates of points (T, ..., 2) [m]."""
+    names, shape = tuple(axis for axis, _ in axes), tuple(length for _, length in axes)
+    yield Channel(f"{name}_x" if name else "x", names, shape, MILLI, order, "m", about), _first
+    yield Channel(f"{name}_y" if name else "y", names, shape, MILLI, order, "m", about), _second
+
+
+def same(values: Values) -> Values:
+    """Return the values themselves."""
+    return values
+
+
+def _first(values: Values) -> Values:
+    return values[..., 0]
+
+
+def _second(values: Values) -> Values:
+    return values[..., 1]
+
+
+def packed_frames(whole: Whole, order: int) -> tuple[int, int, bytes]:
+    """Return the bytes of T >= 1 frames of whole numbers (T, K), how many columns change, and the width of a number.
+
+    First the first frame, K numbers int32. Then a bit for each column, 1 where it changes. Then the differences of the
+    columns that change, column by column, each in time: first the lowest byte of all, then the next one.
+    """
+    steps = np.empty((whole.shape[1], len(whole) - 1), dtype=np.int32)
+    changing = np.empty(whole.shape[1], dtype=np.bool_)
+    largest = take_differences(whole, order, steps, changing)
+    width = next(width for width in (1, 2, 4) if largest < 1 << (8 * width - 1))
+    columns = steps[changing].astype(f"<i{width}")
+    planes = columns.view(np.uint8).reshape(-1, width).T
+    content = whole[0].astype("<i4").tobytes() + np.packbits(changing, bitorder="little").tobytes() + planes.tobytes()
+    return int(changing.sum()), width, content
+
+
+def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order: int) -> tuple[Whole, int]:
+    """Return whole numbers (T, K) that `packed_frames` packed, and the number of bytes that they took.
+
+    sizes: T, K, how many columns change, and the width of a number.
+    """
+    frames, count, changed, width = sizes
+    at = 4 * count
+    first = np.frombuffer(content[:at], dtype="<i4")
+    bits = np.frombuffer(content[at : at + -(-count // 8)], dtype=np.uint8)
+    at += len(bits)
+    changing = np.unpackbits(bits, count=count, bitorder="little").astype(np.bool_)
+    end = at + changed * (frames - 1) * width
+    planes = np.frombuffer(content[at:end], dtype=np.uint8).reshape(width, -1)
+    steps = np.ascontiguousarray(planes.T).view(f"<i{width}").reshape(changed, frames - 1).T.astype(np.int32)
+    for _ in range(order):
+        steps = np.cumsum(steps, axis=0, dtype=np.int32)
+    whole = np.tile(first.astype(np.int32), (frames, 1))
+    whole[1:, changing] += steps
+    return whole, end

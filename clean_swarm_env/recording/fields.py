@@ -1,0 +1,48 @@
+"""Fields at any moment of a recording, rebuilt from what robots have left behind."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clean_swarm_env.recording.reader import Recording
+from selforg.arrays import Floats, Ints
+
+ROUNDING = 1e-6
+"""Share of an evaporation period by which ages may be rounded."""
+
+
+class Traces(NamedTuple):
+    """Deposits that have not evaporated yet, the oldest first; D of them."""
+
+    kind: Ints
+    """(D,) which of the recording's `notes["deposits"]` each is."""
+    positions: Floats
+    """(D, 2) [m]."""
+    diffusion: Floats
+    """(D,) what is left of its diffusion [m]."""
+    robot: Ints
+    """(D,) who left it."""
+
+
+def traces_at(recording: Recording, frame: int) -> Traces:
+    """Return what was left before a frame and can still be perceived at it.
+
+    A robot of the mission stores fewer: of traces within the aggregation distance it keeps one.
+    """
+    parts = []
+    bits = recording.whole("deposit")[:frame]
+    x, y = recording["x"], recording["y"]
+    for kind, facts in enumerate(recording.notes.get("deposits", [])):
+        made, robot = np.nonzero(bits & (1 << kind))
+        left = np.full(len(made), facts["diffusion"])
+        if facts["evaporation_factor"] < 1.0:
+            ages = (frame - made) * recording.period
+            left *= facts["evaporation_factor"] ** np.floor(ages / facts["evaporation_period"] + ROUNDING)
+        there = left >= facts["min_diffusion"]
+        made, robot, left = made[there], robot[there], left[there]
+        places = np.stack([x[made, robot], y[made, robot]], axis=1)
+        parts.append(Traces(np.full(len(made), kind), places, left, robot))
+    if not parts:
+        nothing = np.zeros(0, dtype=np.int64)
+        return Traces(nothing, np.zeros((0, 2)), np.zeros(0), nothing)
+    return Traces(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))

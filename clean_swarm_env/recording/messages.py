@@ -1,0 +1,89 @@
+"""What robots leave behind and what they miss: deposits of gradients, and poses of others that did not arrive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.recording.channels import same, whole
+from clean_swarm_env.recording.sampled import Sampled
+from clean_swarm_env.world.worlds import Worlds
+from selforg.arrays import Floats, Ints
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.store import columns as c
+
+LASTING = np.array([c.DIFFUSION, c.GOAL_RADIUS, c.MESSAGE_FAR + c.FAR_FACTOR, c.MESSAGE_FAR + c.FAR_PERIOD])
+"""Columns of a message that are the same for all deposits of a mechanism."""
+
+
+class MessageLog:
+    """Deposits and missed poses of all rows in a tick.
+
+    Attributes:
+        kinds: what was deposited so far; bit k of a number in `deposit` stands for kind k.
+
+    """
+
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
+        self._deposits: Ints = np.zeros(worlds.rows, dtype=np.int64)
+        self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
+        self._bits: dict[tuple[str, bytes, int, int], int] = {}
+        self.kinds: list[dict[str, Any]] = []
+        self._buffers, self._counts = worlds.minds.buffers, worlds.minds.reception.own_contents
+        for name, buffer in self._buffers.items():
+            buffer.on_deposit = partial(self._note, name)
+
+    def arrays(self) -> Iterator[Sampled]:
+        """Yield the arrays, both of one tick."""
+        robots = ("robot", self._worlds.robots)
+        deposit = whole("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
+        yield Sampled(self._deposits, ((deposit, same),))
+        if self._counts:
+            missed = whole("missed", robots, "poses of others that the robot misses: lost, or out of range")
+            yield Sampled(self._missed, ((missed, same),))
+
+    def count(self) -> None:
+        """Count the poses that each row missed in this tick."""
+        worlds = self._worlds
+        if self._counts:
+            spread, n = worlds.minds.poses.known, worlds.robots
+            heard = worlds.minds.poses.row_table[:, c.ROW_HEARD :] == 0
+            missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
+            missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
+            self._missed[:] = missed.sum(axis=1) * worlds.team.working
+
+    def begin(self) -> None:
+        """Forget the deposits of a tick."""
+        self._deposits[:] = 0
+
+    def close(self) -> None:
+        """Listen to the buffers no more."""
+        for buffer in self._buffers.values():
+            buffer.on_deposit = None
+
+    def _note(self, name: str, rows: Ints, message: Floats, tag: Ints) -> None:
+        key = name, message[LASTING].tobytes(), int(tag[c.TAG_CHANNEL]), int(tag[c.TAG_SIGN])
+        if key not in self._bits:
+            self._bits[key] = len(self.kinds)
+            self.kinds.append(_kind(name, self._buffers[name], message, tag))
+        self._deposits[rows] |= 1 << self._bits[key]
+
+
+def _kind(name: str, buffer: SoBuffer, message: Floats, tag: Ints) -> dict[str, Any]:
+    """Return a kind of deposits as plain data."""
+    far = message[c.MESSAGE_FAR :]
+    return {
+        "buffer": name,
+        "channel": buffer.channels.name(int(tag[c.TAG_CHANNEL])),
+        "attraction": int(tag[c.TAG_SIGN]),
+        "diffusion": float(message[c.DIFFUSION]),
+        "goal_radius": float(message[c.GOAL_RADIUS]),
+        "evaporation_factor": float(far[c.FAR_FACTOR]),
+        "evaporation_period": float(far[c.FAR_PERIOD]),
+        "min_diffusion": buffer.settings.min_diffusion,
+        "aggregation_distance": buffer.settings.aggregation_distance,
+    }

@@ -1,0 +1,23 @@
+"""One mission, recorded while it runs."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from clean_swarm_env.recording.recorder import Recorder, RecordSettings
+from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
+
+
+def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:
+    """Run one mission to its end as `run_mission` does, and record it; `about` is plain data for the head."""
+    course = Course(run, explained=settings.minds)
+    recorder = Recorder(course.worlds, replace(settings, thinking=True))
+    recorder.begin(0, {"scenario": run.start.id, "seed": run.seed, **about})
+    while course.in_progress:
+        if course.decides:
+            for goal, values in course.opinions().items():
+                recorder.think(goal, values)
+        course.tick()
+        recorder.take()
+    recorder.close()
+    return result_of(course.worlds, 0)

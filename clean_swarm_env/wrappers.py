@@ -1,0 +1,129 @@
+"""Wrappers for PettingZoo: robots that are always there, and masks inside the observation.
+
+env = MaskedObservations(AllRobots(clean_swarm_v0.parallel_env(family="shifting", size=(10.0, 10.0))))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+from pettingzoo.utils.wrappers import BaseParallelWrapper
+
+from clean_swarm_env.borders.infos import MASK
+from clean_swarm_env.clean_swarm_v0 import AgentAction, AgentInfos, AgentsStep, CleanSwarm
+from clean_swarm_env.learning.observation.observer import Observations
+
+ALIVE = "alive"
+"""Name of the last component of an observation of `AllRobots`, and its key in infos."""
+
+
+class AllRobots(BaseParallelWrapper[str, Observations, AgentAction]):
+    """All possible agents act in every step of an episode, also robots that join later or are gone.
+
+    An observation has one component more, `alive`: 1 for a robot at work. Of other robots all components are 0, the
+    reward is 0, and the action does nothing. All agents terminate or are truncated together, with the mission. Infos
+    have `alive` too.
+    """
+
+    def __init__(self, env: CleanSwarm) -> None:
+        super().__init__(env)
+        self.env: CleanSwarm = env
+        self.possible_agents = env.possible_agents
+        self.agents: list[str] = []
+        self.observation_names = (*env.observation_names, ALIVE)
+        self._spaces = {agent: _with_flag(env.observation_space(agent)) for agent in env.possible_agents}
+
+    def observation_space(self, agent: str) -> gymnasium.spaces.Box:
+        """Return the space of an agent's observations: always the same object."""
+        return self._spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Observations], AgentInfos]:
+        """Begin an episode."""
+        self.env.reset(seed=seed, options=options)
+        self.agents = list(self.possible_agents)
+        return self._seen()
+
+    def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
+        """Run one decision period; `actions` has one for each possible agent."""
+        acting = self.env.agents
+        if isinstance(actions, Mapping) and actions.keys() == set(self.agents):
+            actions = {agent: actions[agent] for agent in acting}
+        _, rewards, _, truncations, _ = self.env.step(actions)
+        everyone, over = self.agents, not self.env.agents
+        cut = over and any(truncations.values())
+        observations, infos = self._seen()
+        if over:
+            self.agents = []
+        return (
+            observations,
+            {agent: rewards.get(agent, 0.0) for agent in everyone},
+            dict.fromkeys(everyone, over and not cut),
+            dict.fromkeys(everyone, cut),
+            infos,
+        )
+
+    def _seen(self) -> tuple[dict[str, Observations], AgentInfos]:
+        """Return the observations and infos of all robots."""
+        working, (rows, infos) = set(self.env.at_work()), self.env.everyone()
+        observations = {}
+        for agent, row in zip(self.possible_agents, rows, strict=True):
+            infos[agent][ALIVE] = agent in working
+            whole = np.append(row, np.float32(1.0))
+            observations[agent] = whole if agent in working else np.zeros_like(whole)
+        return observations, infos
+
+
+class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], AgentAction]):
+    """Observations are dictionaries: the observation, and `action_mask`, the options that can serve next (1 or 0).
+
+    Args:
+        env: a parallel environment with options as actions, wrapped or not.
+        key: key of the observation, as the library wants it: "observation" (PettingZoo, Tianshou), "observations"
+            (RLlib).
+
+    """
+
+    def __init__(self, env: ParallelEnv[str, Observations, AgentAction], key: str = "observation") -> None:
+        super().__init__(env)
+        self._key = key
+        self._spaces = {agent: self._space(agent) for agent in env.possible_agents}
+
+    def observation_space(self, agent: str) -> gymnasium.spaces.Dict:
+        """Return the space of an agent's observations: always the same object."""
+        return self._spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, dict[str, NDArray[Any]]], AgentInfos]:
+        """Begin an episode."""
+        observations, infos = self.env.reset(seed=seed, options=options)
+        return self._masked(observations, infos), infos
+
+    def step(self, actions: Mapping[str, AgentAction]) -> Any:  # noqa: ANN401  (as AgentsStep, with dictionaries)
+        """Run one decision period."""
+        observations, *others, infos = self.env.step(actions)
+        return (self._masked(observations, infos), *others, infos)
+
+    def _space(self, agent: str) -> gymnasium.spaces.Dict:
+        actions = self.env.action_space(agent)
+        if isinstance(actions, gymnasium.spaces.Box):
+            raise ValueError("MaskedObservations: expected options as actions, got mode 'velocity'")
+        options = int(actions.n) if isinstance(actions, gymnasium.spaces.Discrete) else int(actions.nvec.sum())
+        mask = gymnasium.spaces.Box(0, 1, (options,), np.int8)
+        return gymnasium.spaces.Dict({self._key: self.env.observation_space(agent), MASK: mask})
+
+    def _masked(self, observations: dict[str, Observations], infos: AgentInfos) -> dict[str, dict[str, NDArray[Any]]]:
+        return {agent: {self._key: seen, MASK: np.hstack(infos[agent][MASK])} for agent, seen in observations.items()}
+
+
+def _with_flag(space: gymnasium.spaces.Box) -> gymnasium.spaces.Box:
+    """Return the space with one component more, 0 or 1."""
+    low, high = np.append(space.low, np.float32(0.0)), np.append(space.high, np.float32(1.0))
+    return gymnasium.spaces.Box(low, high, dtype=np.float32)

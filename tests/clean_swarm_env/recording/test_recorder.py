@@ -1,0 +1,156 @@
+"""A recorded mission takes its own course, and its recording holds it, with traces, losses and changes of the team."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
+from clean_swarm_env.clean_swarm_v0 import parallel_env
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording.fields import traces_at
+from clean_swarm_env.recording.mission_recording import record_mission
+from clean_swarm_env.recording.reader import Recording
+from clean_swarm_env.recording.recorder import Recorder, RecordSettings
+from clean_swarm_env.world.mission import Course, MissionRun, run_mission
+from selforg.gradients.store import columns as c
+from selforg.network.state import state as st
+from tests.clean_swarm_env.courses import mission
+
+EVENTS = (
+    {"at": 4.0, "do": "join", "robots": 1},
+    {"at": 7.0, "do": "fail", "robots": [1]},
+    {"at": 9.0, "do": "remove", "robots": [2]},
+    {"at": 10.0, "do": "land", "items": 2},
+)
+MISSION = mission(robots={"count": 6}, events=EVENTS, time_limit=40.0, delivery={"loss": 0.3}, knowledge="avoidance")
+HALF_STEP = 0.5001 / 1000
+
+
+def run_of(config=MISSION) -> MissionRun:
+    return MissionRun(config, random_start(config, 3, 0), 17, {})
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory):
+    """Recording of a mission, and what was read off the worlds tick by tick."""
+    directory = tmp_path_factory.mktemp("recordings")
+    course = Course(run_of(), explained=True)
+    recorder = Recorder(course.worlds, RecordSettings(directory, minds=True, thinking=True))
+    recorder.room = 64  # several parts
+    path = recorder.begin(0, {"scenario": "1"})
+    frames = []
+    while course.in_progress:
+        course.tick()
+        worlds, net = course.worlds, course.worlds.network
+        own = worlds.minds.poses.own[:, 0]
+        frames.append(
+            {
+                "x": own[:, c.X].copy(),
+                "y": own[:, c.Y].copy(),
+                "working": worlds.team.working.copy(),
+                "cargo": worlds.garbage.cargo.copy(),
+                "item_stage": worlds.garbage.stage[0].copy(),
+                "contact": worlds.collisions.entered_in_tick.copy(),
+                "robot/values": net.state.value_table.copy(),
+                "robot/running": net.executing.copy(),
+                "robot/reason": net.state.mark_table[:, st.REASON].copy(),
+                "robot/readings": net.readings.copy(),
+                "robot/goals": net.state.goal_satisfaction.copy(),
+                "inner": worlds.coordinators[0].contents[0].network.state.value_table.copy(),
+                "traces": {tuple(row) for row in stored(worlds)},
+            }
+        )
+        recorder.take()
+    return Recording(path), frames, course
+
+
+def stored(worlds) -> list[tuple[float, float]]:
+    """Places of the pheromones that robot 0 has stored, rounded to millimetres."""
+    table = worlds.minds.pheromones.table.record
+    used = np.flatnonzero((table.links[:, c.LINK_LAYER] >= 0) & (table.marks[:, c.MARK_SOURCE] == 0))
+    return [tuple(np.round(place, 3)) for place in table.near[used, c.X : c.X + 2].tolist()]
+
+
+def test_recording_changes_no_mission(tmp_path):
+    for minds in (False, True):
+        run = run_of()
+        result = record_mission(run, RecordSettings(tmp_path / str(minds), minds), {})
+        assert result == run_mission(run.mission, run.start, run.seed, run.scores)
+
+
+def test_a_frame_holds_where_robots_are_and_what_they_then_decide(seen):
+    recording, frames, course = seen
+    assert recording.frames == len(frames) == course.worlds.ticks[0]
+    assert recording.result["ticks"] == recording.frames
+    for name in ("working", "cargo", "item_stage", "contact", "robot/running", "robot/reason"):
+        np.testing.assert_array_equal(recording[name], np.array([frame[name] for frame in frames]), name)
+    for name in ("robot/values", "robot/readings", "robot/goals"):
+        assert np.abs(recording[name] - np.array([frame[name] for frame in frames])).max() <= HALF_STEP, name
+    there = recording["working"] == 1
+    for name in ("x", "y"):
+        assert np.abs(recording[name] - np.array([frame[name] for frame in frames]))[there].max() <= HALF_STEP
+    option = recording.head["options"]["AvoidCollision"][0]
+    held = (recording["held/AvoidCollision"] == 0).any(axis=1)
+    inner = np.abs(recording[f"AvoidCollision/{option}/values"] - np.array([frame["inner"] for frame in frames]))
+    assert held.all()
+    assert inner.max() <= HALF_STEP
+
+
+def test_who_joins_fails_and_goes_is_seen(seen):
+    recording = seen[0]
+    present, working = recording["present"] == 1, recording["working"] == 1
+    assert np.flatnonzero(present[:, 6])[0] * recording.period == pytest.approx(4.0)
+    assert present[-1].tolist() == [True, True, False, True, True, True, True]
+    assert working[-1].tolist() == [True, False, False, True, True, True, True]
+    assert (recording["item_stage"][-1] != 3).sum() == 12
+
+
+def test_messages_are_missed_as_often_as_they_get_lost(seen):
+    recording = seen[0]
+    before = slice(0, round(4.0 / recording.period))
+    missed = recording["missed"][before, :6].mean() / 5
+    assert missed == pytest.approx(0.3, abs=0.06)
+
+
+def test_traces_are_rebuilt_where_robots_stored_them(seen):
+    recording, frames, _ = seen
+    for frame in (30, 120, len(frames) - 1):
+        rebuilt = traces_at(recording, frame + 1)  # the buffer was read after the deposits of the tick
+        places = {tuple(place) for place in np.round(rebuilt.positions[rebuilt.robot == 0], 3).tolist()}
+        kept = frames[frame]["traces"]
+        assert kept
+        near = [min(np.hypot(x - px, y - py) for px, py in places) for x, y in kept]
+        assert max(near) <= 0.002
+    assert recording.notes["deposits"][0]["channel"] == "pheromone"
+
+
+def test_what_the_strategy_thinks_is_kept(seen, tmp_path):
+    recording, _, course = seen
+    scores = course.worlds.coordinators[0].model.scores
+    assert np.abs(recording["opinion/AvoidCollision"] - scores).max() <= HALF_STEP
+
+
+def test_every_border_records(tmp_path):
+    short = MISSION.model_copy(update={"time_limit": 4.0})
+    env = parallel_env(short, record=RecordSettings(tmp_path / "one", minds=True))
+    env.reset(seed=1)
+    while env.agents:
+        env.step(dict.fromkeys(env.agents, 3))
+    (path,) = (tmp_path / "one").iterdir()
+    assert Recording(path).frames == 20
+    assert (Recording(path)["held/AvoidCollision"][:, :6] == 3).all()
+    many = TeamVectorEnv(2, mission=short, record=RecordSettings(tmp_path / "many"))
+    many.reset(seed=1)
+    for _ in range(6):
+        many.step(many.action_space.sample())
+    many.close()
+    lengths = sorted(Recording(path).frames for path in (tmp_path / "many").iterdir())
+    assert lengths == [10, 10, 20, 20]
+    assert sum(Recording(path).result is None for path in (tmp_path / "many").iterdir()) == 2
+
+
+def test_minds_need_worlds_that_note_reasons(tmp_path):
+    course = Course(run_of())
+    with pytest.raises(ValueError, match="minds: expected worlds with explained=True"):
+        Recorder(course.worlds, replace(RecordSettings(tmp_path), minds=True))

@@ -1,0 +1,93 @@
+"""Files of the user's that are called as our packages break nothing: script, -c, -m, command line, worker processes."""
+
+import os
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from tests.paths import ROOT
+from tests.test_architecture import wheel as wheel  # a fixture
+
+USERS = "raise RuntimeError('a file of the user was imported')\n"
+STEP = "env = clean_swarm_v0.parallel_env(); env.reset(seed=1); print('agents', len(env.agents))\n"
+IMPORT = f"from clean_swarm_env import clean_swarm_v0\n{STEP}"
+TASKS = """
+import multiprocessing
+from clean_swarm_env.siblings import own
+own("train")
+from train.running.processes import each_done
+from tests.clean_swarm_env.worker_tasks import WhereTask
+if __name__ == "__main__":
+    print(sorted({str(where) for (where,) in each_done([WhereTask(), WhereTask()], 2)}))
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder of a user with files of all our plain names, which must not be imported."""
+    for name in ("selector", "train"):
+        (tmp_path / f"{name}.py").write_text(USERS)
+    (tmp_path / "configs").mkdir()
+    (tmp_path / "configs" / "__init__.py").write_text(USERS)
+    return tmp_path
+
+
+def python(folder, *words, packages=ROOT):
+    """Return what Python prints in the folder; our packages come after the folder on its path."""
+    code = f"import sys; sys.path.insert(1, {str(packages)!r})"
+    (folder / "sitecustomize.py").write_text(code)
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    done = subprocess.run([sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_script(folder):
+    (folder / "mine.py").write_text(IMPORT)
+    assert python(folder, "mine.py") == "agents 5\n"
+    assert python(folder, "-m", "mine") == "agents 5\n"
+    assert python(folder, "-c", IMPORT) == "agents 5\n"
+
+
+def test_a_script_called_as_our_package(folder):
+    (folder / "train.py").write_text(IMPORT)
+    assert python(folder, "train.py") == "agents 5\n"
+    assert python(folder, "-m", "train") == "agents 5\n"
+
+
+def test_the_users_own_modules_stay_importable(folder):
+    (folder / "train.py").write_text("WHOSE = 'the user'\n")
+    (folder / "configs" / "__init__.py").write_text("WHOSE = 'the user'\n")
+    for words in (f"import train, configs\n{IMPORT}", f"{IMPORT}\nimport train, configs\n"):
+        assert python(folder, "-c", f"{words}\nprint(train.WHOSE, configs.WHOSE)") == "agents 5\nthe user the user\n"
+
+
+def test_the_command_line_as_a_module_and_as_the_installed_script(folder):
+    script = "import sys; sys.argv[1:] = ['list']; from clean_swarm_env.__main__ import command_line; command_line()"
+    for words in (("-m", "clean_swarm_env", "list"), ("-c", script)):
+        assert python(folder, *words).startswith("patrol:")
+
+
+def test_worker_processes_of_a_script(folder):
+    (folder / "mine.py").write_text(TASKS)
+    expected = f"['{ROOT / 'train' / '__init__.py'}']\n"
+    assert python(folder, "mine.py") == python(folder, "-m", "mine") == expected
+
+
+def test_the_installed_wheel(folder, wheel, tmp_path_factory):
+    site = tmp_path_factory.mktemp("site")
+    zipfile.ZipFile(wheel).extractall(site)
+    assert python(folder, "-c", IMPORT, packages=site) == "agents 5\n"
+    assert python(folder, "-m", "clean_swarm_env", "list", packages=site).startswith("patrol:")
+
+
+def test_a_module_of_the_users_that_was_imported_before_is_named(folder):
+    (folder / "selector.py").write_text("")
+    code = "import selector\ntry:\n    import clean_swarm_env\nexcept ImportError as error:\n    print(error)"
+    told = python(folder, "-c", code)
+    assert told == (
+        f"selector: expected the package {ROOT / 'selector'}, got {folder / 'selector.py'}; "
+        "import clean_swarm_env before it\n"
+    )

@@ -1,0 +1,107 @@
+"""Recordings of strategies on a family: those of an evaluation, and the same ones from its manifest, run again."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from clean_swarm_env.recording.reader import Recording
+from train.cli import app as cli
+
+FAMILY = {
+    "name": "small",
+    "description": "Four robots and three items.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 30.0},
+    "robots": [3, 4],
+    "items": [3, 3],
+}
+STRATEGIES = ("rule", "policy:general", "Random", "fixed:RepulsionGradient")
+
+
+@pytest.fixture
+def told(capsys):
+    """Run the command line: code, output, errors."""
+
+    def call(*words: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        return run(*words), *capsys.readouterr()
+
+    return call
+
+
+def run(*words: object) -> int:
+    patch = pytest.MonkeyPatch()
+    patch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    patch.undo()
+    return int(ended.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("family")
+    (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
+    words = [word for name in STRATEGIES for word in ("--strategy", name)]
+    words += ["--scenarios", 2, "--workers", 1, "--minds", "--output", directory / "run"]
+    assert run("evaluate", "--family", directory / "small.yaml", *words) == 0
+    return directory / "run"
+
+
+def test_every_run_has_a_recording_with_its_result(results):
+    held = [json.loads(line) for line in (results / "runs.jsonl").open()]
+    recordings = [Recording(path) for path in (results / "recordings").iterdir()]
+    assert len(recordings) == len(held) == 2 * len(STRATEGIES)
+    by_run = {(r.head["about"]["scenario"], r.head["about"]["condition"]): r for r in recordings}
+    for record in held:
+        recording = by_run[record["scenario"], record["condition"]]
+        assert recording.result == {name: record[name] for name in recording.result}
+        assert recording.frames == record["ticks"]
+
+
+@pytest.mark.parametrize("condition", STRATEGIES)
+def test_a_run_that_is_repeated_has_the_same_recording(results, tmp_path, told, condition):
+    first = Recording(results / "recordings" / f"test-2-{condition.replace(':', '_')}.swarm")
+    words = ("--scenario", "test-2", "--condition", condition, "--output", tmp_path / "again.swarm")
+    code, _, err = told("record", results, *words)
+    assert code == 0, err
+    again = Recording(tmp_path / "again.swarm")
+    assert again.checksums() == first.checksums()
+    assert again.head["about"] == first.head["about"]
+    frame, robot = first.frames // 2, 1
+    words = ("--scenario", "test-2", "--condition", condition, "--robot", robot, "--time", frame * first.period)
+    step = json.loads(told("explain", results, *words, "--json")[1])
+    options = first.head["options"]["AvoidCollision"]
+    assert step["options"]["AvoidCollision"] == options[first["held/AvoidCollision"][frame, robot]]
+    readings = dict(zip(first.head["networks"]["robot"]["sensors"], first["robot/readings"][frame, robot], strict=True))
+    assert readings == pytest.approx(step["readings"], abs=0.00051)
+
+
+def test_what_each_strategy_thinks_of_the_options_is_recorded(results):
+    opinions = {
+        name: Recording(results / "recordings" / f"test-1-{name.replace(':', '_')}.swarm")["opinion/AvoidCollision"]
+        for name in STRATEGIES
+    }
+    held = Recording(results / "recordings" / "test-1-policy_general.swarm")["held/AvoidCollision"]
+    assert (opinions["policy:general"].argmax(axis=2) == held).mean() > 0.99
+    assert np.ptp(opinions["policy:general"]) > 0.1
+    for name in ("policy:general", "Random"):
+        assert opinions[name].sum(axis=2) == pytest.approx(1.0, abs=0.01)
+    for name in ("rule", "fixed:RepulsionGradient"):
+        assert set(np.unique(opinions[name])) == {0.0, 1.0}
+
+
+def test_runs_that_do_not_exist_or_have_changed_give_one_line(results, tmp_path, told):
+    words = ("--robot", 0, "--time", 1)
+    code, _, err = told("explain", results, *words, "--scenario", "test-3")
+    assert (code, "unknown scenario 'test-3' (known: test-1, test-2; 2 in all)" in err) == (2, True)
+    manifest = json.loads((results / "manifest.json").read_text())
+    (tmp_path / "runs.jsonl").write_text((results / "runs.jsonl").read_text())
+    manifest["identity"]["strategies"]["policy:general"] = ["policy:general sha256:0"]
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    code, _, err = told("explain", tmp_path, *words)
+    assert code == 2
+    assert "policy:general is no longer what the evaluation ran with; its runs cannot be repeated" in err
+    assert len(err.splitlines()) == 1

@@ -1,0 +1,88 @@
+"""Repetition of single runs of a strategy on a family; each runs alone and has the course that it had in its batch."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.world.mission_end import RUNNING
+from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import validated
+from selector.documents.plain import short
+from train.evaluation.entrants import Entrant, identified
+from train.evaluation.family import TEST_SCENARIO, TrialTask
+from train.running.decided_goal import DecidedGoal
+from train.running.finished_runs import JOURNAL, runs_of
+from train.running.run_folder import MANIFEST
+
+DIGEST = " sha256:"
+"""What follows a member that names a file in the manifest."""
+
+
+def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], directory: Path) -> list[TrialTask]:
+    """Return a task for each finished run in a directory, in their order there.
+
+    Raises:
+        ConfigurationError: a mistake in the manifest, no finished run, or a policy or strategy that has changed since.
+
+    """
+    path = directory / MANIFEST
+    family = validated(FamilyConfig, identity["family"], f"{path}: identity.family")
+    members = dict(_members(identity.get("strategies"), directories, path))
+    seed, goal = seed_of(identity, path), str(identity.get("goal"))
+    tasks = []
+    for scenario, condition in (record.key for record in runs_of(directory / JOURNAL)):
+        if condition not in members:
+            raise ConfigurationError(f"{path}: identity.strategies: expected the run {condition!r} among them")
+        if not re.fullmatch(TEST_SCENARIO, scenario):
+            raise ConfigurationError(f"{directory / JOURNAL}: expected a scenario of {family.name}, got {scenario!r}")
+        number = int(scenario.rpartition("-")[2]) - 1
+        tasks.append(TrialTask(family, seed, (number,), condition, members[condition], goal, directories))
+    if not tasks:
+        raise ConfigurationError(f"{directory}: holds no finished run")
+    return tasks
+
+
+def trial_steps(task: TrialTask) -> Iterator[Worlds]:
+    """Repeat a run with networks that note their reasons; yield the world after each control period."""
+    scenarios = iter((task.scenario_of(task.numbers[0]),))
+    batch = Batch(task.mission, source=lambda _: next(scenarios, None), directories=task.directories, explained=True)
+    decided = DecidedGoal(batch, task.goal)
+    pilot = task.pilot(decided.problem, np.zeros(batch.robots, dtype=np.int64))
+    observations = batch.reset()
+    pilot.begin(batch.worlds.rows_of(0), task.mission_seed)
+    while batch.progress.outcome[0] == RUNNING:
+        yield from batch.ticks(decided.actions(pilot.choose(observations)))
+        if batch.progress.outcome[0] == RUNNING:
+            observations = batch.end_period().observations
+
+
+def seed_of(identity: Mapping[str, Any], path: Path) -> int:
+    """Return the seed of an evaluation."""
+    seed = identity.get("seed")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise ConfigurationError(f"{path}: identity.seed: expected a whole number from 0 on, got {short(seed)}")
+    return seed
+
+
+def _members(strategies: object, directories: tuple[Path, ...], path: Path) -> Iterator[tuple[str, str]]:
+    """Yield condition and member of each strategy."""
+    if not isinstance(strategies, dict):
+        raise ConfigurationError(f"{path}: identity.strategies: expected a mapping, got {short(strategies)}")
+    for label, held in strategies.items():
+        if not (isinstance(held, list) and all(isinstance(member, str) for member in held)):
+            raise ConfigurationError(f"{path}: identity.strategies.{label}: expected texts, got {short(held)}")
+        entrant = Entrant(label, tuple(member.partition(DIGEST)[0] for member in held))
+        for condition, member, then in zip(entrant.conditions, entrant.members, held, strict=True):
+            if identified(member, directories) != then:
+                raise ConfigurationError(
+                    f"{path}: {member} is no longer what the evaluation ran with; its runs cannot be repeated"
+                )
+            yield condition, member
