@@ -26,7 +26,7 @@ from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.config.types import Arrivals, Index, Items, Length, Point, Pose, Robots, Seconds
 from clean_swarm_env.config.world import WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Name, Named, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 
 RANDOM_ITEMS = 40
 """Default number of rows for items in a world in which garbage keeps coming."""
@@ -154,7 +154,7 @@ class MissionConfig(Closed):
     """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
     decision_period: Seconds = 1.0
     """Time between two decisions of the selector [s]; a whole multiple of the control period."""
-    knowledge: Named = "cleaning"
+    knowledge: DocumentName = "cleaning"
     """Name of the expert knowledge file."""
 
     @model_validator(mode="after")

@@ -4,14 +4,14 @@ from typing import Annotated
 
 from pydantic import Field
 
-from selector.documents.fields import Name, Named, Positive
+from selector.documents.fields import DocumentName, Name, Positive
 from selector.vocabulary.settings import SettingsSpec
 
 
 class NetworkConfig(SettingsSpec):
     """The behaviour network of each robot: its document, its settings and its planner."""
 
-    robot: Named = "cleaning"
+    robot: DocumentName = "cleaning"
     """Name of the robot's document in `configs/robots`."""
     activation_threshold: Positive = 7.0
     """Activation that a behaviour needs to start, at the start of the mission [-]."""

@@ -53,7 +53,7 @@ def _no_controls(text: str) -> str:
 
 Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_named)]
 """Name of anything: letters, digits and `-_. `, so that it can stand in the name of a file, a table and a message."""
-Named = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
+DocumentName = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
 """Name of another document, or its absolute path; a relative path would depend on where the program was started."""
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MOST_STORED), AfterValidator(_no_controls)]
 """Text that a knowledge store keeps: options, contexts and sources of programs other than ours."""

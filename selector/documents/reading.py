@@ -17,7 +17,7 @@ from selector.documents.core_schema import REAL, WHOLE, value_of
 from selector.documents.errors import DocumentError, shown
 from selector.documents.plain import short
 
-MOST_BYTES = 32 * 2**20
+DOCUMENT_BYTES = 32 * 2**20
 """Size of a document; a thousand start configurations of a hundred robots take a quarter of it."""
 MOST_NODES = 100_000
 """Values of a YAML document, those of an alias counted wherever it stands; the largest shipped one has a thousand."""
@@ -72,12 +72,12 @@ def read_bytes(path: Path) -> bytes:
     """Return the content of a file; DocumentError for one that cannot be read or is too long."""
     try:
         with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
+            content = file.read(DOCUMENT_BYTES + 1)
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise DocumentError(f"{shown(path)}: cannot be read ({why})") from error
-    if len(content) > MOST_BYTES:
-        raise DocumentError(f"{shown(path)}: expected at most {MOST_BYTES} bytes, got more")
+    if len(content) > DOCUMENT_BYTES:
+        raise DocumentError(f"{shown(path)}: expected at most {DOCUMENT_BYTES} bytes, got more")
     return content
 
 

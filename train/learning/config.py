@@ -12,7 +12,7 @@ from clean_swarm_env.config.types import Count, Scenarios, Worlds
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name, Named, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.documents.find import load_file
 from selector.strategies.registry import StrategySpec
 
@@ -23,7 +23,7 @@ Width = Annotated[int, Field(strict=True, ge=1, le=4096)]
 class TaskConfig(Closed):
     """A family of scenarios to train on."""
 
-    family: Named
+    family: DocumentName
     """Name of the family, or path to its YAML file."""
     worlds: Worlds = 16
     """Worlds that run at the same time."""

@@ -12,7 +12,7 @@ LONGEST = 7 * 86_400.0
 """Longest estimated time of a command [s]: nobody waits longer without knowing."""
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 """File in which Linux says how much memory the processes of a container may use together [byte]."""
-UNITS = ((86_400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
+DURATIONS = ((86_400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 
 
 @dataclass(frozen=True)
@@ -71,5 +71,5 @@ def _bytes(number: float) -> str:
 
 
 def _duration(seconds: float) -> str:
-    size, unit = next(((size, unit) for size, unit in UNITS if seconds >= size), UNITS[-1])
+    size, unit = next(((size, unit) for size, unit in DURATIONS if seconds >= size), DURATIONS[-1])
     return f"{seconds / size:,.1f} {unit}"

@@ -11,7 +11,7 @@ from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.reading import read_json
-from selector.documents.writing import write_whole
+from selector.documents.writing import remove_parts, write_whole
 
 MANIFEST = "manifest.json"
 MOST_STEM = 200
@@ -42,6 +42,8 @@ class RunFolder:
         identity = content["identity"]
         if path.exists() and not path.is_dir():
             raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
+        if path.exists():
+            remove_parts(path)
         if path.exists() and any(path.iterdir()):
             held = self._claimed(identity, growing, resume=resume)
             if not growing:
