@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from selector.documents.building import MOST_DEPTH
 from selector.documents.errors import DocumentError
 from selector.documents.parameters import Content
 from selector.documents.plain import short
-from selector.documents.reading import MOST_DEPTH
 from selforg.registry import unknown
 
 MOST_CONDITIONS = 2_000

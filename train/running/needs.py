@@ -10,6 +10,8 @@ from clean_swarm_env.config.needs import PROCESS, needs_of
 
 LONGEST = 7 * 86_400.0
 """Longest estimated time of a command [s]: nobody waits longer without knowing."""
+LONGEST_TICK = 5.0
+"""Longest estimated time of a control period [s]; the estimate is coarse, and compiled code hears no Ctrl-C."""
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 """File in which Linux says how much memory the processes of a container may use together [byte]."""
 DURATIONS = ((86_400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
@@ -41,19 +43,25 @@ class Workload:
     """Worlds side by side in each process."""
 
 
-def check_needs(plan: Workload, machine: Machine) -> None:
-    """Raise ConfigurationError if a plan needs more memory than there is, or more than `LONGEST`; not if forced."""
-    needs, processes = needs_of(plan.mission), min(machine.workers, plan.missions)
-    memory = processes * (PROCESS + plan.worlds * needs.memory)
-    time = plan.missions * needs.time / processes
-    there = memory_of_machine()
-    if machine.forced or (memory <= there and time <= LONGEST):
-        return
-    size = f"{plan.missions} missions of up to {needs.robots} robots, {needs.items} items and {needs.ticks} ticks"
-    at_once = f"{processes * plan.worlds} at a time" if plan.worlds > 1 or processes > 1 else "one at a time"
-    what = f"{_bytes(memory)} of memory" if memory > there else _duration(time)
-    limit = _bytes(there) if memory > there else _duration(LONGEST)
-    raise ConfigurationError(f"{size}, {at_once}: expected at most {limit}, got about {what}; --force runs them anyway")
+def check_needs(workload: Workload, machine: Machine) -> None:
+    """Raise ConfigurationError if missions need more than the machine has or anybody waits for; not if forced.
+
+    The limits are those of memory, of the time of all missions (`LONGEST`), and of a control period (`LONGEST_TICK`).
+    """
+    needs, processes = needs_of(workload.mission), min(machine.workers, workload.missions)
+    at_once = processes * workload.worlds
+    tick_time = workload.worlds * needs.tick_time
+    estimates = (
+        ("memory", processes * PROCESS + at_once * needs.memory, memory_of_machine(), _bytes),
+        ("time", workload.missions * needs.time / processes, LONGEST, _duration),
+        ("time for a control period, in which Ctrl-C waits", tick_time, LONGEST_TICK, _duration),
+    )
+    for what, needed, there, in_words in estimates:
+        if needed > there and not machine.forced:
+            missions = f"{workload.missions} missions, {at_once} at a time"
+            size = f"of up to {needs.robots} robots, {needs.items} items and {needs.ticks} ticks"
+            limit = f"expected at most {in_words(there)} of {what}, got about {in_words(needed)}"
+            raise ConfigurationError(f"{missions}, {size}: {limit}; --force starts them anyway")
 
 
 def memory_of_machine() -> float:
