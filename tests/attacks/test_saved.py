@@ -8,10 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import configs
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown
+from selector.documents.find import SHIPPED
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.policy_file import load_policy
 from selector.strategies.problem import Problem
@@ -22,8 +22,8 @@ from train.evaluation.repeat import changed_versions, task_of
 from train.running.finished_runs import JOURNAL, Results
 from train.running.run_folder import MANIFEST, RunFolder, read_manifest
 
-RULES = configs.directory() / "strategies" / "rules.safetensors"
-POLICY = configs.directory() / "policies" / "general"
+RULES = SHIPPED / "strategies" / "rules.safetensors"
+POLICY = SHIPPED / "policies" / "general"
 often = settings(
     max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
 )
