@@ -1,7 +1,7 @@
-"""Expert knowledge: the options that can serve each goal, with scores by an expert."""
+"""Expert knowledge: the options that can serve each goal, with scores by an expert and what was learned of them."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -9,11 +9,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Label, Name, Number, checked_name
+from selector.documents.fields import Closed, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import find_file
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
 from selforg.registry import unknown
+
+ENOUGH = 5
+"""Rewards from which their mean takes the place of the expert's score."""
 
 
 class Option(Closed):
@@ -36,6 +39,21 @@ class Option(Closed):
         return given
 
 
+class LearnedScore(Closed):
+    """The rewards that one option brought."""
+
+    count: Annotated[int, Field(strict=True, ge=1)]
+    """Number of rewards."""
+    mean: Number
+    """Their mean [-]."""
+    variance: NonNegative
+    """Their mean squared deviation from the mean."""
+
+
+LearnedScores = dict[Name, dict[Name, LearnedScore]]
+"""Goal -> option -> what was learned of it."""
+
+
 class _KnowledgeFile(Closed):
     """The content of a knowledge file."""
 
@@ -43,6 +61,8 @@ class _KnowledgeFile(Closed):
     """What the knowledge is for."""
     goals: dict[Name, Annotated[tuple[Option, ...], Field(min_length=1)]]
     """Options by goal."""
+    learned: LearnedScores = Field(default={})
+    """Rewards of options, as `clean-swarm knowledge export --context` writes them."""
 
     @model_validator(mode="after")
     def _unique_names(self) -> Self:
@@ -61,11 +81,13 @@ class Knowledge:
     Attributes:
         table: options by goal, each goal with at least one.
         source: the file that the knowledge was read from, for error messages.
+        learned: rewards of some options.
 
     """
 
     table: Mapping[str, tuple[Option, ...]]
     source: str = "knowledge"
+    learned: LearnedScores = field(default_factory=dict)
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -79,34 +101,82 @@ class Knowledge:
         return self.table[goal]
 
     def scores(self, goal: str) -> Floats:
-        """Return the scores (O,) of the options of a goal."""
+        """Return the expert's scores (O,) of the options of a goal."""
         return np.array([option.score for option in self.options(goal)], dtype=np.float64)
+
+    def rewards(self, goal: str) -> Floats:
+        """Return count, mean and variance of the rewards (3, O) of the options of a goal; 0 where none is known."""
+        known = self.learned.get(goal, {})
+        found = (known.get(option.name) for option in self.options(goal))
+        return np.array([(one.count, one.mean, one.variance) if one else (0.0, 0.0, 0.0) for one in found]).T
+
+    def with_learned(self, learned: LearnedScores) -> "Knowledge":
+        """Return the knowledge with `learned` in place of what it holds of the same options.
+
+        Raises:
+            DocumentError: a goal or an option is unknown.
+
+        """
+        for goal, scores in learned.items():
+            self._check_options(goal, scores)
+        merged = {goal: self.learned.get(goal, {}) | scores for goal, scores in learned.items()}
+        return replace(self, learned=self.learned | merged)
 
     def with_scores(self, scores: Mapping[str, Mapping[str, float]]) -> "Knowledge":
         """Return the knowledge with some scores replaced: goal -> option name -> score.
+
+        What was learned of these options is dropped, so that the given scores count.
 
         Raises:
             DocumentError: a goal or an option is unknown, or a score is not a finite number.
 
         """
-        table = dict(self.table)
+        table, learned = dict(self.table), dict(self.learned)
         for goal, changes in scores.items():
-            names = [option.name for option in self.options(goal)]
+            self._check_options(goal, changes)
             for name, score in changes.items():
-                if name not in names:
-                    raise DocumentError(f"{self.source}: goals.{goal}: {unknown('option', name, names)}")
                 if not np.isfinite(score):
                     raise DocumentError(f"{self.source}: goals.{goal}.{name}: expected a finite score, got {score}")
             table[goal] = tuple(
                 option.model_copy(update={"score": float(changes.get(option.name, option.score))})
                 for option in table[goal]
             )
-        return replace(self, table=table)
+            learned[goal] = {name: one for name, one in learned.get(goal, {}).items() if name not in changes}
+        return replace(self, table=table, learned=learned)
+
+    def _check_options(self, goal: str, given: Iterable[str]) -> None:
+        names = [option.name for option in self.options(goal)]
+        for name in given:
+            if name not in names:
+                raise DocumentError(f"{self.source}: goals.{goal}: {unknown('option', name, names)}")
+
+
+def learned_from(content: Mapping[str, Mapping[str, object]], where: str) -> LearnedScores:
+    """Return what was learned of options from plain data; errors begin with `where`."""
+    return {
+        goal: {name: validated(LearnedScore, one, f"{where}.{goal}.{name}") for name, one in scores.items()}
+        for goal, scores in content.items()
+    }
+
+
+def believed(scores: Floats, rewards: Floats) -> Floats:
+    """Return the scores (O,) that count: the mean reward where `ENOUGH` are known, else the expert's (O,).
+
+    Of fewer rewards and the expert the lower one counts: few can show that a claim is too high, not make a claim.
+
+    Args:
+        scores: (O,) by the expert.
+        rewards: (3, O) count, mean and variance of the rewards known.
+
+    """
+    count, mean = rewards[:2]
+    return np.where(count >= ENOUGH, mean, np.where(count > 0, np.minimum(mean, scores), scores))
 
 
 def knowledge_from(content: object, source: str = "knowledge") -> Knowledge:
     """Return the knowledge in a mapping that has the form of a knowledge file."""
-    return Knowledge(validated(_KnowledgeFile, content, source).goals, source)
+    file = validated(_KnowledgeFile, content, source)
+    return Knowledge(file.goals, source).with_learned(file.learned)
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:

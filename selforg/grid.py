@@ -8,7 +8,7 @@ there. Cells are kept in the buckets of a hash table, whose owner tells apart th
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Links
-from selforg.compiler.decorators import inlined, part
+from selforg.compiler.decorators import part
 
 NUMBER_X, WIDTH_X, NUMBER_Y, WIDTH_Y, NUMBER_Z, WIDTH_Z = 0, 1, 2, 3, 4, 5
 CELL_COLUMNS = 6
@@ -26,12 +26,6 @@ def axis_cells(extent: float, width: float, most: float) -> tuple[float, float]:
         return most, width
     number = min(most, max(1.0, float(np.floor(extent / width))))
     return number, extent / number
-
-
-@inlined
-def whole(number: int) -> int:
-    """Return a number of an int32 table as Numba's usual integer, so that functions that take it are compiled once."""
-    return int(number) + 0
 
 
 @part
@@ -55,10 +49,10 @@ def bucket_of(group: int, cell: int, buckets: Links) -> int:
 
     Sixteen neighbouring cells of a line share a cache line of buckets, so that a window reads few cache lines.
     """
-    mixed = (cell >> 4) * 1540483477 + group * 1013904223  # both below 2**31: no overflow of 64 bits
+    mixed = (int(cell) >> 4) * 1540483477 + int(group) * 1013904223  # both below 2**31: no overflow of 64 bits
     mixed ^= mixed >> 17
     mixed ^= mixed >> 9
-    return ((mixed << 4) | (cell & 15)) & (len(buckets) - 1)
+    return ((mixed << 4) | (int(cell) & 15)) & (len(buckets) - 1)
 
 
 @part

@@ -1,18 +1,123 @@
-"""The knowledge store of a command, and the files that a user names for import."""
+"""The knowledge store of a command: what a run begins with and gives back, and files that a user names for import."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import platformdirs
 
 from selector.documents.errors import DocumentError
-from selector.knowledge import load_knowledge
-from selector.store import KnowledgeStore, StoredKnowledge, StoreError, document
-from selector.store.stored_knowledge import stored
+from selector.knowledge import Knowledge, LearnedScores, load_knowledge
+from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError, document
+from selector.store.stored_knowledge import check_names, stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
 """Environment variable with the URL of the store, used without `--store`."""
+
+
+@dataclass(frozen=True)
+class StoreRequest:
+    """The request of the user for a run with a knowledge store."""
+
+    url: str | None = None
+    """URL or path of the store; none unless given."""
+    learn: bool = False
+    """Whether the run gives back what it learns."""
+
+    def __post_init__(self) -> None:
+        if self.learn and self.url is None:
+            raise DocumentError("--learn: expected --store URL, the knowledge store to give to")
+
+    @property
+    def words(self) -> list[str]:
+        """The words of this request on the command line."""
+        named = ["--store", self.url] if self.url is not None else []
+        return named + (["--learn"] if self.learn else [])
+
+    def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
+        """Return the memory of a run; None without a store."""
+        if self.url is None:
+            return None
+        return Memory(opened(self.url, create=self.learn), knowledge, context, source if self.learn else "")
+
+
+NO_STORE = StoreRequest()
+"""The request without a store."""
+
+
+class Memory:
+    """What a run knows from a knowledge store, and what it gives back.
+
+    Args:
+        store: the store.
+        knowledge: expert knowledge with the options of the run.
+        context: under which the store keeps rewards of such runs.
+        source: under which it keeps the rewards of this run; empty if the run gives nothing back.
+
+    Attributes:
+        knowledge: the expert knowledge, with what the store knew at the beginning.
+
+    Raises:
+        StoreError: the store cannot be used, or knows an option with another configuration or other parameters.
+
+    """
+
+    def __init__(self, store: KnowledgeStore, knowledge: Knowledge, context: str, source: str) -> None:
+        self._store, self._expert, self.context, self.source = store, knowledge, context, source
+        if source:
+            check_names("context", [context])
+            store.introduce(knowledge, source=source)
+        self.knowledge = self.now()
+
+    @property
+    def learns(self) -> bool:
+        """Whether the run gives back what it learns."""
+        return bool(self.source)
+
+    def given(self, options: Collection[str] = ()) -> bool:
+        """Return whether the store holds rewards of this source in this context; of some `options` only if given."""
+        own = (key for key in self._store.contents().learned if key[2:] == (self.context, self.source))
+        return any(not options or key.option in options for key in own)
+
+    def check_new(self, options: Collection[str] = ()) -> None:
+        """Raise StoreError if the store holds what this run would learn (of `options`), which would count twice."""
+        if self.learns and self.given(options):
+            advice = "take another --seed, continue with --resume, or `clean-swarm knowledge reset --source` it"
+            raise StoreError(f"{self._store.name}: holds what {self.source!r} learned already; {advice}")
+
+    def now(self) -> Knowledge:
+        """Return the expert knowledge with what the store knows now."""
+        return self._expert.with_learned(self._store.contents().scores(self._expert, self.context))
+
+    def contexts(self, keys: str | Sequence[str]) -> str | Sequence[str]:
+        """Return the contexts for the keys by which a strategy tells situations apart, one or (R,)."""
+        if isinstance(keys, str):
+            return f"{self.context}, {keys}" if keys else self.context
+        return [f"{self.context}, {key}" if key else self.context for key in keys]
+
+    def give(self, rewards: Iterable[tuple[str, str, float]]) -> None:
+        """Add `rewards` to the store, as goal, option and reward [-], all of them at once."""
+        sums: dict[str, RewardSums] = {}
+        for goal, option, reward in rewards:
+            names = [one.name for one in self._expert.options(goal)]
+            known = sums.setdefault(goal, RewardSums(goal, names))
+            known.record(np.array([names.index(option)]), np.array([reward]), self.context)
+        self.give_sums(*sums.values())
+
+    def give_sums(self, *sums: RewardSums) -> None:
+        """Add sums of rewards to the store, all of them at once."""
+        self._store.add(*sums, source=self.source)
+
+    def close(self) -> None:
+        """Close the store."""
+        self._store.close()
+
+
+def as_plain(learned: LearnedScores) -> dict[str, dict[str, dict[str, float]]]:
+    """Return what was learned of options as plain data, for a manifest."""
+    return {goal: {name: one.model_dump() for name, one in scores.items()} for goal, scores in learned.items()}
 
 
 def default_path() -> Path:
@@ -25,16 +130,18 @@ def opened(url: str | None, *, create: bool) -> KnowledgeStore:
 
     With `create`, a missing store is made, and for the data directory also the directory.
     """
-    named = url or os.environ.get(VARIABLE)
-    if named:
-        return KnowledgeStore(named, create=create)
-    path = default_path()
-    if create:
+    named = store_url(url)
+    if create and named == str(default_path()):
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            default_path().parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise StoreError(f"{path.parent}: cannot be made ({error.strerror})") from error
-    return KnowledgeStore(str(path), create=create)
+            raise StoreError(f"{default_path().parent}: cannot be made ({error.strerror})") from error
+    return KnowledgeStore(named, create=create)
+
+
+def store_url(url: str | None) -> str:
+    """Return a URL if given, else that in the environment variable, else the path in the data directory."""
+    return url or os.environ.get(VARIABLE) or str(default_path())
 
 
 def contents_named(given: str, source: str, directories: Sequence[Path] = ()) -> StoredKnowledge:

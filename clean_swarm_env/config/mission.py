@@ -7,7 +7,8 @@ of the reference experiment (see `configs/missions`), with solid robots.
 
 import math
 import sys
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -27,6 +28,7 @@ from clean_swarm_env.config.types import Arrivals, Index, Items, Length, Point, 
 from clean_swarm_env.config.world import WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
+from selector.knowledge import LearnedScores, learned_from
 
 RANDOM_ITEMS = 40
 """Default number of rows for items in a world in which garbage keeps coming."""
@@ -156,6 +158,10 @@ class MissionConfig(Closed):
     """Time between two decisions of the selector [s]; a whole multiple of the control period."""
     knowledge: DocumentName = "cleaning"
     """Name of the expert knowledge file."""
+    store: str = ""
+    """URL or path of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
+    learned: LearnedScores = Field(default={})
+    """Rewards of options with which the mission begins, besides those in the file and the store."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -190,6 +196,11 @@ class MissionConfig(Closed):
             expected = f"0 or at least {self.items_expected}, the items at the start and those that land"
             raise impossible("garbage.capacity", expected, self.garbage.capacity)
         return self
+
+    def beginning_with(self, learned: Mapping[str, Any]) -> "MissionConfig":
+        """Return the mission without a store, and with what was learned of options, if anything, as plain data."""
+        known = learned_from(learned, "learned") if learned else self.learned
+        return self.model_copy(update={"store": "", "learned": known})
 
     @property
     def rows(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
@@ -29,7 +30,6 @@ from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
-from selector.knowledge import load_knowledge
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -139,7 +139,7 @@ class Batch:
         self._source: EpisodeSource = settings.get("source") or self._series
         self.action = config_from(ActionConfig, action, "action")
         self.begin_anew = settings.get("begin_anew", True)
-        known = load_knowledge(self.mission.knowledge, directories)
+        known = knowledge_of(self.mission, directories)
         models = coordinators_of(self.mission.network, known, library_of(directories), directories)
         record, explained = settings.get("record"), settings.get("explained", False)
         explained = explained or (record is not None and record.minds)

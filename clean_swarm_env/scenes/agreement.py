@@ -56,10 +56,7 @@ class FindBarycenter(StandingRobots):
     fewest = 2
     side = 10.0
     torus_side = 25.0
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 0.6)
-        return places, any_headings(rng, self.chosen.robots)
+    apart = 0.6
 
     def _result(self) -> dict[str, Floats]:
         away = self.ground.distances(barycentre(self.positions, self.ground)[:, None], self.positions)

@@ -74,11 +74,7 @@ class Arena:
         self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
         self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
         self.poses = OwnPoses(
-            ground.space,
-            self.rows,
-            self.world_of_row,
-            diffusion=body.pose_diffusion,
-            goal_radius=body.pose_goal_radius,
+            ground.space, self.rows, self.world_of_row, diffusion=body.pose_diffusion, goal_radius=body.pose_goal_radius
         )
         self._seeds = [np.random.SeedSequence(seed).spawn(5) for seed in seeds]
         self.directions = DirectionStream(self.generators(STREAMS))

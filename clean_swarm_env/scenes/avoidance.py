@@ -9,7 +9,7 @@ import numpy as np
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
 from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill, Together
 from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
@@ -24,10 +24,7 @@ class Crossing(Scene):
 
     baseline = "everybody goes straight on and avoids nothing"
     body = Body(contacts="pass_through")
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 1.5)
-        return places, any_headings(rng, self.chosen.robots)
+    apart = 1.5
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         self._directions = self.arena.headings.copy()

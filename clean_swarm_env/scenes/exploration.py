@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.coverage import Coverage
-from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats, Ints
 
@@ -14,12 +12,6 @@ ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]
 class ExploringScene(Scene):
     """Robots that look at the ground while they move."""
 
-    baseline = "random walk, a new direction every 2 s"
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0)
-        return places, any_headings(rng, self.chosen.robots)
-
     def _map_of_rows(self) -> Ints:
         """Return the number (R,) of the map on which each robot draws."""
         return self.arena.world_of_row
@@ -28,9 +20,6 @@ class ExploringScene(Scene):
         closed = self.chosen.ground == "torus"
         side = self.ground.side - self.ground.side % PITCH
         self.coverage = Coverage(self._map_of_rows(), side, 0.0, ROBOT_SIGHT, PITCH, closed)
-
-    def _baseline(self) -> Controller:
-        return Wander(self.arena)
 
     def _look(self) -> None:
         self.coverage.look(self.arena.positions, self.arena.now)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from clean_swarm_env.scenes.baselines import Controller
-from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from clean_swarm_env.scenes.served import ServedTeam, expertise
 from selforg.arrays import Floats
@@ -34,10 +34,7 @@ class Foraging(Scene):
     baseline = "random search: the same robots, which never follow a trail"
     setting = Setting(robots=12, seconds=300.0, ground="torus")
     side = 30.0
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 0.6, side=5.0)
-        return places, any_headings(rng, self.chosen.robots)
+    apart, start_side = 0.6, 5.0
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         nest = self.ground.centre[None]

@@ -5,7 +5,7 @@ import numpy as np
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
 from clean_swarm_env.scenes.baselines import Controller, GoStraight, Instead, StandStill
 from clean_swarm_env.scenes.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
-from clean_swarm_env.scenes.placing import any_headings, scattered
+from clean_swarm_env.scenes.placing import scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
@@ -79,10 +79,6 @@ class CircleFormation(Scene):
     side = 8.0
     torus_side = 16.0
     body = Body(pose_diffusion=1.5)
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0)
-        return places, any_headings(rng, self.chosen.robots)
 
     def _around(self) -> tuple[Gradients, ...]:
         beacons = np.broadcast_to(self.ground.centre, (self.arena.worlds, 1, 2))

@@ -2,10 +2,8 @@
 
 import numpy as np
 
-from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.exploration import PITCH, ROBOT_SIGHT
 from clean_swarm_env.scenes.measures.coverage import Coverage
-from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats
 
@@ -28,22 +26,14 @@ class ExplorationPatrol(Scene):
             "straight independent paths: 225 m2 seen at 5 m2/s, by chance; a perfect round trip gives half",
         ),
     )
-    baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=5, seconds=240.0, ground="torus")
     side = 15.0
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0)
-        return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         closed = self.chosen.ground == "torus"
         arena = self.arena
         self._coverage = Coverage(arena.world_of_row, self.side, self.ground.corner, ROBOT_SIGHT, PITCH, closed)
         self._idle, self._looks = np.zeros(arena.worlds), 0
-
-    def _baseline(self) -> Controller:
-        return Wander(self.arena)
 
     def _look(self) -> None:
         arena = self.arena

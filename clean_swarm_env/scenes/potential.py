@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from clean_swarm_env.scenes.baselines import Controller, GoTo, Wander
+from clean_swarm_env.scenes.baselines import Controller, GoTo
 from clean_swarm_env.scenes.measures.field import Field, height
-from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
@@ -23,14 +23,9 @@ class FollowPotentialField(Scene):
     measures = (
         Measure("share of the height climbed", "-", "higher", 0.9, "a tenth is left to those that wait for a place"),
     )
-    baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=6, seconds=90.0, ground="torus")
     side = 16.0
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        top = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(top, START_FROM_TOP))
-        return places, any_headings(rng, self.chosen.robots)
+    away = START_FROM_TOP
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         top = self.ground.centre[None]
@@ -57,9 +52,6 @@ class FollowPotentialField(Scene):
             Gradients("field", self._hills, -1, diffusion=HILL),
         )
 
-    def _baseline(self) -> Controller:
-        return Wander(self.arena)
-
     def _result(self) -> dict[str, Floats]:
         return {"share of the height climbed": 1.0 - self._height() / self._start}
 
@@ -75,10 +67,6 @@ class FollowMaxPotential(Scene):
     setting = Setting(robots=6, seconds=120.0, ground="open")
     side = 14.0
     torus_side = 28.0
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0)
-        return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         self._sources = np.stack([scattered(rng, len(SOURCE_REACHES), self.ground, 6.0) for rng in chances])

@@ -3,9 +3,8 @@
 import numpy as np
 
 from clean_swarm_env.scenes.avoidance import OBSTACLE_RADIUS
-from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
+from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
 
@@ -32,14 +31,8 @@ class ReachGoal(Scene):
             guard=True,
         ),
     )
-    baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=6, seconds=90.0, ground="torus")
     side = FIELD
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        goal = self.ground.centre[None]
-        places = scattered(rng, self.chosen.robots, self.ground, 1.0, free_of=Taken(goal, START_AWAY))
-        return places, any_headings(rng, self.chosen.robots)
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         goal = self.ground.centre[None]
@@ -58,9 +51,6 @@ class ReachGoal(Scene):
             Gradients("goal", goals, +1, diffusion=FIELD, goal_radius=GOAL_AREA_RADIUS),
             Gradients("obstacle", self._obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),
         )
-
-    def _baseline(self) -> Controller:
-        return Wander(self.arena)
 
     def _look(self) -> None:
         self._bumps.look(self.positions)

@@ -11,8 +11,9 @@ import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD, PLACES, THINGS, Arena, Body
-from clean_swarm_env.scenes.baselines import Controller
+from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.ground import Ground, GroundKind
+from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
 from selforg.arrays import Floats
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
@@ -107,7 +108,7 @@ class Scene(ABC):
     """W worlds in which robots have to reach one goal.
 
     The class declares the goal, the measures and the scene's own setting. An object serves one `run`. Subclasses
-    implement `_place`, `_baseline` and `_result`, and those of the other hooks that they need.
+    implement `_result`, and those of the other hooks that they need.
 
     Attributes:
         chosen: the setting of this run.
@@ -122,12 +123,15 @@ class Scene(ABC):
     goal: ClassVar[str]
     story: ClassVar[str]  # one sentence: the robots, their place and their task
     measures: ClassVar[tuple[Measure, ...]]
-    baseline: ClassVar[str]  # behaviour of the robots that the mechanism must beat
+    baseline: ClassVar[str] = "random walk, a new direction every 2 s"  # what the mechanism must beat
     setting: ClassVar[Setting]
     side: ClassVar[float]  # [m] of the field in which all start
     torus_side: ClassVar[float] = 0.0  # [m] of the torus, where the field alone would be too small for one
     fewest: ClassVar[int] = 1  # robots with which the measures have a meaning
     body: ClassVar[Body] = Body()
+    apart: ClassVar[float] = 1.0  # [m] least distance of two robots at the start,
+    away: ClassVar[float] = 0.0  # and of a robot from the middle of the field
+    start_side: ClassVar[float | None] = None  # [m] of the square in the middle in which robots start, if not the field
 
     @final
     def __init__(self, setting: Setting, seeds: Sequence[int]) -> None:
@@ -183,13 +187,15 @@ class Scene(ABC):
         """Headings of the robots (W, N) [rad]."""
         return self.arena.by_world(self.arena.headings)
 
-    @abstractmethod
     def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
         """Return the start of the robots of one world: positions (N, 2) [m] and headings (N,) [rad]."""
+        clear = Taken(self.ground.centre[None], self.away)
+        places = scattered(rng, self.chosen.robots, self.ground, self.apart, self.start_side, clear)
+        return places, any_headings(rng, self.chosen.robots)
 
-    @abstractmethod
     def _baseline(self) -> Controller:
         """Return the baseline."""
+        return Wander(self.arena)
 
     @abstractmethod
     def _result(self) -> Mapping[str, Floats]:

@@ -16,9 +16,8 @@ from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
-from selector.knowledge import load_knowledge
+from selector.knowledge import Knowledge, load_knowledge
 from selector.strategies.max_score import MaxScore
-from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.components import Commands
 from selforg.mechanisms import DecisionMechanism
@@ -48,17 +47,20 @@ class Expertise:
 
 
 def expertise(
-    goal: str, option: str | None = None, directories: Sequence[Path] = (), knowledge: str = KNOWLEDGE
+    goal: str, option: str | None = None, directories: Sequence[Path] = (), knowledge: Knowledge | str = KNOWLEDGE
 ) -> Expertise:
     """Return the options of a goal in some expert knowledge, with the named option or that of the highest score taken.
+
+    `knowledge` may be the name of a file.
 
     Raises:
         ConfigurationError: no such goal or option, or a mistake in a file.
 
     """
-    model = CoordinatorModel(goal, load_knowledge(knowledge, directories), Library(directories))
+    known = load_knowledge(knowledge, directories) if isinstance(knowledge, str) else knowledge
+    model = CoordinatorModel(goal, known, Library(directories))
     if option is None:
-        strategy = MaxScore(Problem(goal, model.options, model.scores), np.zeros(1, dtype=np.uint64))
+        strategy = MaxScore(model.problem(), np.zeros(1, dtype=np.uint64))
         return Expertise(model, int(strategy.select(np.zeros((1, 0)))[0]))
     if option not in model.options:
         raise ConfigurationError(f"goal {goal}: {unknown('option', option, model.options)}")

@@ -1,11 +1,7 @@
 """UniformDistribution: robots that start in one place spread evenly over the ground."""
 
-import numpy as np
-
 from clean_swarm_env.scenes.arena import Body
-from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.measures.order import nearest_neighbours, unevenness
-from clean_swarm_env.scenes.placing import any_headings, scattered
 from clean_swarm_env.scenes.scene import SCENES, Measure, Scene, Setting
 from selforg.arrays import Floats
 
@@ -26,18 +22,11 @@ class UniformDistribution(Scene):
         ),
         Measure("mean nearest-neighbour distance", "m", "higher", 2.15, "0.7 of the 3.07 m on a hexagonal lattice"),
     )
-    baseline = "random walk, a new direction every 2 s"
     setting = Setting(robots=24, seconds=120.0, ground="torus")
     fewest = 2
     side = 14.0
+    apart, start_side = 0.6, 5.0
     body = Body(pose_diffusion=3.0)
-
-    def _place(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        places = scattered(rng, self.chosen.robots, self.ground, 0.6, side=5.0)
-        return places, any_headings(rng, self.chosen.robots)
-
-    def _baseline(self) -> Controller:
-        return Wander(self.arena)
 
     def _result(self) -> dict[str, Floats]:
         nearest = nearest_neighbours(self.positions, self.ground).mean(axis=1)

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission_end import RUNNING, mission_state, tick_limit
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.coordination.selection import BY_SCORE, Selection
-from selector.knowledge import load_knowledge
 from selector.strategies.registry import StrategySpec
 from selforg.arrays import Floats
 
@@ -92,7 +92,7 @@ class Course:
 
     def __init__(self, run: MissionRun, *, explained: bool = False) -> None:
         mission, directories = run.mission, run.directories
-        knowledge = load_knowledge(mission.knowledge, directories).with_scores(run.scores)
+        knowledge = knowledge_of(mission, directories).with_scores(run.scores)
         models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
         self.worlds = Worlds(mission, models, directories=directories, explained=explained)
         self.worlds.reset(0, run.start, run.seed)

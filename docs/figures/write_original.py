@@ -1,15 +1,13 @@
 """Writes docs/original.md, the original's options beside ours: `python -m docs.figures.write_original [FILE]`.
 
-Every goal that `configs/knowledge/original.yaml` knows runs on its scene by the original's option and by the library's,
-with the same seeds. Takes some minutes.
+Every goal runs on its scene by the option of `configs/knowledge/original.yaml` and by the library's, with the same
+seeds. Takes some minutes.
 """
 
 import sys
 from pathlib import Path
-from textwrap import fill
 
 from clean_swarm_env.scenes import goals
-from selector.knowledge import load_knowledge
 from train.analysis.statistics import Summary
 from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, run_goal
 
@@ -17,28 +15,33 @@ FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20
 PAGE = """# The original's options beside ours
 
-`configs/knowledge/original.yaml` holds what served each goal in the original implementation, as far as its public
-documentation and the recorded data say; the file names the source of every entry, and what is not known. Each goal ran
-{runs} times on its scene (`clean_swarm_env/scenes`, seeds 0 to {last}) by that option and, on the same starts, by the
-option of the highest score of our library. Means with Student's 95 % intervals; *met*: the mean reaches the target of
-the scene.
+`configs/knowledge/original.yaml` holds what serves each goal in the original implementation: the choices and numbers
+of its published expert knowledge (package so_coordinator), made of our components. The file names the source and says
+where it differs. Each goal ran {runs} times on its scene (`clean_swarm_env/scenes`, seeds 0 to {last}) by that option
+and, on the same starts, by the option of the highest score of our library. Means with Student's 95 % intervals; *met*:
+the mean reaches the target of the scene.
 
 - The scenes are ours, and made for our library: they say how the options compare there, not how good the original was.
 - Both run on our mechanisms and networks, which deviate from the original by number ([quirks.md](quirks.md)).
-{unknown}
 
 {table}
 
 {summary}
 
-Where targets are missed:
+Where the original's options miss targets:
 
-- *FollowMaxPotential*: the strongest gradient is the one that is felt most, and that is mostly the nearest. The scene
-  asks for the one that reaches farthest.
-- *Foraging*: the original's Exploration draws a new direction with every command, and with a command each 0.2 s a robot
-  gets nowhere. With directions kept for 10 s (`leg: 10.0` in a copy of the file) the same option brings 4.24
-  [3.53, 4.95] items a minute; what is left between that and ours is mostly the evaporation, which is too coarse to tell
-  the ends of a trail apart ([0044](decisions/0044-trail-age.md)). How often the original commands is not known.
+- *CircleFormation*: robots gather around the one that they elect, in any place up to 2.5 m from it. The scene has a
+  beacon, and asks for a ring.
+- *CollectiveExploration*: a flock draws a robot only where it sees neighbours, and the scene has nothing else to
+  follow. Most robots stay where they start.
+- *FollowMaxPotential*: the movement away from robots is added, and some stay out of the crowd at the source. Without it
+  all arrive (1.0).
+- *Foraging*, *IndividualExploration*: Exploration draws a new direction with every command, and with a command each
+  0.2 s a robot gets nowhere. How often the original commands is not known. With directions kept for 10 s (`leg: 10.0`
+  in a copy of the file) the same options bring 4.24 [3.53, 4.95] items a minute, and 92.5 [91.1, 93.9] m2. What else
+  separates the foragers is mostly the evaporation, too coarse to tell the ends of a trail apart
+  ([0044](decisions/0044-trail-age.md)).
+- *FormationControl*: flocking by unnormalised terms (Q30) keeps robots together without a common direction.
 
 Written by `python -m docs.figures.write_original`. One goal: `clean-swarm run ReachGoal --knowledge original`, and
 `--option NAME` for another option of the file.
@@ -70,11 +73,10 @@ def interval(summary: Summary) -> str:
 
 def page(runs: int) -> str:
     """Run everything and return the page."""
-    known = load_knowledge(KNOWLEDGE).goals
     head = ("goal", "original's option", "library's option", "measure", "target", "original", "library")
     table = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     met = {"original": 0, "library": 0}
-    for goal in (goal for goal in goals() if goal in known):
+    for goal in goals():
         print(goal, flush=True)
         ours, theirs = (
             run_goal(GoalRequest(goal, runs=runs)),
@@ -83,13 +85,11 @@ def page(runs: int) -> str:
         table += rows(goal, ours, theirs)
         for name, outcome in (("original", theirs), ("library", ours)):
             met[name] += all(c.met for c in outcome.comparisons)
-    missing = ", ".join(goal for goal in goals() if goal not in known)
-    unknown = fill(f"- For {missing} the original's choice is not known.", 120, subsequent_indent="  ")
     summary = (
-        f"Of these {len(known)} goals the original's options meet all targets of {met['original']}, "
+        f"Of the {len(goals())} goals the original's options meet all targets of {met['original']}, "
         f"the library's of {met['library']}."
     )
-    return PAGE.format(runs=runs, last=runs - 1, unknown=unknown, table="\n".join(table), summary=summary)
+    return PAGE.format(runs=runs, last=runs - 1, table="\n".join(table), summary=summary)
 
 
 def main() -> None:

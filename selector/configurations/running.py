@@ -13,14 +13,7 @@ from selector.documents.errors import DocumentError
 from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec
 from selector.vocabulary.constructors import Reference, checked_parameters
 from selforg.arrays import Ints
-from selforg.components import (
-    DecisionSource,
-    GoalSource,
-    MovementSource,
-    OrganisedRobots,
-    Remembered,
-    RobotMemory,
-)
+from selforg.components import DecisionSource, GoalSource, MovementSource, OrganisedRobots, Remembered, RobotMemory
 from selforg.gradients.queries import Filter
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
 from selforg.mechanisms.base import Mechanism

@@ -20,7 +20,7 @@ class CoordinatorModel:
     Attributes:
         goal: name of the self-organisation goal.
         options: (O,) names.
-        scores: (O,) by the expert.
+        scores: (O,) of the problem: by the expert, or learned.
         configurations: (O,) documents of the options.
         sensors: of all configurations; those of one name are one sensor.
 
@@ -31,8 +31,8 @@ class CoordinatorModel:
 
     def __init__(self, goal: str, knowledge: Knowledge, library: Library) -> None:
         self.goal = goal
-        self.options = tuple(option.name for option in knowledge.options(goal))
-        self.scores = knowledge.scores(goal)
+        self._problem = Problem.of(knowledge, goal)
+        self.options, self.scores = self._problem.options, self._problem.scores
         self.configurations = tuple(library.of_option(option) for option in knowledge.options(goal))
         sensors: dict[str, Sensor] = {}
         for name, configuration in zip(self.options, self.configurations, strict=True):
@@ -46,7 +46,7 @@ class CoordinatorModel:
 
     def problem(self, features: tuple[str, ...] = ()) -> Problem:
         """Return the problem of choosing an option, with `features` (F,) known at a decision."""
-        return Problem(self.goal, self.options, self.scores, features)
+        return replace(self._problem, features=features)
 
     def behaviour(self, declared: Behaviour | None = None) -> Behaviour:
         """Return the coordinator as a behaviour of the network around, with the settings of `declared` if given."""

@@ -10,9 +10,11 @@ from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Label
 from selector.documents.reading import as_yaml, read_json, read_mapping
-from selector.knowledge import Option, knowledge_from
+from selector.knowledge import Option, believed, knowledge_from
+from selector.store.errors import StoreError
 from selector.store.exact_sums import Moments
 from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge, stored
+from selforg.registry import unknown
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 MICROSECOND = timedelta(microseconds=1)
@@ -125,6 +127,27 @@ def document_text(contents: StoredKnowledge, *, as_json: bool) -> str:
     """Return the contents of a store as the text of a file."""
     document = as_document(contents)
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n" if as_json else as_yaml(document)
+
+
+def knowledge_text(contents: StoredKnowledge, context: str, where: str) -> str:
+    """Return expert knowledge as the text of a file, with the scores learned in a context of a store at `where`.
+
+    Raises:
+        StoreError: nothing was learned in this context.
+
+    """
+    contexts = sorted({key.context for key in contents.learned})
+    if context not in contexts:
+        raise StoreError(f"{where}: {unknown('context', context, contexts)}")
+    knowledge = contents.knowledge(where)
+    learned = contents.scores(knowledge, context)
+    goals = {}
+    for goal in knowledge.goals:
+        scores = believed(knowledge.scores(goal), knowledge.with_learned(learned).rewards(goal)).tolist()
+        options = zip(knowledge.options(goal), scores, strict=True)
+        goals[goal] = [option.model_dump() | {"score": score} for option, score in options]
+    rewards = {goal: {name: one.model_dump() for name, one in known.items()} for goal, known in learned.items()}
+    return as_yaml({"description": f"Scores learned in the context {context!r}.", "goals": goals, "learned": rewards})
 
 
 def read(path: Path, source: str) -> StoredKnowledge:

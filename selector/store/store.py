@@ -115,6 +115,22 @@ class KnowledgeStore:
         """
         self.absorb(stored(knowledge, source, updated))
 
+    def introduce(self, knowledge: Knowledge, *, source: str) -> None:
+        """Add the options of expert knowledge that the store does not hold; the others keep their scores.
+
+        Raises:
+            StoreError: the store knows an option with another configuration or other parameters.
+
+        """
+        given = stored(knowledge, source)
+        check(given)
+        with self._writing() as connection:
+            connecting.lock(connection)
+            held = StoredKnowledge(tables.read_expert(connection))
+            held.check_same(knowledge)
+            new = {key: rated for key, rated in given.expert.items() if key not in held.expert}
+            tables.put_expert(connection, new.items())
+
     def knowledge(self) -> Knowledge:
         """Return the expert knowledge in the store."""
         return self.contents().knowledge(self.name)

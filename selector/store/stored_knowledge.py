@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from selector.knowledge import Knowledge, Option
+from selector.knowledge import Knowledge, LearnedScore, LearnedScores, Option
 from selector.store.errors import StoreError
-from selector.store.exact_sums import Moments
+from selector.store.exact_sums import NO_REWARDS, Moments
 
 NAME_LIMIT = 120
 """Most characters of a goal, an option, a context or a source, so that four fit into an index of PostgreSQL."""
@@ -84,6 +84,33 @@ class StoredKnowledge:
         for key, entry in other.learned.items():
             learned[key] = learned[key].merged(entry) if key in learned else entry
         return StoredKnowledge(expert, learned)
+
+    def scores(self, knowledge: Knowledge, context: str) -> LearnedScores:
+        """Return what was learned in a context of the options of expert knowledge, over all sources.
+
+        Raises:
+            StoreError: an option has another configuration or other parameters here.
+
+        """
+        self.check_same(knowledge)
+        sums: dict[tuple[str, str], Moments] = {}
+        for key, entry in self.learned.items():
+            if key.context == context:
+                sums[key.goal, key.option] = sums.get((key.goal, key.option), NO_REWARDS) + entry.moments
+        found: LearnedScores = {}
+        for goal in knowledge.goals:
+            for option in knowledge.options(goal):
+                if moments := sums.get((goal, option.name)):
+                    score = LearnedScore(count=moments.count, mean=moments.mean, variance=moments.variance)
+                    found.setdefault(goal, {})[option.name] = score
+        return found
+
+    def check_same(self, knowledge: Knowledge) -> None:
+        """Raise StoreError if an option of expert knowledge has another configuration or other parameters here."""
+        try:
+            self.merged(stored(knowledge))
+        except StoreError as error:
+            raise StoreError(f"{knowledge.source}: {error}") from error
 
     def options_by_goal(self) -> dict[str, list[Rated]]:
         """Return the expert options of each goal in their order, goals in the order of their names."""

@@ -1,4 +1,4 @@
-"""The option that the expert rates highest, as in the paper."""
+"""The option of the highest score: by the expert, as in the paper, or learned before."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from selforg.arrays import Ints
 
 @STRATEGIES.register
 class MaxScore(DecisionStrategy):
-    """The option of the highest score that can serve, the first of several; rewards change nothing."""
+    """The option of the highest score that can serve, the first of several; updates change nothing."""
 
     def _select(self, decisions: Decisions) -> Ints:
         return best(np.broadcast_to(self.problem.scores, decisions.allowed.shape), decisions.allowed)

@@ -1,12 +1,12 @@
 """The input of a decision strategy: its problem, the decisions to make, and the rewards of earlier decisions."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from selector.knowledge import Knowledge
+from selector.knowledge import Knowledge, believed
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -17,11 +17,12 @@ class Problem:
     Attributes:
         goal: name of the self-organisation goal.
         options: (O,) names of the options, at least one, each different.
-        scores: (O,) the expert's scores, finite.
+        scores: (O,) the expert's scores, finite; learned ones where rewards are known, see `believed`.
         features: (F,) names of the components of a context, each different.
+        rewards: (3, O) count, mean and variance of the rewards known at the beginning; zeros unless given.
 
     Raises:
-        ValueError: a name is given twice, or the scores cannot be compared.
+        ValueError: a name is given twice, the scores cannot be compared, or no rewards are such.
 
     """
 
@@ -29,9 +30,11 @@ class Problem:
     options: tuple[str, ...]
     scores: Floats
     features: tuple[str, ...] = ()
+    rewards: Floats = field(default_factory=lambda: np.zeros((3, 1)))
 
     def __post_init__(self) -> None:
         scores = np.array(self.scores, dtype=np.float64)
+        rewards = np.array(np.broadcast_to(self.rewards, (3, len(self.options))), dtype=np.float64)
         expected = (len(self.options),)
         if not self.options:
             raise ValueError(f"goal {self.goal}: expected at least one option, got none")
@@ -43,14 +46,19 @@ class Problem:
             for name in names:
                 if names.count(name) > 1:
                     raise ValueError(f"goal {self.goal}: {what} {name!r} is given twice")
-        scores.flags.writeable = False
-        object.__setattr__(self, "scores", scores)
+        if not np.isfinite(rewards).all() or rewards[[0, 2]].min() < 0.0:
+            got = rewards.tolist()
+            raise ValueError(f"goal {self.goal}: rewards: expected counts and variances from 0 and means, got {got}")
+        scores = believed(scores, rewards)
+        for name, values in (("scores", scores), ("rewards", rewards)):
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
 
     @classmethod
     def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":
         """Return the problem of choosing among the options of a goal in expert knowledge."""
         names = tuple(option.name for option in knowledge.options(goal))
-        return cls(goal, names, knowledge.scores(goal), features)
+        return cls(goal, names, knowledge.scores(goal), features, knowledge.rewards(goal))
 
 
 @dataclass(frozen=True)

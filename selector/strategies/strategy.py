@@ -52,7 +52,7 @@ class DecisionStrategy(ABC):
     alone and in a batch; a subclass states in `draws_per_decision` how many random numbers it needs.
 
     Args:
-        problem: goal, options, scores and names of the features.
+        problem: goal, options, scores, names of the features, and rewards known at the beginning.
         keys: (R,) key of the random numbers of each row, from `selector.strategies.streams.row_keys`.
         parameters: values for the fields of `Parameters`.
         groups: (R,) 0..G-1, the set of estimates that each row uses; all rows share one unless given.
@@ -202,34 +202,14 @@ class DecisionStrategy(ABC):
         """Return the names under which a knowledge store keeps rewards in `context` (K, F): one for all, or (K,)."""
         return ""
 
-    @final
-    def recall(self, count: Ints, mean: Floats, variance: Floats) -> None:
-        """Learn, in all groups, the rewards that a knowledge store holds of each option.
-
-        Args:
-            count: (O,) number of rewards of each option.
-            mean: (O,) their mean; any number where there is no reward.
-            variance: (O,) their mean squared deviation from the mean.
-
-        Raises:
-            ValueError: numbers do not fit, or the strategy keeps no such estimates.
-
-        """
-        shape = (self.options,)
-        known = readable("count", count, shape)
-        average, spread = readable("mean", mean, shape), readable("variance", variance, shape)
-        if known.min() < 0.0 or spread.min() < 0.0:
-            raise ValueError(f"recall: expected no negative count or variance, got {known.min()} and {spread.min()}")
-        self._recall(known, average, spread)
-
-    def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
-        raise ValueError(f"strategy {type(self).__name__} keeps no count and mean of options that a store could give")
-
     def _prepare(self) -> None:  # noqa: B027  (a hook that may stay empty)
         """Check the parameters and derive values from them; called once, before `_first_state`."""
 
     def _first_state(self) -> Arrays:
-        """Return the state before any reward: arrays (G, ...) by name, which become attributes."""
+        """Return the state before any update: arrays (G, ...) by name, which become attributes.
+
+        A strategy that keeps counts and means begins with the rewards that its problem knows.
+        """
         return {}
 
     def _ranges(self) -> dict[str, tuple[float, float]]:

@@ -18,7 +18,8 @@ from numba.core import event
 from numba.extending import register_jitable
 
 from selforg.compiler.cache import cache_directory, folder_for
-from selforg.compiler.switches import PLAIN
+from selforg.compiler.parts import known_to_kernels
+from selforg.compiler.switches import COMPILED, PLAIN
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -74,12 +75,19 @@ def part(function: Callable[P, R]) -> Callable[P, R]:
 
     Called from Python, the function runs uncompiled, as some tests want it.
     """
-    return register_jitable(**LEAN)(function)
+    return within_kernels(function, LEAN)
 
 
 def inlined(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a small function like `part`, into its callers, because passing arrays would cost more than its work."""
-    return register_jitable(**LEAN, forceinline=True)(function)
+    return within_kernels(function, {**LEAN, "forceinline": True})
+
+
+def within_kernels(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
+    """Compile `function` into its compiled callers."""
+    if PLAIN or not COMPILED:
+        return register_jitable(**options)(function)
+    return known_to_kernels(function, options)
 
 
 def compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:

@@ -96,16 +96,19 @@ class Act(Action):
 
 @ACTIONS.register
 class Move(Action):
-    """Command the movement vector of a mechanism; a depositing mechanism also deposits."""
+    """Command the movement vector of a mechanism, plus that of another; a depositing first one also deposits."""
 
-    def __init__(self, mechanism: MovementSource) -> None:
-        self.source = mechanism
-        self.sources = (mechanism,)
+    def __init__(self, mechanism: MovementSource, plus: MovementSource | None = None) -> None:
+        self.source, self._plus = mechanism, plus
+        self.sources = (mechanism,) if plus is None else (mechanism, plus)
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         command_movements(
             rows, self.source.vectors, self.source.active, commands.vectors, commands.commanded, commands.in_place
         )
+        if self._plus is not None:
+            commands.vectors[rows] += self._plus.vectors[rows]
+            commands.commanded[rows] |= self._plus.active[rows]
 
     def _leave(self, now: float, rows: Ints) -> None:
         if isinstance(self.source.mechanism, DepositingMechanism):

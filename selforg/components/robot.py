@@ -34,11 +34,7 @@ class OrganisedRobots:
     """
 
     def __init__(
-        self,
-        network: BehaviourNetwork,
-        sensors: Mapping[str, SensorComponent],
-        actions: Actions,
-        dim: int = 2,
+        self, network: BehaviourNetwork, sensors: Mapping[str, SensorComponent], actions: Actions, dim: int = 2
     ) -> None:
         self.network, model = network, network.model
         self._sensors = [(model.sensor(name, "sensor component"), component) for name, component in sensors.items()]

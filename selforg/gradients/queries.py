@@ -114,13 +114,7 @@ class Queries:
             done += see_rows(chosen[done:], start[done:], see, margins, time, sight, poses, store)
         return Seen(start, self._room.pairs[: start[-1]].copy())
 
-    def choose(
-        self,
-        rule: str,
-        now: float,
-        rows: Rows | None = None,
-        look: Filter = Filter(),
-    ) -> tuple[Floats, Flags]:
+    def choose(self, rule: str, now: float, rows: Rows | None = None, look: Filter = Filter()) -> tuple[Floats, Flags]:
         """Return the pair (R, PAIR_COLUMNS) that `rule` chooses for each of `rows`, and whether there is one (R,).
 
         rule: nearest_attractive, farthest_attractive, least_reach_attractive, most_reach_attractive or strongest.
@@ -138,12 +132,7 @@ class Queries:
         return pairs, found
 
     def gradients(
-        self,
-        row: int,
-        now: float,
-        look: Filter = Filter(),
-        *,
-        signs: tuple[bool, bool, bool] = EVERYTHING,
+        self, row: int, now: float, look: Filter = Filter(), *, signs: tuple[bool, bool, bool] = EVERYTHING
     ) -> list[Gradient]:
         """Return the gradients that `row` sees.
 
@@ -157,12 +146,7 @@ class Queries:
         return self._objects(self.see(now, [row], look, own=False).pairs)
 
     def neighbour_histories(
-        self,
-        row: int,
-        now: float,
-        look: Filter = Filter(),
-        *,
-        own: bool = False,
+        self, row: int, now: float, look: Filter = Filter(), *, own: bool = False
     ) -> list[list[Gradient]]:
         """Return the stored moving gradients in view, one list per channel and source, the oldest first.
 
@@ -176,12 +160,7 @@ class Queries:
         return list(histories.values())
 
     def static_ahead(
-        self,
-        row: int,
-        now: float,
-        angle_xy: float,
-        angle_yz: float = np.inf,
-        look: Filter = Filter(),
+        self, row: int, now: float, angle_xy: float, angle_yz: float = np.inf, look: Filter = Filter()
     ) -> list[Gradient]:
         """Return the static gradients in view within the view angles [rad] to either side of the heading."""
         look = replace(look, static=True, moving=False)

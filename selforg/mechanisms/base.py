@@ -67,11 +67,7 @@ class MovementMechanism(Mechanism):
     """
 
     def __init__(
-        self,
-        buffer: SoBuffer | OwnPoses,
-        *,
-        directions: DirectionStream | None = None,
-        **options: Unpack[LookOptions],
+        self, buffer: SoBuffer | OwnPoses, *, directions: DirectionStream | None = None, **options: Unpack[LookOptions]
     ) -> None:
         super().__init__(buffer, **options)
         rows, dim = self.poses.rows, self.poses.space.dim
@@ -175,18 +171,10 @@ class LimitedMechanism(CompiledMechanism):
         rule, directions = self.rule, self.directions
         return STEERING.pack(
             Steering(
-                combination=rule.combination,
-                formula=rule.formula,
-                looks_repulsive=rule.looks[0],
-                looks_neutral=rule.looks[1],
-                looks_attractive=rule.looks[2],
-                wakes_repulsive=rule.wakes[0],
-                wakes_neutral=rule.wakes[1],
-                wakes_attractive=rule.wakes[2],
-                by_own_reach=rule.by_own_reach,
-                random=rule.random,
-                ahead=rule.ahead,
-                chooses=rule.chooses,
+                *rule[:2],  # Steering begins with the fields of a MovementRule
+                *rule.looks,
+                *rule.wakes,
+                *rule[4:],
                 see=self._see,
                 view_distance=self.view_distance,
                 min_speed=self.min_speed,

@@ -1,8 +1,8 @@
-"""Networks inside networks: while a behaviour runs, the network that it holds decides what the robot does."""
+"""Networks inside networks: which behaviour holds which, the sensors that they share, and the rows that are inside."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from selforg.arrays import Ints
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.planning.planner import BuiltInPlanner, Planner
 
 
 @dataclass(frozen=True)
@@ -42,54 +41,6 @@ class NestedModel:
                 outer = self.model.sensors[self.model.sensor(sensor.name, where)]
                 if outer.kind != sensor.kind:
                     raise ValueError(f"{where}: sensor {sensor.name!r} is a {sensor.kind}, outside a {outer.kind}")
-
-
-class NestedNetwork:
-    """R rows of a `NestedModel`: fill `readings`, call `step`, then act on what `running` yields.
-
-    An inner network decides in every step in which its holder runs, with a decision guaranteed. When the holder stops,
-    all behaviours inside stop too; their activations stay. With `planned`, every network has the built-in planner.
-    """
-
-    def __init__(self, nested: NestedModel, rows: int, planned: bool = False, explained: bool = False) -> None:
-        planner: Planner | None = BuiltInPlanner(nested.model) if planned else None
-        self.network = BehaviourNetwork(nested.model, rows, planner, explained)
-        self.inner = {name: NestedNetwork(held, rows, planned, explained) for name, held in nested.inner.items()}
-        self._columns = {name: shared_columns(nested.model, held) for name, held in nested.inner.items()}
-
-    def reset(self, rows: Ints | None = None) -> None:
-        """Return to the first step in all rows or `rows` (K,)."""
-        self.network.reset(rows)
-        for inner in self.inner.values():
-            inner.reset(rows)
-
-    def step(self, rows: Ints | None = None, guarantee: bool = False) -> None:
-        """Decide once in all rows or `rows` (K,), from the outermost network inwards."""
-        chosen = np.arange(self.network.rows) if rows is None else rows
-        self.network.step(chosen, guarantee)
-        for name, inner in self.inner.items():
-            b = self.network.model.behaviour_index[name]
-            active = rows_inside(self.network, b, chosen, inner.halt)
-            if len(active):
-                outside, inside = self._columns[name]
-                inner.network.readings[np.ix_(active, inside)] = self.network.readings[np.ix_(active, outside)]
-                inner.step(active, guarantee=True)
-
-    def halt(self, rows: Ints) -> None:
-        """Stop all behaviours in `rows` (K,), inside too."""
-        self.network.halt(rows)
-        for inner in self.inner.values():
-            inner.halt(rows)
-
-    def running(self) -> Iterator[tuple[tuple[str, ...], Ints]]:
-        """Yield (path of behaviours from the outside in, rows (K,)) for every behaviour that runs somewhere."""
-        for b, behaviour in enumerate(self.network.model.behaviours):
-            rows = np.flatnonzero(self.network.executing[:, b])
-            if len(rows):
-                yield (behaviour.name,), rows
-        for name, inner in self.inner.items():
-            for path, rows in inner.running():
-                yield (name, *path), rows
 
 
 def rows_inside(outer: BehaviourNetwork, behaviour: int, rows: Ints, halt: Callable[[Ints], None]) -> Ints:

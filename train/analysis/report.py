@@ -1,16 +1,24 @@
-"""The report of an experiment: the content of `summary.json`, and the figures of the tables and the picture."""
+"""The report of an experiment: the content of `summary.json`, and the figures of the tables and the picture.
+
+It compares our figures with those that another implementation measured on the same start configurations. Only the
+scenarios that have the figure on both sides count. Means agree when 1 lies in the interval of their ratio (scenarios
+drawn in pairs); ratios between two conditions agree when their two intervals meet.
+"""
 
 import itertools
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from clean_swarm_env.config.experiment import ExperimentConfig
-from train.analysis.reference import Measured, ReferenceComparison, compare_with_measured
+import numpy as np
+
+from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
+from selforg.arrays import Flags, Floats
 from train.analysis.statistics import (
     METRICS,
     Figures,
+    Interval,
     Ratio,
     Summary,
     distance_metrics,
@@ -19,6 +27,46 @@ from train.analysis.statistics import (
     summarise,
 )
 from train.running.runs import RunRecord
+
+Measured = Mapping[str, Mapping[str, Mapping[str, float | None]]]
+"""Scenario -> name of a condition -> figure -> value."""
+
+
+@dataclass(frozen=True)
+class MeanBesideMeasured:
+    """The mean of one figure under one condition, ours and the measured one, over `n` scenarios."""
+
+    condition: str
+    metric: str
+    n: int
+    ours: float
+    measured: float
+    ratio: float | None
+    """Ours / measured."""
+    ci95: Interval | None
+    agrees: bool | None
+    """Whether 1 lies in the interval; None without an interval."""
+
+
+@dataclass(frozen=True)
+class RatioBesideMeasured:
+    """The ratio of one figure between the conditions a and b, ours and the measured one, over `n` scenarios."""
+
+    a: str
+    b: str
+    metric: str
+    n: int
+    ours: Ratio
+    measured: Ratio
+    agrees: bool | None
+
+
+@dataclass(frozen=True)
+class ReferenceComparison:
+    """All comparisons with measured figures."""
+
+    means: tuple[MeanBesideMeasured, ...]
+    ratios: tuple[RatioBesideMeasured, ...]
 
 
 @dataclass(frozen=True)
@@ -91,3 +139,66 @@ def summary_json(report: Report) -> str:
         "reference_ratios": [asdict(ratio) for ratio in report.reference.ratios],
     }
     return json.dumps(content, indent=2, allow_nan=False) + "\n"
+
+
+def compare_with_measured(
+    figures: Figures, measured: Measured, conditions: Sequence[ConditionConfig], metrics: Sequence[str]
+) -> ReferenceComparison:
+    """Compare each metric under each condition, and its ratio between any two conditions, with what was measured."""
+    theirs = {
+        (condition.name, metric): _measured_values(figures, measured, condition, metric)
+        for condition in conditions
+        for metric in metrics
+    }
+    means = [_mean(figures, condition.name, metric, theirs) for condition in conditions for metric in metrics]
+    pairs = itertools.combinations([condition.name for condition in conditions], 2)
+    ratios = [_ratio(figures, a, b, metric, theirs) for a, b in pairs for metric in metrics]
+    return ReferenceComparison(tuple(m for m in means if m is not None), tuple(r for r in ratios if r is not None))
+
+
+Values = dict[tuple[str, str], tuple[Floats, Flags]]
+"""Condition and metric -> measured values (K,), and whether each of them exists (K,)."""
+
+
+def _measured_values(
+    figures: Figures, measured: Measured, condition: ConditionConfig, metric: str
+) -> tuple[Floats, Flags]:
+    found = [measured.get(s, {}).get(condition.measured or "", {}).get(metric) for s in figures.scenarios]
+    return (
+        np.array([0.0 if value is None else value for value in found]),
+        np.array([value is not None for value in found]),
+    )
+
+
+def _ours(figures: Figures, condition: str, metric: str) -> Floats:
+    values: Floats = figures.values[metric][figures.conditions.index(condition)]
+    return values
+
+
+def _mean(figures: Figures, condition: str, metric: str, theirs: Values) -> MeanBesideMeasured | None:
+    values, exist = theirs[condition, metric]
+    if not exist.any():
+        return None
+    ours, values = _ours(figures, condition, metric)[exist], values[exist]
+    found = ratio_of_means(ours, values)
+    agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
+    count = int(exist.sum())
+    return MeanBesideMeasured(
+        condition, metric, count, float(ours.mean()), float(values.mean()), found.ratio, found.ci95, agrees
+    )
+
+
+def _ratio(figures: Figures, a: str, b: str, metric: str, theirs: Values) -> RatioBesideMeasured | None:
+    (values_a, exist_a), (values_b, exist_b) = theirs[a, metric], theirs[b, metric]
+    both = exist_a & exist_b
+    if not both.any():
+        return None
+    ours = ratio_of_means(_ours(figures, a, metric)[both], _ours(figures, b, metric)[both])
+    measured = ratio_of_means(values_a[both], values_b[both])
+    return RatioBesideMeasured(a, b, metric, int(both.sum()), ours, measured, _meet(ours.ci95, measured.ci95))
+
+
+def _meet(first: Interval | None, second: Interval | None) -> bool | None:
+    if first is None or second is None:
+        return None
+    return first[0] <= second[1] and second[0] <= first[1]

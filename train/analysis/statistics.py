@@ -2,22 +2,27 @@
 
 Shapes: C conditions, K scenarios. `std` is the population's (as in the paper's Table 1). `ci95` of a mean is Student's
 interval, whose level is more exact than that of a bootstrap for the five scenarios of the paper. A ratio is a ratio of
-means; its interval is a percentile bootstrap that draws scenarios, the same ones for both means.
+means; its interval is a percentile bootstrap that draws scenarios, the same ones for both means
+(`scipy.stats.bootstrap`). Equal data give equal intervals, because every bootstrap seeds its generator with one number.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.stats
 
-from selforg.arrays import Flags, Floats
-from train.analysis.bootstrap import Interval, interval, resampled
+from selforg.arrays import Flags, Floats, Ints
 from train.running.runs import RunRecord
 
 METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
 RESAMPLES = 10_000
 """Bootstrap resamples of a ratio."""
+BOOTSTRAP_SEED = 2017
+BATCH = 500
+"""Resamples drawn at a time; bounds the memory to BATCH numbers for each number of the data."""
+
+Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -81,6 +86,17 @@ def summarise(values: Floats) -> Summary:
     return Summary(mean, float(np.median(values)), float(values.std()), ci95)
 
 
+def half_width(count: float, variance: float) -> float | None:
+    """Return half the width of the 95 % interval of a mean by Student; None for less than two numbers.
+
+    Args:
+        count: of the numbers.
+        variance: their mean squared deviation from their mean.
+
+    """
+    return float(scipy.stats.t.ppf(0.975, count - 1) * np.sqrt(variance / (count - 1))) if count > 1 else None
+
+
 def ratio_of_means(a: Floats, b: Floats) -> Ratio:
     """Return mean(a) / mean(b) for paired `a` and `b` (K,) with its bootstrap interval over the pairs."""
     if b.mean() == 0.0:
@@ -96,3 +112,38 @@ def ratio_of_means(a: Floats, b: Floats) -> Ratio:
 def _sums(a: Floats, b: Floats, axis: int = -1) -> Floats:
     """Return the sums (2, ...) of both along an axis."""
     return np.stack([a.sum(axis=axis), b.sum(axis=axis)])
+
+
+def resampled(
+    samples: Sequence[Floats | Ints], statistic: Callable[..., Floats], resamples: int, *, paired: bool
+) -> Floats:
+    """Return `statistic` for B samples drawn with replacement, (B,), or (V, B) if the statistic has V values.
+
+    Args:
+        samples: arrays of at least two numbers each.
+        statistic: vectorised function of the samples and of the axis of their numbers.
+        resamples: B.
+        paired: whether one draw of indices serves all samples.
+
+    """
+    found = scipy.stats.bootstrap(
+        samples,
+        statistic,
+        n_resamples=resamples,
+        batch=BATCH,
+        vectorized=True,
+        paired=paired,
+        method="percentile",
+        rng=np.random.default_rng(BOOTSTRAP_SEED),
+    )
+    distribution: Floats = found.bootstrap_distribution
+    return distribution
+
+
+def interval(values: Floats) -> Interval | None:
+    """Return the 95 % percentile interval of resampled `values` (B,); None without values, or if it is not finite."""
+    if not len(values):
+        return None
+    with np.errstate(invalid="ignore"):  # between two infinite values
+        low, high = np.quantile(values, [0.025, 0.975]).tolist()
+    return (low, high) if np.isfinite([low, high]).all() else None

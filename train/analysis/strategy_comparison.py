@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats, Ints
-from train.analysis.bootstrap import Interval, interval, resampled
+from train.analysis.statistics import Interval, interval, resampled
 
 COMPARISON_RESAMPLES = 5_000
 """Bootstrap resamples of a comparison."""

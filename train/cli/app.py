@@ -1,4 +1,4 @@
-"""The command line: `clean-swarm evaluate`, `train`, `run`, `draw`, `explain`, `record`, `list`, `knowledge`.
+"""The command line: `clean-swarm evaluate`, `train`, `run`, `score`, `draw`, `explain`, `record`, `list`, `knowledge`.
 
 A mistake in the input gives one line on the standard error and exit code 2, a full disk one line and exit code 1;
 Ctrl-C and the signals by which a system ends programs give one line and exit code 130. The commands import heavy
@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import draw, evaluate, knowledge, repeat, run, train
+from train.cli import draw, evaluate, knowledge, repeat, run, score, train
 from train.cli.options import Configs, error_console, print_error
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -51,6 +51,7 @@ app.command("evaluate")(evaluate.evaluate_command)
 app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
 app.command("run")(run.run_command)
+app.command("score")(score.score_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)

@@ -7,7 +7,17 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, Force, check_whole, wide_console
+from train.cli.options import (
+    MOST_SCENARIOS,
+    MOST_SEED,
+    MOST_WORKERS,
+    Configs,
+    Force,
+    Learn,
+    RunStore,
+    check_whole,
+    wide_console,
+)
 from train.running.run_folder import RECORDINGS
 
 
@@ -41,6 +51,8 @@ def evaluate_command(
         str | None,
         typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
     ] = None,
+    store: RunStore = None,
+    learn: Learn = False,
     configs: Configs = None,
     force: Force = False,
     record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
@@ -53,20 +65,26 @@ def evaluate_command(
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.knowledge_store import StoreRequest
     from train.running.needs import Machine
     from train.running.runs import usable_cpus
 
-    directories, machine = tuple(configs or ()), Machine(workers or usable_cpus(), force)
+    if learn and workers not in (None, 1):
+        raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
+    directories, kept = tuple(configs or ()), StoreRequest(store, learn)
+    machine = Machine(workers or usable_cpus(), force)
     if family is None:
         _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal})
         conditions = tuple(condition or ())
-        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, machine)
+        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept, machine=machine)
         evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
-        asked = FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories, machine)
-        evaluation = FamilyEvaluation(asked)
+        family_request = FamilyRequest(
+            family, strategies, seed, scenarios, knowledge, goal, directories, kept, machine=machine
+        )
+        evaluation = FamilyEvaluation(family_request)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     execution = pipeline.Execution(machine.workers, output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))

@@ -68,8 +68,12 @@ def import_file(
 def export_file(
     output: Annotated[Path, typer.Argument(help="File to write, YAML or JSON by its ending; - prints YAML.")],
     store: StoreOption = None,
+    context: Annotated[
+        str | None,
+        typer.Option(help="Write expert knowledge with the scores learned in this context."),
+    ] = None,
 ) -> None:
-    """Write all that a store holds to a file; one that exists is refused."""
+    """Write all that a store holds to a file, or expert knowledge for a mission to name; one that exists is refused."""
     from selector.store import document
     from train.knowledge_store import amount, opened
 
@@ -77,7 +81,12 @@ def export_file(
         raise ConfigurationError(f"{output}: expected a name that ends in .yaml or .json")
     with closing(opened(store, create=False)) as kept:
         contents = kept.contents()
-    text = document.document_text(contents, as_json=output.suffix == ".json")
+    if context is None:
+        text = document.document_text(contents, as_json=output.suffix == ".json")
+    elif output.suffix == ".json":
+        raise ConfigurationError(f"{output}: expected a name that ends in .yaml with --context")
+    else:
+        text = document.knowledge_text(contents, context, kept.name)
     if str(output) == "-":
         typer.echo(text, nl=False)
         return

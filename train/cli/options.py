@@ -29,6 +29,14 @@ MOST_WORKERS = 1000
 Force = Annotated[
     bool, typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week.")
 ]
+RunStore = Annotated[
+    str | None,
+    typer.Option(
+        help="Begin with what this knowledge store knows: sqlite:///PATH, the path of a file, or postgresql://...",
+        metavar="URL",
+    ),
+]
+Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
 
 
 def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SEED, Configs, check_whole, wide_console
+from train.cli.options import MOST_SEED, Configs, Learn, RunStore, check_whole, wide_console
 
 MOST_ROBOTS, MOST_RUNS, MOST_SECONDS = 10_000, 10_000, 1e7
 """The bounds of missions, for scenes as well."""
@@ -27,6 +27,8 @@ def run_command(
     ] = None,
     knowledge: Annotated[str, typer.Option(help="Expert knowledge in which the goal stands.")] = "library",
     arena: Annotated[str | None, typer.Option(help="torus or open; the scene's own unless given.")] = None,
+    store: RunStore = None,
+    learn: Learn = False,
     configs: Configs = None,
     output: Annotated[Path | None, typer.Option(help="Markdown file to write the table of all goals to.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -45,16 +47,19 @@ def run_command(
     from clean_swarm_env.scenes import goals  # imports Numba
     from train.goals import goal_tables
     from train.goals.scene_runs import GoalRequest, as_mapping, run_goal
+    from train.knowledge_store import StoreRequest
+    from train.reports.knowledge_tables import learned_scores
+    from train.reports.text_table import on_terminal
 
     if (goal is None) is not every:
         known = f"; the goals are {', '.join(goals())}" if goal is None else ""
         raise ConfigurationError(f"run: expected a goal or --all, got {'both' if every else 'neither'}{known}")
-    outcomes = []
+    outcomes, directories, kept = [], tuple(configs or ()), StoreRequest(store, learn)
     with Console(stderr=True).status("running") as status:
         for name in goals() if every else (str(goal),):
             status.update(f"running {name}")
             outcomes.append(
-                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, tuple(configs or ()), knowledge))  # type: ignore[arg-type]
+                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, directories, knowledge, kept))  # type: ignore[arg-type]
             )
     if json:
         plain = [as_mapping(outcome) for outcome in outcomes]
@@ -65,6 +70,8 @@ def run_command(
     else:
         for outcome in outcomes:
             wide_console().print(goal_tables.goal_on_terminal(outcome))
+            if outcome.known is not None:
+                wide_console().print(on_terminal(learned_scores(outcome.known, "known at the beginning")))
 
 
 def _write(output: Path, page: str) -> None:

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SEED, Configs, Force, check_whole
+from train.cli.options import MOST_SEED, Configs, Force, Learn, RunStore, check_whole
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
@@ -39,7 +39,9 @@ def ppo(
     from train.learning.ppo import PpoTraining  # imports torch
 
     directories = tuple(configs or ())
-    request = TrainingRequest("ppo", config or "general", seed, output, resume, None, directories, record, force)
+    request = TrainingRequest(
+        "ppo", config or "general", seed, output, resume, directories=directories, record=record, forced=force
+    )
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
@@ -50,27 +52,22 @@ def bandit(
     output: Output = None,
     seed: Seed = 0,
     resume: Resume = False,
-    store: Annotated[
-        str | None, typer.Option(help="URL or file of a knowledge store that gets the learned scores.", metavar="URL")
-    ] = None,
+    store: RunStore = None,
+    learn: Learn = False,
     configs: Configs = None,
     record: Record = False,
     force: Force = False,
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
     check_whole({"--seed": (seed, 0, MOST_SEED)})
-    from train.knowledge_store import opened  # these import SQLAlchemy and Numba
+    from train.knowledge_store import StoreRequest  # these import SQLAlchemy and Numba
     from train.learning.bandit import BanditTraining
     from train.learning.session import TrainingRequest, run_training
-    from train.learning.training import TrainingJob
 
-    def made(job: TrainingJob) -> BanditTraining:
-        return BanditTraining(job, opened(store, create=True) if store is not None else None)
-
-    directories = tuple(configs or ())
-    request = TrainingRequest("bandit", config or "situations", seed, output, resume, store, directories, record, force)
+    directories, kept = tuple(configs or ()), StoreRequest(store, learn)
+    request = TrainingRequest("bandit", config or "situations", seed, output, resume, kept, directories, record, force)
     with _one_line():
-        raise typer.Exit(run_training(request, made, Console(highlight=False)))
+        raise typer.Exit(run_training(request, BanditTraining, Console(highlight=False)))
 
 
 @contextmanager

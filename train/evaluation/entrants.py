@@ -96,16 +96,29 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
         file = find_file("strategies", name, directories)
         description = description_of(file)
         spec, features = description.spec, description.features
-    elif kind == FIXED:
-        spec = validated(StrategySpec, {"name": "Fixed", "parameters": {"option": name}}, member)
     else:
-        spec = spec_from_text(member)
+        spec = spec_of(member)
     columns = columns_of(problem, features, f"strategy {spec.name}")
     keys = row_keys(np.random.SeedSequence(0), len(teams))
     strategy = spec.build(replace(problem, features=features), keys, teams, directories)
     if kind == LEARNED:
         load_strategy(file, strategy)
     return StrategyPilot(strategy, columns)
+
+
+def spec_of(member: str) -> StrategySpec:
+    """Return the strategy of a member that needs no observation and no file.
+
+    Raises:
+        DocumentError: there is no such strategy, or the member is of another kind.
+
+    """
+    kind, _, name = member.partition(":")
+    if kind == FIXED:
+        return validated(StrategySpec, {"name": "Fixed", "parameters": {"option": name}}, member)
+    if kind in (POLICY, LEARNED) or member == RULE:
+        raise ConfigurationError(f"--learn: {member}: expected a strategy that chooses once in a mission")
+    return spec_from_text(member)
 
 
 def identified(member: str, directories: Sequence[Path] = ()) -> str:

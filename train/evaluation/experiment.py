@@ -1,31 +1,39 @@
 """The evaluation of an experiment: every condition on every start configuration."""
 
 import platform
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
+from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.needs import needs_of
 from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.cleaning_robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
+from selector.coordination.robot_document import coordinated_goals
 from selector.documents.errors import shown, within
+from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
+from selector.strategies.problem import Problem
+from selector.strategies.streams import row_keys
 from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
-from train.analysis.reference import Measured
-from train.analysis.report import report_of, summary_json
-from train.evaluation.pipeline import Evaluation
+from train.analysis.report import Measured, report_of, summary_json
+from train.evaluation.pipeline import Choosers, Evaluation
+from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.reports.write_report import Publication
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints, versions
-from train.running.runs import RunKey, RunRecord, RunTask, tasks_of
+from train.running.run_folder import LEARNED_BEFORE
+from train.running.runs import RunKey, RunRecord, RunTask, forcing, tasks_of
 
 
 @dataclass(frozen=True)
@@ -43,13 +51,18 @@ class ExperimentRequest:
     """Names of the conditions to run; empty: all."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    store: StoreRequest = NO_STORE
+    """The knowledge store."""
+    scoring: bool = False
+    """Whether to run every option of each goal in place of the conditions, and score it."""
     machine: Machine = ALONE
     """What the evaluation may use."""
 
     @property
     def words(self) -> list[str]:
         """The command for this request."""
-        words = ["clean-swarm", "evaluate", self.experiment, "--seed", str(self.seed)]
+        words = ["clean-swarm", "score" if self.scoring else "evaluate", self.experiment, "--seed", str(self.seed)]
+        words += [word for word in self.store.words if not (self.scoring and word == "--learn")]
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--starts", str(self.starts)] if self.starts is not None else []
         words += [word for name in self.conditions for word in ("--condition", name)]
@@ -64,14 +77,19 @@ class ExperimentEvaluation(Evaluation):
         if request.scenarios is not None and request.starts is not None:
             raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
         directories = tuple(directory.resolve() for directory in request.directories)
+        self.directories = directories
         chosen = with_conditions(load_experiment(request.experiment, directories), request.conditions)
         self.own_starts = request.starts is None and request.scenarios is None and bool(chosen.starts)
         self.measured: Measured = {}
         self.seed, self.words, self.stem = request.seed, request.words, f"{chosen.name}-seed{request.seed}"
+        self.scored, starts = {}, "own starts"
+        if request.scoring:
+            chosen, self.scored = by_option(chosen, directories)
         if request.starts is not None:
             given = load_starts(request.starts)
             self.measured, self.starts_from = given.measured, str(request.starts)
             self.stem += f"-{request.starts.stem}"
+            starts = str(request.starts)
             with within(shown(request.starts)):
                 mission = given.world_of(chosen.mission)
             changes: dict[str, Any] = {"mission": mission, "starts": given.starts}
@@ -83,17 +101,26 @@ class ExperimentEvaluation(Evaluation):
                 check_needs(Workload(chosen.mission, count * len(chosen.conditions)), request.machine)
             self.starts_from = f"{count} random start configurations of seed {request.seed}"
             self.stem += f"-{count}-scenarios"
+            starts = "random starts"
             with within(request.experiment):
-                starts = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
-            changes = {"starts": starts}
+                drawn = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
+            changes = {"starts": drawn}
         self.experiment = chosen.model_copy(update=changes)
         check_mission(self.experiment, directories, request.experiment)
+        store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
+        self.mission = self.experiment.mission.model_copy(update={"store": ""})
+        self.scenarios = [start.id for start in self.experiment.starts]
+        context, source = (
+            mission_context(chosen.mission.name),
+            f"experiment {chosen.name}, seed {request.seed}, {starts}",
+        )
+        self.memory = store.memory(knowledge_of(self.mission, directories), context, source)
+        self.total = len(self.experiment.conditions) * len(self.scenarios)
         with within(shown(request.starts) if request.starts is not None else request.experiment):
-            self._tasks = tasks_of(self.experiment, self.seed, directories)
-            largest = max((task.mission for task in self._tasks), key=lambda mission: needs_of(mission).memory)
-            check_needs(Workload(largest, len(self._tasks)), request.machine)
-        self._missions = {(task.scenario, task.condition): task.mission for task in self._tasks}
-        self.total = len(self._tasks)
+            tasks = self._tasks()
+            largest = max((task.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
+            check_needs(Workload(largest, len(tasks)), request.machine)
+        self._missions = {(task.scenario, task.condition): task.mission for task in tasks}
         self.manifest = {
             "identity": {
                 "experiment": self.experiment.name,
@@ -101,15 +128,42 @@ class ExperimentEvaluation(Evaluation):
                 "configuration": self.experiment.model_dump(mode="json"),
                 "files": fingerprints(directories),
                 "directories": [str(directory) for directory in directories],
+                **({"learns": True} if self.learns_in_turn else {}),
             },
             "starts_from": self.starts_from,
             "versions": versions(),
             "platform": platform.platform(),
+            **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
         }
 
     def tasks(self, done: Collection[RunKey]) -> list[RunTask]:
         """Return one task for each run that is missing."""
-        return [task for task in self._tasks if (task.scenario, task.condition) not in done]
+        return [task for task in self._tasks() if (task.scenario, task.condition) not in done]
+
+    def _tasks(self) -> list[RunTask]:
+        return tasks_of(self.experiment.model_copy(update={"mission": self.mission}), self.seed, self.directories)
+
+    def choosers(self) -> dict[str, Choosers]:
+        """Return the strategy of each condition, once for each goal."""
+        goals = coordinated_goals(find_file("robots", self.mission.network.robot, self.directories))
+        knowledge, alone = knowledge_of(self.mission, self.directories), np.zeros(1, dtype=np.int64)
+        return {
+            condition.name: {
+                goal: condition.strategy.build(
+                    Problem.of(knowledge.with_scores(condition.scores), goal),
+                    row_keys(np.random.SeedSequence([self.seed, c, g]), 1),
+                    alone,
+                    self.directories,
+                )
+                for g, goal in enumerate(goals)
+            }
+            for c, condition in enumerate(self.experiment.conditions)
+        }
+
+    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> RunTask:
+        """Return the task of one run in which `options` serve the goals."""
+        key = (scenario, condition)
+        return next(task for task in self._tasks() if (task.scenario, task.condition) == key).serving(options)
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this experiment's."""
@@ -133,6 +187,21 @@ def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> Expe
             raise ConfigurationError(f"{experiment.name}: {unknown('condition', name, known)}")
     conditions = tuple(c for c in experiment.conditions if not chosen or c.name in chosen)
     return experiment.model_copy(update={"conditions": conditions})
+
+
+def by_option(
+    experiment: ExperimentConfig, directories: tuple[Path, ...]
+) -> tuple[ExperimentConfig, dict[str, dict[str, str]]]:
+    """Return an experiment with a condition for each option of each goal, and condition -> goal -> option."""
+    mission = experiment.mission.model_copy(update={"store": ""})
+    knowledge = knowledge_of(mission, directories)
+    served = {
+        f"{goal}: {option.name}": {goal: option.name}
+        for goal in coordinated_goals(find_file("robots", mission.network.robot, directories))
+        for option in knowledge.options(goal)
+    }
+    conditions = tuple(ConditionConfig(name=name, scores=forcing(options)) for name, options in served.items())
+    return experiment.model_copy(update={"conditions": conditions}), served
 
 
 def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], where: str) -> None:

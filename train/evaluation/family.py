@@ -5,29 +5,34 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
+from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
-from train.evaluation.entrants import Entrant, entrants_of, identified, member_pilot
-from train.evaluation.pipeline import Evaluation
+from train.evaluation.entrants import FIXED, Entrant, entrants_of, identified, member_pilot, spec_of
+from train.evaluation.pipeline import Choosers, Evaluation
+from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints, versions
+from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
 from train.running.trials import TrialSettings, run_trials
 
@@ -54,17 +59,24 @@ class FamilyRequest:
     """Goal that the strategies choose options for; see `DecidedGoal`."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
+    store: StoreRequest = NO_STORE
+    """The knowledge store."""
+    scoring: bool = False
+    """Whether the strategies are fixed options, each of which is scored."""
     machine: Machine = ALONE
     """What the evaluation may use."""
 
     @property
     def words(self) -> list[str]:
         """The command for this request."""
-        words = ["clean-swarm", "evaluate", "--family", self.family, "--seed", str(self.seed)]
-        words += [word for text in self.strategies for word in ("--strategy", text)]
+        if self.scoring:
+            words = ["clean-swarm", "score", self.family, "--seed", str(self.seed), "--store", str(self.store.url)]
+        else:
+            words = ["clean-swarm", "evaluate", "--family", self.family, "--seed", str(self.seed), *self.store.words]
+            words += [word for text in self.strategies for word in ("--strategy", text)]
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--knowledge", self.knowledge] if self.knowledge is not None else []
-        words += ["--goal", self.goal] if self.goal is not None else []
+        words += ["--goal", self.goal] if self.goal is not None and not self.scoring else []
         words += ["--force"] if self.machine.forced else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
 
@@ -124,6 +136,15 @@ class TrialTask:
             for scenario, result in zip(scenarios, results, strict=True)
         ]
 
+    def knowing(self, learned: Mapping[str, Any]) -> TrialTask:
+        """Return the runs that begin with what was learned of options, as a manifest holds it."""
+        mission = self.family.mission.beginning_with(learned)
+        return replace(self, family=self.family.model_copy(update={"mission": mission}))
+
+    def serving(self, options: Mapping[str, str]) -> TrialTask:
+        """Return the runs in which an option serves the goal all the time; goal -> option."""
+        return replace(self, member=f"{FIXED}:{options[self.goal]}")
+
     def beginning(self) -> TrialTask:
         """Return the first scenario up to `WARM_UP_LIMIT`."""
         return replace(self, numbers=self.numbers[:1], time_limit=WARM_UP_LIMIT, record=None)
@@ -155,17 +176,28 @@ class FamilyEvaluation(Evaluation):
 
     def __init__(self, request: FamilyRequest) -> None:
         self._request, self.words = request, request.words
+        self.directories = tuple(path.resolve() for path in request.directories)
         self.family = _family(request)
-        self.scenarios = request.scenarios or self.family.scenarios
         with within(request.family):
-            missions = self.scenarios * len(request.strategies)
+            missions = (request.scenarios or self.family.scenarios) * len(request.strategies)
             check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
-        batch = Batch(self.family.scenario(0, 0, "test").mission, directories=request.directories)
+        self.mission = self.family.mission.model_copy(update={"store": ""})
+        first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
+        batch = Batch(first, directories=request.directories)
         problem = DecidedGoal(batch, request.goal).problem
         self.goal, self.entrants = problem.goal, entrants_of(request.strategies, problem.options)
         _check_fits(self.entrants, problem, np.zeros(batch.rows, dtype=np.int64), request.directories)
-        self.total = self.scenarios * sum(len(entrant.members) for entrant in self.entrants)
+        self.scenarios = [f"test-{n + 1}" for n in range(request.scenarios or self.family.scenarios)]
+        self.total = len(self.scenarios) * sum(len(entrant.members) for entrant in self.entrants)
         self.stem = f"{self.family.name}-seed{request.seed}"
+        fixed = {f"{FIXED}:{option}": {self.goal: option} for option in problem.options}
+        self.scored = fixed if request.scoring else {}
+        store = replace(request.store, url=request.store.url or self.family.mission.store or None)
+        if store.learn and not self.scored:
+            self.choosers()  # a strategy that cannot choose for a whole mission is an error
+        source = f"family {self.family.name}, {self.goal}, seed {request.seed}"
+        known = knowledge_of(self.mission, request.directories)
+        self.memory = store.memory(known, mission_context(self.family.name), source)
         self.manifest = {
             "identity": {
                 "family": self.family.model_dump(mode="json"),
@@ -175,22 +207,21 @@ class FamilyEvaluation(Evaluation):
                     entrant.label: [identified(member, request.directories) for member in entrant.members]
                     for entrant in self.entrants
                 },
-                "files": fingerprints(request.directories),
+                "files": fingerprints(self.directories),
+                **({"learns": True} if self.learns_in_turn else {}),
             },
-            "directories": [str(path.resolve()) for path in request.directories],
+            "directories": [str(path) for path in self.directories],
             "versions": versions(),
+            **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
         }
 
     def tasks(self, done: Collection[RunKey]) -> list[TrialTask]:
         """Return the tasks for all missing runs; each has scenarios of one member."""
-        tasks, request = [], self._request
-        for entrant in self.entrants:
-            for condition, member in zip(entrant.conditions, entrant.members, strict=True):
-                missing = [n for n in range(self.scenarios) if (f"test-{n + 1}", condition) not in done]
-                for first in range(0, len(missing), TASK_SCENARIOS):
-                    numbers = tuple(missing[first : first + TASK_SCENARIOS])
-                    work = (self.family, request.seed, numbers, condition, member, self.goal, request.directories)
-                    tasks.append(TrialTask(*work))
+        tasks = []
+        for condition, member in self._members():
+            missing = [n for n, scenario in enumerate(self.scenarios) if (scenario, condition) not in done]
+            for first in range(0, len(missing), TASK_SCENARIOS):
+                tasks.append(self._task(tuple(missing[first : first + TASK_SCENARIOS]), condition, member))
         return tasks
 
     def mistake(self, record: RunRecord) -> str:
@@ -199,13 +230,38 @@ class FamilyEvaluation(Evaluation):
             return "this family has no such scenario"
         return record.mistake(self.family.name, self._request.seed, self.family.largest)
 
+    def choosers(self) -> dict[str, Choosers]:
+        """Return the strategy of each member, which chooses for the one goal."""
+        directories, alone = self._request.directories, np.zeros(1, dtype=np.int64)
+        problem = Problem.of(knowledge_of(self.mission, directories), self.goal)
+        return {
+            condition: {
+                self.goal: spec_of(member).build(
+                    problem, row_keys(np.random.SeedSequence([self._request.seed, k]), 1), alone, directories
+                )
+            }
+            for k, (condition, member) in enumerate(self._members())
+        }
+
+    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
+        """Return the task of one run in which an option serves the goal."""
+        return self._task((self.scenarios.index(scenario),), condition, "").serving(options)
+
+    def _members(self) -> list[tuple[str, str]]:
+        """Return the condition and the name of each member of all entrants."""
+        return [each for entrant in self.entrants for each in zip(entrant.conditions, entrant.members, strict=True)]
+
+    def _task(self, numbers: tuple[int, ...], condition: str, member: str) -> TrialTask:
+        family, request = self.family.model_copy(update={"mission": self.mission}), self._request
+        return TrialTask(family, request.seed, numbers, condition, member, self.goal, request.directories)
+
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the means of each strategy, and how the strategies compare with fixed options."""
         runs = FamilyRuns(
             family=self.family,
             goal=self.goal,
             seed=self._request.seed,
-            scenarios=tuple(f"test-{n + 1}" for n in range(self.scenarios)),
+            scenarios=tuple(self.scenarios),
             conditions={entrant.label: entrant.conditions for entrant in self.entrants},
             fixed=tuple(entrant.label for entrant in self.entrants if entrant.fixed),
             records=records,

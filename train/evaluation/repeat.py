@@ -1,5 +1,6 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -15,7 +16,7 @@ from selforg.registry import unknown
 from train.evaluation.family import TrialTask
 from train.evaluation.repeat_trial import family_tasks, seed_of, trial_steps
 from train.running.provenance import fingerprints, versions
-from train.running.run_folder import MANIFEST, read_manifest
+from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, read_manifest
 from train.running.runs import RunTask, tasks_of
 
 Repeated = RunTask | TrialTask
@@ -51,7 +52,9 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     names = [task.condition for task in of_scenario]
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
-    return of_scenario[0 if condition is None else names.index(condition)]
+    task = of_scenario[0 if condition is None else names.index(condition)].knowing(manifest.get(LEARNED_BEFORE, {}))
+    options = _chosen(directory).get((task.scenario, task.condition))
+    return task.serving(options) if options else task
 
 
 def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> list[RunTask]:
@@ -59,6 +62,13 @@ def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...]
     experiment = validated(ExperimentConfig, identity.get("configuration"), where)
     with within(where):
         return tasks_of(experiment, seed_of(identity, path), directories)
+
+
+def _chosen(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
+    """Return the options that served each mission of an evaluation that learned: goal -> option by run."""
+    path = directory / CHOSEN_OPTIONS
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return {(one["scenario"], one["condition"]): one["options"] for one in map(json.loads, lines)}
 
 
 def changed_versions(directory: Path) -> list[str]:

@@ -3,8 +3,9 @@
 Shapes: W runs, one for each seed; all runs are in one batch.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,11 @@ import numpy as np
 from clean_swarm_env.scenes import Measure, Scene, Setting, find
 from clean_swarm_env.scenes.ground import GroundKind
 from clean_swarm_env.scenes.served import KNOWLEDGE, ServedTeam, expertise
+from selector.knowledge import Knowledge, load_knowledge
+from selector.store.exact_sums import REWARD_LIMIT
 from selforg.arrays import Floats
 from train.analysis.statistics import Summary, summarise
+from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 
 
 @dataclass(frozen=True)
@@ -39,11 +43,30 @@ class GoalRequest:
     """The user's own directories of configurations, searched before the shipped one."""
     knowledge: str = KNOWLEDGE
     """Name of the expert knowledge with the goal and the option."""
+    store: StoreRequest = NO_STORE
+    """The knowledge store; runs give back their scores."""
 
     @property
     def seeds(self) -> range:
         """Seeds of the runs."""
         return range(self.seed, self.seed + self.runs)
+
+    @property
+    def setting(self) -> Setting:
+        """Setting of the scene with the changes of the request."""
+        changes: dict[str, Any] = {
+            name: value for name in ("robots", "seconds", "ground") if (value := getattr(self, name)) is not None
+        }
+        return replace(find(self.goal).setting, **changes)
+
+    def memory(self) -> Memory | None:
+        """Return the memory of these runs, whose context is the setting of the scene; None without a store."""
+        setting, known = self.setting, load_knowledge(self.knowledge, self.directories)
+        of_goal = Knowledge({self.goal: known.options(self.goal)}, known.source).with_learned(
+            {goal: learned for goal, learned in known.learned.items() if goal == self.goal}
+        )
+        context = f"scene {setting.robots} robots, {setting.seconds:g} s, {setting.ground}"
+        return self.store.memory(of_goal, context, f"goal {self.goal}, seeds {self.seeds[0]}-{self.seeds[-1]}")
 
 
 @dataclass(frozen=True)
@@ -78,6 +101,8 @@ class GoalOutcome:
     setting: Setting
     seeds: Sequence[int]
     comparisons: tuple[MeasureComparison, ...]
+    known: Knowledge | None = None
+    """What a knowledge store knew of the options at the beginning."""
 
     @property
     def own_setting(self) -> bool:
@@ -98,20 +123,43 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
 
     """
     scene = find(request.goal)
-    expert = expertise(request.goal, request.option, request.directories, request.knowledge)
-    setting = setting_of(scene, request)
+    setting, memory = request.setting, request.memory()
+    known = memory.knowledge if memory is not None else None
+    expert = expertise(request.goal, request.option, request.directories, known or request.knowledge)
+    if memory is not None:
+        memory.check_new([expert.name])
     served = scene(setting, request.seeds).run(lambda made: ServedTeam(made, expert)).values
     rival = scene(setting, request.seeds).run().values
+    if memory is not None:
+        if memory.learns:
+            memory.give((request.goal, expert.name, score) for score in scores_of(scene, served).tolist())
+        memory.close()
     compared = tuple(_compared(measure, served[measure.name], rival[measure.name]) for measure in scene.measures)
-    return GoalOutcome(scene, expert.name, setting, request.seeds, compared)
+    return GoalOutcome(scene, expert.name, setting, request.seeds, compared, known)
 
 
-def setting_of(scene: type[Scene], request: GoalRequest) -> Setting:
-    """Return the setting of the scene with the changes of the request."""
-    changes: dict[str, Any] = {
-        name: value for name in ("robots", "seconds", "ground") if (value := getattr(request, name)) is not None
-    }
-    return replace(scene.setting, **changes)
+def score_goal(request: GoalRequest, memory: Memory) -> None:
+    """Run every option of a goal in its scene and give the scores to the store, all at once."""
+    memory.check_new()
+    scene, rewards = find(request.goal), []
+    for option in memory.knowledge.options(request.goal):
+        expert = expertise(request.goal, option.name, request.directories, memory.knowledge)
+        run = scene(request.setting, request.seeds).run(partial(ServedTeam, expert=expert))
+        rewards += [(request.goal, option.name, score) for score in scores_of(scene, run.values).tolist()]
+    memory.give(rewards)
+
+
+def scores_of(scene: type[Scene], values: Mapping[str, Floats]) -> Floats:
+    """Return the scores (W,) of runs: by the measure that is farthest from its target, in units of the target [-].
+
+    1 where that measure just meets its target, 0 where it is as far away as the target is from 0.
+    """
+    scores = []
+    for measure in scene.measures:
+        sign = -1.0 if measure.better == "lower" else 1.0
+        scores.append(1.0 + sign * (values[measure.name] - measure.target) / (abs(measure.target) or 1.0))
+    lowest: Floats = np.min(scores, axis=0)
+    return np.maximum(lowest, -REWARD_LIMIT)
 
 
 def _compared(measure: Measure, served: Floats, rival: Floats) -> MeasureComparison:
@@ -132,6 +180,7 @@ def as_mapping(outcome: GoalOutcome) -> dict[str, Any]:
         "seeds": list(outcome.seeds),
         "targets_are_for_this_setting": outcome.own_setting,
         "reached": outcome.reached,
+        "known": as_plain(outcome.known.learned) if outcome.known is not None else None,
         "measures": [
             {
                 "name": c.measure.name,

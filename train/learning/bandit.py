@@ -13,7 +13,8 @@ from clean_swarm_env.config.types import Count
 from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Number
-from selector.store import KnowledgeStore, RewardSums
+from selector.knowledge import learned_from
+from selector.store import RewardSums
 from selector.strategies.learned_file import save_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec
@@ -24,7 +25,7 @@ from train.learning.by_missions import MissionLearning
 from train.learning.by_rewards import RewardLearning
 from train.learning.credit import Paid
 from train.learning.protocol import Learning
-from train.learning.training import Training, TrainingJob
+from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.learning.validation import CheckpointHistory
 from train.running.pilots import PilotMaker, StrategyPilot, columns_of
 
@@ -50,20 +51,21 @@ class BanditTraining(Training):
     """One training of a strategy.
 
     Args:
-        job: the work, and its directory.
-        store: knowledge store for the rewards; none unless given.
+        job: the work, and its directory with what a knowledge store knew of the options.
 
     """
 
     CHECKPOINT = "checkpoint.safetensors"
 
-    def __init__(self, job: TrainingJob, store: KnowledgeStore | None = None) -> None:
+    def __init__(self, job: TrainingJob) -> None:
         super().__init__(job)
         assert job.config.bandit is not None
-        self.settings, self._store = job.config.bandit, store
+        self.settings = job.config.bandit
         whole = self.goal.problem
         columns_of(whole, self.settings.context, "context")
-        self.problem = replace(whole, features=self.settings.context)
+        expert = expert_knowledge(self.curriculum.batches[0].mission, job.directories)
+        known = expert.with_learned(learned_from(job.folder.learned, "manifest: learned"))
+        self.problem = Problem.of(known, whole.goal, self.settings.context)
         self._learning: Learning = (
             RewardLearning(job.config, self.curriculum, self.goal)
             if self.settings.comparison is None
@@ -104,8 +106,10 @@ class BanditTraining(Training):
         if not len(paid.rows):
             return
         self.strategy.update(paid.options, paid.rewards, paid.contexts, paid.rows, paid.chances)
-        if self._store is not None:
-            self._record.record(paid.options, paid.rewards, self.strategy.context_keys(paid.contexts))
+        memory = self.job.memory
+        if memory is not None and memory.learns:
+            keys = self.strategy.context_keys(paid.contexts)
+            self._record.record(paid.options, paid.rewards, memory.contexts(keys))
 
     def _pilot_maker(self) -> PilotMaker:
         learned = self.strategy.learned()
@@ -135,8 +139,8 @@ class BanditTraining(Training):
             "since": self.history.since,
         }
         save_arrays(self.checkpoint_file, arrays, description)
-        if self._store is not None and self._record.count:
-            self._store.add(self._record, source=f"{self.config.name}-seed{self.job.seed}")
+        if self.job.memory is not None and self._record.count:
+            self.job.memory.give_sums(self._record)
         self._record = RewardSums(self.problem.goal, self.problem.options)
 
     def _load(self) -> None:

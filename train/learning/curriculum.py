@@ -17,6 +17,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.joined import family_batches
+from selector.documents.errors import DocumentError
 from train.learning.config import TrainingConfig
 
 TORI_TRIED = 200
@@ -37,6 +38,9 @@ class Curriculum:
     def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = ()) -> None:
         self._seed = seed
         families = [load_family(task.family, directories) for task in config.tasks]
+        for family in families:
+            if family.mission.store:
+                raise DocumentError(f"family {family.name}: mission.store: expected none in a training, see --store")
         self.batches: list[Batch] = []
         for family, task in zip(families, config.tasks, strict=True):
             self.batches += family_batches(

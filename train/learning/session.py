@@ -6,7 +6,7 @@ import json
 import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,13 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import MOST_LETTERS
+from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
-from train.learning.training import Training, TrainingJob
+from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.needs import Machine, Workload, check_needs
 from train.running.provenance import versions
-from train.running.run_folder import RECORDINGS, RunFolder
+from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 from train.running.warm_up import announce, compiled_before
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
@@ -42,8 +43,8 @@ class TrainingRequest:
     output: Path | None
     """Directory; one below results/ unless given."""
     resume: bool
-    store: str | None = None
-    """URL of a knowledge store that learned scores go to; none unless given."""
+    store: StoreRequest = NO_STORE
+    """The knowledge store."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
     record: bool = False
@@ -61,7 +62,7 @@ class TrainingRequest:
         """Return the command of this training."""
         words = ["clean-swarm", "train", self.learner, "--config", self.config, "--seed", str(self.seed)]
         words += ["--output", str(self.output)] if self.output is not None else []
-        words += ["--store", self.store] if self.store is not None else []
+        words += self.store.words
         words += [word for path in self.directories for word in ("--configs", str(path))]
         words += ["--force"] if self.forced else []
         return shlex.join([*words, "--resume"] if resume else words)
@@ -88,13 +89,16 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         "versions": check_installed(request.learner),
         "directories": [str(path.resolve()) for path in request.directories],
     }
-    folder = RunFolder(request.directory, {"identity": identity}, resume=request.resume)
+    memory = _memory(request, config)
+    known = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
+    folder = RunFolder(request.directory, {"identity": identity, **known}, resume=request.resume)
     record = RecordSettings(Path(RECORDINGS)) if request.record else None
+    job = TrainingJob(config, request.seed, folder, directories=request.directories, record=record, memory=memory)
     if not compiled_before():
         announce()
     try:
         with _progress(config) as on_progress:
-            training = made(TrainingJob(config, request.seed, folder, on_progress, request.directories, record))
+            training = made(replace(job, on_progress=on_progress))
             on_progress(training.decisions)
             while not training.finished:
                 training.advance()
@@ -103,9 +107,22 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         errors = Console(stderr=True, highlight=False, soft_wrap=True)
         errors.print(f"interrupted; to go on:\n  {request.command(resume=True)}", markup=False)
         return INTERRUPTED
+    finally:
+        if memory is not None:
+            memory.close()
     exported = training.export(request.command(resume=False))
     console.print(f"exported to {exported}", soft_wrap=True, highlight=False)
     return FINISHED
+
+
+def _memory(request: TrainingRequest, config: TrainingConfig) -> Memory | None:
+    """Return the memory of a training; StoreError if the store holds already what it would learn."""
+    mission = load_family(config.tasks[0].family, request.directories).mission
+    source = f"training {config.name}, seed {request.seed}"
+    memory = request.store.memory(expert_knowledge(mission, request.directories), f"training {config.name}", source)
+    if memory is not None and not request.resume:
+        memory.check_new()
+    return memory
 
 
 def check_installed(learner: str) -> dict[str, str]:

@@ -11,12 +11,15 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
+from selector.knowledge import Knowledge, load_knowledge
+from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.validation import CheckpointHistory, measured
@@ -37,13 +40,20 @@ class TrainingJob:
     """Seed of everything random."""
     folder: RunFolder
     """Directory of the training, which continues from the checkpoint there."""
-    on_progress: Callable[[int], None]
+    on_progress: Callable[[int], None] = lambda _: None
     """Called repeatedly with the number of decisions made."""
     directories: tuple[Path, ...] = ()
     """The user's own directories of configurations, searched before the shipped one."""
     record: RecordSettings | None = None
     """How the missions of validations are recorded, in a directory below that of the training; they are not unless
     given."""
+    memory: Memory | None = None
+    """The knowledge store, which gets the rewards if the training learns for it."""
+
+
+def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Knowledge:
+    """Return what experts say of the options of a mission; what missions taught is on another scale than rewards."""
+    return replace(load_knowledge(mission.knowledge, directories), learned={})
 
 
 class Training(ABC):

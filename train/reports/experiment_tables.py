@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats
-from train.analysis.bootstrap import Interval
 from train.analysis.report import Report
-from train.analysis.statistics import distance_metrics
+from train.analysis.statistics import Interval, distance_metrics
 from train.reports.text_table import EMPTY_CELL, Columns, Grid, Row, flat
 
 TITLES = {

@@ -1,15 +1,20 @@
-"""The tables of `clean-swarm knowledge`: all goals of a store, and one goal in detail."""
+"""The tables of what is known of options: of all goals of a store, of one goal in detail, and for one run."""
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from datetime import UTC, datetime
 
+import numpy as np
 from rich.table import Table
 
+from selector.knowledge import ENOUGH, Knowledge
 from selector.store import Key, StoredKnowledge, StoreError
 from selector.store.stored_knowledge import LearnedEntry
+from selector.strategies.problem import Problem
 from selforg.registry import unknown
-from train.reports.text_table import EMPTY_CELL
+from train.analysis.statistics import half_width
+from train.reports.text_table import EMPTY_CELL, Grid, flat
 
 
 def all_goals(contents: StoredKnowledge) -> Table:
@@ -48,6 +53,38 @@ def one_goal(contents: StoredKnowledge, goal: str) -> Table:
             table.add_row(*first, *row)
             first = ("", "", "")
     return table
+
+
+def learned_scores(knowledge: Knowledge, title: str, time_limit: float | None = None) -> Grid:
+    """Return a row for each option: score by the expert and learned, and which of them counts.
+
+    Args:
+        knowledge: the options, with what was learned of them.
+        title: of the table.
+        time_limit: of the mission [s], from which the cost of a mission follows; no cost unless given.
+
+    """
+    rows = []
+    for goal in knowledge.learned:
+        problem = Problem.of(knowledge, goal)
+        for k, option in enumerate(knowledge.options(goal)):
+            count, mean, variance = problem.rewards[:, k].tolist()
+            half = half_width(count, variance)
+            score = EMPTY_CELL if not count else _with_interval(mean, half, ".4f")
+            cost = EMPTY_CELL
+            if count and time_limit is not None:
+                cost = _with_interval((1.0 - mean) * time_limit, None if half is None else half * time_limit, ".1f")
+            counts = f"{problem.scores[k]:.4g} {'expert' if problem.scores[k] == option.score else 'learned'}"
+            taken = "taken" if k == int(np.argmax(problem.scores)) else ""
+            name = f"{goal}: {option.name}"
+            rows.append((name, f"{option.score:g}", f"{count:.0f}", score, cost, counts, taken))
+    heads = ("expert", "rewards", "learned, 95 %", "cost s, 95 %", "counts", "by MaxScore")
+    note = f"From {ENOUGH} rewards on their mean counts in place of the expert's score, before that the lower of both."
+    return replace(flat(title, "option", heads, rows), notes=(note,))
+
+
+def _with_interval(mean: float, half: float | None, form: str) -> str:
+    return f"{mean:{form}}" + ("" if half is None else f" [{mean - half:{form}}, {mean + half:{form}}]")
 
 
 def _learned(key: Key, entry: LearnedEntry) -> tuple[str, ...]:

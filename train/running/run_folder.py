@@ -18,6 +18,10 @@ MOST_STEM = 200
 """Length of the name of a directory; file systems allow 255, and a number may follow."""
 RECORDINGS = "recordings"
 """Directory of the recordings below a run folder."""
+LEARNED_BEFORE = "learned"
+"""Key of the manifest for what was known at the beginning."""
+CHOSEN_OPTIONS = "choices.jsonl"
+"""File with the options that served each mission of an evaluation that learned."""
 
 Json = dict[str, Any]
 
@@ -28,8 +32,11 @@ class RunFolder:
     Args:
         path: the directory; a missing one is made.
         manifest: content of `manifest.json`, with the mapping `identity`.
-        resume: whether to continue with the results in the directory.
+        resume: whether to continue with the results in the directory, and with what their manifest says was known.
         growing: name of a mapping in the identity that may get new entries each time; the manifest keeps all entries.
+
+    Attributes:
+        learned: goal -> option -> what was known of it from a knowledge store at the beginning.
 
     Raises:
         ConfigurationError: the directory has other files, or the same results without `resume`.
@@ -39,16 +46,18 @@ class RunFolder:
     def __init__(self, path: Path, manifest: Mapping[str, Any], *, resume: bool, growing: str = "") -> None:
         self.path = path
         content: Json = json.loads(json.dumps(manifest, allow_nan=False))  # as it is read later, with lists for tuples
-        identity = content["identity"]
+        identity, self.learned = content["identity"], content.get(LEARNED_BEFORE, {})
         if path.exists() and not path.is_dir():
             raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
         if path.exists():
             remove_parts(path)
         if path.exists() and any(path.iterdir()):
             held = self._claimed(identity, growing, resume=resume)
+            self.learned = held.get(LEARNED_BEFORE, {})
             if not growing:
                 return
-            identity[growing] = {**held[growing], **identity[growing]}
+            identity[growing] = {**held["identity"][growing], **identity[growing]}
+            content[LEARNED_BEFORE] = self.learned
         self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
 
     def write(self, name: str, content: str | bytes) -> None:
@@ -56,14 +65,16 @@ class RunFolder:
         write_whole(self.path / name, content if isinstance(content, bytes) else content.encode())
 
     def _claimed(self, identity: Mapping[str, Any], growing: str, *, resume: bool) -> Json:
-        """Return the identity in the manifest; ConfigurationError if it differs from `identity` or without `resume`."""
-        held = _identity(self.path)
-        if held is None:
-            raise ConfigurationError(f"{self.path}: holds other files; expected an empty or a new directory")
+        """Return the manifest there; ConfigurationError if its identity is not `identity`, or without `resume`."""
+        try:
+            held = read_manifest(self.path)
+        except ConfigurationError as error:
+            expected = "holds other files; expected an empty or a new directory"
+            raise ConfigurationError(f"{self.path}: {expected} ({error})") from error
         wanted = dict(identity)
-        if growing and isinstance(kept := held.get(growing), dict):
+        if growing and isinstance(kept := held["identity"].get(growing), dict):
             wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
-        different = _difference(held, wanted)
+        different = _difference(held["identity"], wanted)
         if different:
             raise ConfigurationError(f"{self.path}: holds other results: {different}")
         if not resume:
@@ -96,14 +107,6 @@ def read_manifest(directory: Path) -> Json:
     if not isinstance(content.get("identity"), dict):
         raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
     return content
-
-
-def _identity(directory: Path) -> Json | None:
-    """Return the identity in the manifest of a directory; None without one; ConfigurationError if it is damaged."""
-    if not (directory / MANIFEST).is_file():
-        return None
-    identity = read_json(directory / MANIFEST).get("identity")
-    return identity if isinstance(identity, dict) else None
 
 
 def _difference(held: object, wanted: object, key: str = "") -> str:

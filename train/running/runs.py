@@ -16,10 +16,14 @@ from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
+from selector.coordination.selection import BY_SCORE
 from selector.strategies.registry import StrategySpec
 
 WARM_UP_LIMIT = 300.0
 """Time limit of a mission that runs only to compile kernels [s]: by then robots have met and stores have grown."""
+
+HIGHEST_SCORE = 1e300
+"""Score of an option that is to be taken, above all others."""
 
 RunKey = tuple[str, str]
 """Scenario and condition."""
@@ -173,6 +177,14 @@ class RunTask:
         wall = round(time.perf_counter() - began, 3)
         return [RunRecord(self.experiment, self.scenario, self.seed, self.condition, result, wall)]
 
+    def knowing(self, learned: Mapping[str, Any]) -> "RunTask":
+        """Return the run that begins with what was learned of options, as a manifest holds it."""
+        return replace(self, mission=self.mission.beginning_with(learned))
+
+    def serving(self, options: Mapping[str, str]) -> "RunTask":
+        """Return the run in which `options` serve their goals all the time; goal -> option."""
+        return replace(self, scores=forcing(options), strategy=BY_SCORE)
+
     def beginning(self) -> "RunTask":
         """Return the run up to `WARM_UP_LIMIT`."""
         limit = min(self.mission.time_limit, WARM_UP_LIMIT)
@@ -181,6 +193,11 @@ class RunTask:
     def recorded(self, settings: RecordSettings) -> "RunTask":
         """Return the run with a recording."""
         return replace(self, record=settings)
+
+
+def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    """Return scores by which `options` serve their goals; goal -> option."""
+    return {goal: {option: HIGHEST_SCORE} for goal, option in options.items()}
 
 
 def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:

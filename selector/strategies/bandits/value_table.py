@@ -31,8 +31,9 @@ class ValueTable(DecisionStrategy):
     spreads: Floats  # (G, O) sum of squared deviations from the mean
 
     def _first_state(self) -> Arrays:
-        shape = (self.groups, self.options)
-        return {"counts": np.zeros(shape), "means": np.zeros(shape), "spreads": np.zeros(shape)}
+        count, mean, variance = self.problem.rewards
+        known = {"counts": count, "means": mean, "spreads": count * variance}
+        return {name: np.tile(values, (self.groups, 1)) for name, values in known.items()}
 
     def _ranges(self) -> dict[str, tuple[float, float]]:
         return {"counts": (0.0, LEARNED_LIMIT), "spreads": (0.0, LEARNED_LIMIT)}
@@ -43,9 +44,6 @@ class ValueTable(DecisionStrategy):
 
     def _opinions(self, decisions: Decisions) -> Floats:
         return self.estimates()[decisions.groups]
-
-    def _recall(self, count: Floats, mean: Floats, variance: Floats) -> None:
-        merge_rewards(self.counts, self.means, self.spreads, count, mean, count * variance)
 
     def _update(self, outcomes: Outcomes) -> None:
         place, shape = (outcomes.groups, outcomes.option), self.counts.shape

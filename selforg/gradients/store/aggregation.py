@@ -16,7 +16,7 @@ from selforg.gradients.store import columns as c
 from selforg.gradients.store.evaporation import evaporated_away, still_there
 from selforg.gradients.store.linking import remove
 from selforg.gradients.store.records import Store, open_store
-from selforg.grid import bucket_of, near_cells, whole
+from selforg.grid import bucket_of, near_cells
 from selforg.space import nearest_image, squared_length, wrapped
 
 
@@ -53,9 +53,9 @@ def replace_older(slot: int, first: int, rule: int, now: float, store: Words[Sto
     s = open_store(store)
     for removing in (False, True):
         for layer in range(first, first + c.UNBOUNDED + 1):
-            other = whole(s.layers[layer, c.LAYER_HEAD])
+            other = s.layers[layer, c.LAYER_HEAD]
             while other >= 0:
-                following = whole(s.marks[other, c.MARK_AFTER])
+                following = s.marks[other, c.MARK_AFTER]
                 alive = still_there(other, now, store)
                 same_source = s.marks[other, c.MARK_SOURCE] == s.marks[slot, c.MARK_SOURCE]
                 if alive and (rule != AGGREGATE_NEW_SOURCE or same_source):
@@ -79,20 +79,20 @@ def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
     x, y, z = s.near[slot, c.X], s.near[slot, c.Y], s.near[slot, c.Z]
     for level in range(c.UNBOUNDED + 1):
         layer = first + level
-        members = whole(s.layers[layer, c.LAYER_COUNT])
+        members = s.layers[layer, c.LAYER_COUNT]
         if members == 0:
             continue
         cells = -1
         if level < c.UNBOUNDED:
             cells = near_cells(x, y, z, radius, s.cells, level, float(members), s.window)
         for index in range(max(cells, 1)):
-            other = whole(s.layers[layer, c.LAYER_HEAD])
+            other = s.layers[layer, c.LAYER_HEAD]
             if cells == 0:
                 break
             if cells > 0:
-                other = whole(s.buckets[bucket_of(layer, int(s.window[index]), s.buckets)])
+                other = s.buckets[bucket_of(layer, int(s.window[index]), s.buckets)]
             while other >= 0:
-                following = whole(s.marks[other, c.MARK_AFTER] if cells < 0 else s.links[other, c.LINK_NEXT])
+                following = s.marks[other, c.MARK_AFTER] if cells < 0 else s.links[other, c.LINK_NEXT]
                 here = cells < 0 or (
                     s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == s.window[index]
                 )
@@ -110,7 +110,7 @@ def find_nearest(slot: int, first: int, now: float, store: Words[Store]) -> int:
 def older(one: int, other: int, store: Words[Store]) -> bool:
     """Return whether the gradient in slot `one` was stored before the one in slot `other`."""
     marks = open_store(store).marks
-    return (whole(marks[one, c.MARK_SERIAL]) - whole(marks[other, c.MARK_SERIAL])) % c.SERIALS > c.SERIALS // 2
+    return (int(marks[one, c.MARK_SERIAL]) - int(marks[other, c.MARK_SERIAL])) % c.SERIALS > c.SERIALS // 2
 
 
 @part

@@ -24,7 +24,7 @@ from selforg.gradients.store.records import (
     open_sight,
     open_store,
 )
-from selforg.grid import bucket_of, near_cells, whole
+from selforg.grid import bucket_of, near_cells
 from selforg.space import half_of, shortest
 
 IN_CACHE = 4096  # gradients: so few lie in the cache anyway, and prefetching costs more than it saves
@@ -56,7 +56,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[St
     for index in range(1, len(channels)):
         first = first_layer(int(channels[index]), space, store)
         for level in range(c.LEVELS):
-            members = whole(s.layers[first + level, c.LAYER_COUNT])
+            members = s.layers[first + level, c.LAYER_COUNT]
             looked_at = look.see & (c.SEE_MOVING if level == c.MOVING else c.SEE_STATIC)
             if members == 0 or found >= look.limit or looked_at == 0:
                 continue
@@ -94,11 +94,10 @@ def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Si
                     prefetch(s.near, slot)
                 here = s.links[slot, c.LINK_CELL] == cell and s.links[slot, c.LINK_LAYER] == layer
                 count += 1 if cells < 0 or here else 0
-                slot = whole(s.marks[slot, c.MARK_AFTER] if cells < 0 else s.links[slot, c.LINK_NEXT])
+                slot = s.marks[slot, c.MARK_AFTER] if cells < 0 else s.links[slot, c.LINK_NEXT]
             elif visited < number:
                 cell = int(s.window[visited])
-                head = s.layers[layer, c.LAYER_HEAD] if cells < 0 else s.buckets[bucket_of(layer, cell, s.buckets)]
-                slot = whole(head)
+                slot = s.layers[layer, c.LAYER_HEAD] if cells < 0 else s.buckets[bucket_of(layer, cell, s.buckets)]
                 visited += 1
             else:
                 break
@@ -116,7 +115,7 @@ def look_ahead(layer: int, cells: int, store: Words[Store]) -> None:
     """Prefetch the first gradient of the first `cells` of a window; most of a cell lies next to its first."""
     s = open_store(store)
     for index in range(cells):
-        slot = whole(s.buckets[bucket_of(layer, int(s.window[index]), s.buckets)])
+        slot = s.buckets[bucket_of(layer, int(s.window[index]), s.buckets)]
         if slot >= 0:
             prefetch(s.links, slot)
             prefetch(s.near, slot)
@@ -135,13 +134,12 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
     hearing = p.rows.shape[1] > c.ROW_HEARD
     if end - begin > CROWD and history == 0 and not hearing:  # cells know the newest poses only
         radius = max(look.margins[0], look.margins[1], look.margins[2]) + p.reach[team]
-        only = min(team, 0)  # 0; Numba would compile `near_cells` once more for a constant
-        cells = near_cells(look.x, look.y, look.z, radius, p.cells, only, float(end - begin), window)
+        cells = near_cells(look.x, look.y, look.z, radius, p.cells, 0, float(end - begin), window)
     for index in range(end - begin if cells < 0 else cells):
         cell = int(window[index]) if cells >= 0 else 0
-        other = int(p.members[begin + index]) if cells < 0 else whole(p.buckets[bucket_of(team, cell, p.buckets)])
+        other = int(p.members[begin + index]) if cells < 0 else p.buckets[bucket_of(team, cell, p.buckets)]
         while other >= 0 and found < look.limit:
-            here, other = other, (-1 if cells < 0 else whole(p.links[other, 0]))
+            here, other = other, (-1 if cells < 0 else p.links[other, 0])
             if here == row or (cells >= 0 and (p.links[here, 1] != cell or p.rows[here, c.ROW_TEAM] != team)):
                 continue
             newest = int(p.rows[row, c.ROW_HEARD + index]) if hearing else 0

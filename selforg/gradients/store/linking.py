@@ -11,7 +11,7 @@ from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Store, open_store
-from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of, whole
+from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of
 
 CELL_BITS = 30  # a cell number fits 32 bits with its sign; the axes share them
 
@@ -59,8 +59,8 @@ def space_of(row: int, rows: Ints, store: Words[Store]) -> int:
 def link(slot: int, store: Words[Store]) -> None:
     """Put `slot`, whose layer and cell are set, at the front of its bucket and at the end of its layer's list."""
     s = open_store(store)
-    layer = whole(s.links[slot, c.LINK_LAYER])
-    bucket = bucket_of(layer, whole(s.links[slot, c.LINK_CELL]), s.buckets)
+    layer = s.links[slot, c.LINK_LAYER]
+    bucket = bucket_of(layer, s.links[slot, c.LINK_CELL], s.buckets)
     s.links[slot, c.LINK_NEXT] = s.buckets[bucket]
     s.buckets[bucket] = slot
     tail = s.layers[layer, c.LAYER_TAIL]
@@ -78,8 +78,8 @@ def link(slot: int, store: Words[Store]) -> None:
 def unlink(slot: int, store: Words[Store]) -> None:
     """Take `slot` out of its bucket and its layer's list."""
     s = open_store(store)
-    layer = whole(s.links[slot, c.LINK_LAYER])
-    bucket = bucket_of(layer, whole(s.links[slot, c.LINK_CELL]), s.buckets)
+    layer = s.links[slot, c.LINK_LAYER]
+    bucket = bucket_of(layer, s.links[slot, c.LINK_CELL], s.buckets)
     after, before = s.marks[slot, c.MARK_AFTER], s.marks[slot, c.MARK_BEFORE]
     if s.buckets[bucket] == slot:
         s.buckets[bucket] = s.links[slot, c.LINK_NEXT]
@@ -129,16 +129,16 @@ def free_slot(slot: int, store: Words[Store]) -> None:
 def remove(slot: int, store: Words[Store]) -> None:
     """Delete the gradient in `slot`; older moving gradients of its source move up one rank."""
     s = open_store(store)
-    layer = whole(s.links[slot, c.LINK_LAYER])
+    layer = s.links[slot, c.LINK_LAYER]
     unlink(slot, store)
     if layer % c.LEVELS == c.MOVING:
         cell, rank = s.links[slot, c.LINK_CELL], s.marks[slot, c.MARK_RANK]
-        other = whole(s.buckets[bucket_of(layer, whole(cell), s.buckets)])
+        other = s.buckets[bucket_of(layer, cell, s.buckets)]
         while other >= 0:
             same = s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == cell
             if same and s.marks[other, c.MARK_RANK] > rank:
                 s.marks[other, c.MARK_RANK] -= 1
-            other = whole(s.links[other, c.LINK_NEXT])
+            other = s.links[other, c.LINK_NEXT]
     free_slot(slot, store)
 
 
@@ -159,9 +159,9 @@ def rebuild(store: Words[Store]) -> None:
     s = open_store(store)
     s.buckets[:] = -1
     for layer in range(len(s.layers)):
-        slot = whole(s.layers[layer, c.LAYER_HEAD])
+        slot = s.layers[layer, c.LAYER_HEAD]
         while slot >= 0:
-            bucket = bucket_of(layer, whole(s.links[slot, c.LINK_CELL]), s.buckets)
+            bucket = bucket_of(layer, s.links[slot, c.LINK_CELL], s.buckets)
             s.links[slot, c.LINK_NEXT] = s.buckets[bucket]
             s.buckets[bucket] = slot
-            slot = whole(s.marks[slot, c.MARK_AFTER])
+            slot = s.marks[slot, c.MARK_AFTER]

@@ -42,12 +42,11 @@ def index_poses(poses: Words[Poses]) -> None:
     if not crowded:
         return
     p.buckets[:] = -1
-    only = min(0, len(p.cells))  # 0; Numba would compile `cell_of` once more for a constant
     for row in range(len(p.rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
         team = int(p.rows[row, c.ROW_TEAM])
         if p.rows[row, c.ROW_POSES] == 0 or p.first[team + 1] - p.first[team] <= CROWD:
             continue
-        cell = cell_of(p.own[row, 0, c.X], p.own[row, 0, c.Y], p.own[row, 0, c.Z], p.cells, only)
+        cell = cell_of(p.own[row, 0, c.X], p.own[row, 0, c.Y], p.own[row, 0, c.Z], p.cells, 0)
         bucket = bucket_of(team, cell, p.buckets)
         p.links[row, 0] = p.buckets[bucket]
         p.links[row, 1] = cell

@@ -5,24 +5,10 @@ from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.aggregation import aggregate
-from selforg.gradients.store.evaporation import (
-    evaporate_whole_seconds,
-    evaporated_away,
-    start_evaporation,
-    still_there,
-)
-from selforg.gradients.store.linking import (
-    first_layer,
-    free_slot,
-    insert,
-    level_for,
-    link,
-    remove,
-    space_of,
-    take_slot,
-)
+from selforg.gradients.store.evaporation import evaporate_whole_seconds, evaporated_away, start_evaporation, still_there
+from selforg.gradients.store.linking import first_layer, free_slot, insert, level_for, link, remove, space_of, take_slot
 from selforg.gradients.store.records import Poses, Store, open_poses, open_store
-from selforg.grid import bucket_of, whole
+from selforg.grid import bucket_of
 
 SWEPT_PER_STORE = 2  # gradients checked for each one stored, so that evaporated ones are freed as fast as new ones come
 
@@ -94,21 +80,21 @@ def store_one(message: Floats, tag: Ints, now: float, store: Words[Store]) -> No
 def store_moving(slot: int, layer: int, store: Words[Store]) -> bool:
     """Link a moving gradient as the newest of its source; if it is not newer than the last one, return False."""
     s = open_store(store)
-    source = whole(s.marks[slot, c.MARK_SOURCE])
+    source = s.marks[slot, c.MARK_SOURCE]
     bucket = bucket_of(layer, source, s.buckets)
-    other = whole(s.buckets[bucket])
+    other = s.buckets[bucket]
     while other >= 0:
         same = s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == source
         if same and s.marks[other, c.MARK_RANK] == 0:
             if s.far[slot, c.FAR_STAMP] <= s.far[other, c.FAR_STAMP]:
                 return False
             break
-        other = whole(s.links[other, c.LINK_NEXT])
+        other = s.links[other, c.LINK_NEXT]
     if s.history == 0:
         return False
-    other = whole(s.buckets[bucket])
+    other = s.buckets[bucket]
     while other >= 0:
-        following = whole(s.links[other, c.LINK_NEXT])
+        following = s.links[other, c.LINK_NEXT]
         if s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == source:
             s.marks[other, c.MARK_RANK] += 1
             if s.marks[other, c.MARK_RANK] >= s.history:
@@ -124,9 +110,9 @@ def sweep(layer: int, now: float, store: Words[Store]) -> None:
     """Look at the next SWEPT_PER_STORE gradients of a layer and delete those that evaporated away."""
     s = open_store(store)
     for _ in range(SWEPT_PER_STORE):
-        slot = whole(s.layers[layer, c.LAYER_SWEEP])
+        slot = s.layers[layer, c.LAYER_SWEEP]
         if slot < 0:
-            slot = whole(s.layers[layer, c.LAYER_HEAD])
+            slot = s.layers[layer, c.LAYER_HEAD]
             if slot < 0:
                 return
         s.layers[layer, c.LAYER_SWEEP] = s.marks[slot, c.MARK_AFTER]
@@ -140,9 +126,9 @@ def evaporate_space(space: int, now: float, store: Words[Store]) -> None:
     for channel in range(len(s.rules)):
         first = first_layer(channel, space, store)
         for layer in range(first, first + c.LEVELS):
-            slot = whole(s.layers[layer, c.LAYER_HEAD])
+            slot = s.layers[layer, c.LAYER_HEAD]
             while slot >= 0:
-                following = whole(s.marks[slot, c.MARK_AFTER])
+                following = s.marks[slot, c.MARK_AFTER]
                 if s.whole_seconds:
                     evaporate_whole_seconds(slot, now, store)
                 if still_there(slot, now, store) and evaporated_away(slot, store):
@@ -158,5 +144,5 @@ def clear_space(space: int, store: Words[Store]) -> None:
         first = first_layer(channel, space, store)
         for layer in range(first, first + c.LEVELS):
             while s.layers[layer, c.LAYER_HEAD] >= 0:
-                remove(whole(s.layers[layer, c.LAYER_HEAD]), store)
+                remove(s.layers[layer, c.LAYER_HEAD], store)
             s.layers[layer, c.LAYER_SWEEP] = -1

@@ -32,12 +32,7 @@ open_decision_rule = DECISION_RULE.open
 
 @lean_kernel
 def decide_rows(
-    now: float,
-    rows: Ints,
-    sight: Words[Sight],
-    deciding: Words[DecisionRule],
-    poses: Words[Poses],
-    store: Words[Store],
+    now: float, rows: Ints, sight: Words[Sight], deciding: Words[DecisionRule], poses: Words[Poses], store: Words[Store]
 ) -> int:
     """Write value, state and whether there is a decision for `rows` (R,) into those rows of `deciding`.
 

@@ -54,12 +54,7 @@ SHORTEST_TIME = 1e-6
 
 @kernel
 def olfati_saber(
-    count: int,
-    velocity: Floats,
-    avoidance_distance: float,
-    gradient: Floats,
-    consensus: Floats,
-    flock: Words[Flock],
+    count: int, velocity: Floats, avoidance_distance: float, gradient: Floats, consensus: Floats, flock: Words[Flock]
 ) -> None:
     """Add gradient term and velocity consensus over `count` boids to (3,) each; algorithm 1."""
     f = open_flock(flock)

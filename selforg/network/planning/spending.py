@@ -117,8 +117,7 @@ def _without_spending(problem: PlanningProblem, spent: Sequence[Spent]) -> Plann
     slots = {number.slot for number in spent}
     actions = (
         replace(
-            action,
-            effects=tuple(e for e in action.effects if not (isinstance(e, ChangeNumber) and e.number in slots)),
+            action, effects=tuple(e for e in action.effects if not (isinstance(e, ChangeNumber) and e.number in slots))
         )
         for action in problem.actions
     )

@@ -13,15 +13,7 @@ from selforg.compiler.records import Words
 from selforg.network.model.packed import PackedModel, open_model
 from selforg.network.state import state as st
 from selforg.network.state.state import RowStates, open_states
-from selforg.network.step.scratch import (
-    EITHER,
-    NEGATIVE,
-    POSITIVE,
-    WISH_LESS,
-    WISH_MORE,
-    Scratch,
-    open_scratch,
-)
+from selforg.network.step.scratch import EITHER, NEGATIVE, POSITIVE, WISH_LESS, WISH_MORE, Scratch, open_scratch
 
 
 @inlined

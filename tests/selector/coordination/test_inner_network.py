@@ -1,5 +1,7 @@
 """A network inside a behaviour of a robot's document: it senses, decides and acts while the behaviour runs."""
 
+import copy
+
 import numpy as np
 import pytest
 import yaml
@@ -129,6 +131,19 @@ def test_robots_are_alone_as_in_company():
         readings(alone, wanted[:1], 9.0)
         many, one = together.tick(0.2 * step), alone.tick(0.2 * step)
         np.testing.assert_array_equal(many.vectors[:1], one.vectors)
+
+
+def test_a_copy_made_in_the_middle_goes_on_like_the_original():
+    original, _ = robots_of()
+    readings(original, [1, 1, 0], 9.0)
+    original.tick(0.2)
+    duplicate, before = copy.deepcopy(original), running(original)
+    readings(duplicate, [0, 1, 1], 9.0)
+    vectors = duplicate.tick(0.4).vectors.copy()
+    assert running(original) == before != running(duplicate)
+    readings(original, [0, 1, 1], 9.0)
+    np.testing.assert_array_equal(original.tick(0.4).vectors, vectors)
+    assert running(original) == running(duplicate)
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 import yaml
 
+from selector.configurations.host import Host
 from selector.coordination.robot_document import load_network, network_from
+from selector.coordination.robots import CoordinatedRobots
 from selector.documents.errors import DocumentError
+from selforg.gradients.poses import OwnPoses
 from selforg.network.model.activators import Boolean, Linear
 from selforg.network.model.behaviours import NetworkSettings, Weights
 from selforg.network.model.conditions import Condition, Conjunction, Negation, Optional
-from selforg.network.nesting import NestedNetwork
+from selforg.space import Euclidean
 
 TEXT = """
 root: robot
@@ -70,12 +73,13 @@ def test_a_file_becomes_the_model_it_describes(tmp_path):
 
 
 def test_what_a_file_describes_runs():
-    nested = NestedNetwork(network_from(content()), 2)
-    nested.network.readings[:] = [[1.0, 4.0], [0.0, 4.0]]
-    nested.step()
-    found = {"/".join(path): rows.tolist() for path, rows in nested.running()}
-    assert found == {"Approach": [0], "Search": [1], "Approach/Detour": [0]}
-    np.testing.assert_array_equal(nested.inner["Approach"].network.readings, [[4.0], [0.0]])
+    robots = CoordinatedRobots([], Host(OwnPoses(Euclidean(2), 2), {}), network=network_from(content()))
+    robots.network.readings[:] = [[1.0, 4.0], [0.0, 4.0]]
+    robots.tick(0.2)
+    (approach,) = robots.inner
+    assert robots.network.executing.tolist() == [[1, 0], [0, 1]]
+    assert approach.network.executing.tolist() == [[0, 1], [0, 0]]  # Straight, Detour
+    np.testing.assert_array_equal(approach.network.readings, [[4.0], [0.0]])
 
 
 @pytest.mark.parametrize(

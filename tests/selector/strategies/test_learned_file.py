@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -175,8 +176,8 @@ def test_what_was_learned_goes_through_a_store_of_knowledge(tmp_path):
     store = KnowledgeStore(f"sqlite:///{tmp_path / 'knowledge.sqlite'}")
     store.add(batch, source="test")
     known = store.estimates("Goal", PROBLEM.options)
-    later = made("GaussianThompson")
-    later.recall(known.count[0], known.mean[0], known.variance[0])
+    rewards = np.array([known.count[0], known.mean[0], known.variance[0]])
+    later = made("GaussianThompson", problem=replace(PROBLEM, rewards=rewards))
     for key, value in strategy.learned().items():
         np.testing.assert_allclose(later.learned()[key], value, atol=1e-5)  # the store rounds rewards to 2^-24
     store.close()

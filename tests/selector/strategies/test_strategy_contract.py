@@ -1,5 +1,7 @@
 """What holds for every registered strategy, whoever wrote it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -233,15 +235,15 @@ def test_no_rows_no_decisions(fresh):
     same(before, strategy.state_dict())
 
 
-def test_what_a_store_knows_is_taken_or_refused(fresh):
-    strategy, other = fresh(), fresh()
-    count, mean, variance = np.array([4, 0, 1, 9]), np.array([1.0, 7.0, -1.0, 0.5]), np.array([0.25, 3.0, 0.0, 1.0])
-    if not isinstance(strategy, ValueTable):
-        with pytest.raises(ValueError, match="keeps no count and mean"):
-            strategy.recall(count, mean, variance)
-        same(strategy.state_dict(), other.state_dict())
+REWARDS = np.array([[4, 0, 1, 9], [1.0, 7.0, -1.0, 0.5], [0.25, 3.0, 0.0, 1.0]])  # count, mean, variance
+
+
+def test_what_a_store_knows_is_where_a_strategy_begins(fresh):
+    strategy, other = fresh(replace(PROBLEM, rewards=REWARDS)), fresh()
+    if not isinstance(strategy, ValueTable):  # the scores that count are then all it knows
+        told = fresh(replace(PROBLEM, scores=strategy.problem.scores))
+        same(strategy.state_dict(), told.state_dict())
         return
-    strategy.recall(count, mean, variance)
     for group in range(other.groups):
         rows = np.flatnonzero(other.group_of == group)[:1].repeat(14)
         option = np.repeat([0, 2, 3], [4, 1, 9])
@@ -251,12 +253,11 @@ def test_what_a_store_knows_is_taken_or_refused(fresh):
         np.testing.assert_allclose(value, other.learned()[key], atol=1e-12)
 
 
-def test_what_a_store_cannot_know_is_refused(fresh):
-    strategy, zeros = fresh(), np.zeros(4)
-    with pytest.raises(ValueError, match=r"mean: expected shape \(4,\), got \(3,\)"):
-        strategy.recall(zeros, zeros[:3], zeros)
-    with pytest.raises(ValueError, match="no negative count"):
-        strategy.recall(zeros - 1, zeros, zeros)
+def test_what_a_store_knows_is_not_forgotten(fresh):
+    strategy, new = fresh(replace(PROBLEM, rewards=REWARDS)), fresh(replace(PROBLEM, rewards=REWARDS))
+    live(strategy, contexts())
+    strategy.forget(np.arange(strategy.groups))
+    same(strategy.learned(), new.learned())
 
 
 ALL = np.ones((ROWS, 4), dtype=bool)

@@ -157,6 +157,15 @@ def test_move_and_turn_command_what_their_source_says(buffer):
     assert commands.in_place.tolist() == [False, True, True]
 
 
+def test_a_move_adds_the_movement_of_another_mechanism(buffer):
+    away, towards = (asked(MovementSource(kind(buffer))) for kind in (RepulsionGradient, FollowAll))
+    commands = Commands.none(3, 2)
+    Move(away, plus=towards).act(1.0, ALL, ALL, commands)
+    assert np.array_equal(commands.vectors, away.vectors + towards.vectors)
+    assert not np.array_equal(commands.vectors, away.vectors)
+    assert np.array_equal(commands.commanded, away.active | towards.active)
+
+
 def test_a_depositing_mechanism_deposits_when_all_movements_are_known(buffer):
     trail = Pheromone("trail", -1, 1.0, 0.9, 30.0)
     move = Move(asked(MovementSource(Patrol(buffer, pheromone=trail, channels=("trail",)))))

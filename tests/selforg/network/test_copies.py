@@ -7,7 +7,6 @@ import pickle
 import numpy as np
 import pytest
 
-from selforg.network.nesting import NestedModel, NestedNetwork
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
 from tests.selforg.network.cleaning import cleaning_model, wandering
@@ -21,19 +20,12 @@ def readings():
 
 
 def everything(network):
-    owners = [network] if isinstance(network, BehaviourNetwork) else [network.network, *of_inner(network)]
-    arrays = [array for owner in owners for array in (*owner.state.packed.record, *owner.plans.packed.record[1:])]
-    return [array.copy() for array in arrays]
-
-
-def of_inner(nested):
-    return [network for inner in nested.inner.values() for network in (inner.network, *of_inner(inner))]
+    return [array.copy() for array in (*network.state.packed.record, *network.plans.packed.record[1:])]
 
 
 def live(network, course):
-    outer = network if isinstance(network, BehaviourNetwork) else network.network
     for now in course:
-        outer.readings[:] = now
+        network.readings[:] = now
         network.step()
     return everything(network)
 
@@ -52,13 +44,8 @@ def explained():
     return BehaviourNetwork(cleaning_model(), ROWS, explained=True)
 
 
-def nested():
-    inner = NestedModel(cleaning_model())
-    return NestedNetwork(NestedModel(cleaning_model(), {"Patrol": inner, "Avoid": inner}), ROWS, planned=True)
-
-
 @pytest.mark.parametrize("way", WAYS, ids=["deepcopy", "pickle"])
-@pytest.mark.parametrize("make", [planned, explained, nested])
+@pytest.mark.parametrize("make", [planned, explained])
 def test_a_copy_made_in_the_middle_goes_on_like_the_original(make, way):
     course = readings()
     original = make()
@@ -71,11 +58,10 @@ def test_a_copy_made_in_the_middle_goes_on_like_the_original(make, way):
 
 
 @pytest.mark.parametrize("way", WAYS, ids=["deepcopy", "pickle"])
-@pytest.mark.parametrize("make", [planned, nested])
-def test_a_copy_goes_on_when_the_original_is_gone(make, way):
+def test_a_copy_goes_on_when_the_original_is_gone(way):
     course = readings()
-    expected = live(make(), course)
-    original = make()
+    expected = live(planned(), course)
+    original = planned()
     live(original, course[:BEFORE])
     duplicate = way(original)
     del original

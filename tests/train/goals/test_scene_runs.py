@@ -154,6 +154,6 @@ def test_a_goal_runs_by_another_expert_knowledge():
 
 
 def test_expert_knowledge_that_does_not_cover_a_goal_names_those_that_it_does():
-    result = call("CircleFormation", "--knowledge", "original")
+    result = call("CircleFormation", "--knowledge", "cleaning")
     assert isinstance(result.exception, ConfigurationError)
-    assert "original.yaml: unknown goal 'CircleFormation'" in str(result.exception)
+    assert "cleaning.yaml: unknown goal 'CircleFormation'" in str(result.exception)

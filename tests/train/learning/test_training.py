@@ -133,8 +133,9 @@ def test_the_exported_policy_decides_as_the_trained_one(tmp_path):
 
 def test_learned_scores_go_to_the_knowledge_store(tmp_path):
     config = written(tmp_path, "bandit", checkpoints=1, validation={"scenarios": 1, "every": 1})
-    finish(command("bandit", config, tmp_path / "run", "--store", str(tmp_path / "store.sqlite")))
+    kept = ("--store", str(tmp_path / "store.sqlite"))
+    finish(command("bandit", config, tmp_path / "run", *kept, "--learn"))
     store = KnowledgeStore(str(tmp_path / "store.sqlite"))
     learned = store.contents().learned
-    assert {key.source for key in learned} == {"tiny-seed5"}
+    assert {(key.context, key.source) for key in learned} == {("training tiny", "training tiny, seed 5")}
     assert sum(entry.moments.count for entry in learned.values()) > 10

@@ -47,10 +47,7 @@ def environment() -> Any:  # noqa: ANN401  (the library is optional and untyped 
 
 
 def to_unified(
-    problem: PlanningProblem,
-    facts: npt.NDArray[np.bool_],
-    numbers: npt.NDArray[np.float64],
-    goals: Sequence[int],
+    problem: PlanningProblem, facts: npt.NDArray[np.bool_], numbers: npt.NDArray[np.float64], goals: Sequence[int]
 ) -> Any:  # noqa: ANN401
     """Return a `unified_planning.model.Problem`: this start, these goals together, the sum of costs minimised.
 

@@ -1,0 +1,31 @@
+"""Knowledge of a mission: that of the experts, and what was learned in missions of its name."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from clean_swarm_env.config.mission import MissionConfig
+from selector.knowledge import Knowledge, load_knowledge
+
+
+def knowledge_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> Knowledge:
+    """Return the expert knowledge that a mission names, with what it has learned, and with what its store knows now.
+
+    Raises:
+        DocumentError: there is no such knowledge or store, or they do not fit.
+
+    """
+    known = load_knowledge(mission.knowledge, directories).with_learned(mission.learned)
+    if not mission.store:
+        return known
+    from selector.store import KnowledgeStore  # imports SQLAlchemy, which takes long
+
+    store = KnowledgeStore(mission.store, create=False)
+    try:
+        return known.with_learned(store.contents().scores(known, mission_context(mission.name)))
+    finally:
+        store.close()
+
+
+def mission_context(name: str) -> str:
+    """Return the context under which a store keeps the scores of missions of a name."""
+    return f"mission {name}"

@@ -1,0 +1,91 @@
+"""A training begins with the rewards that a knowledge store holds of its name, and gives back its own."""
+
+import json
+import shutil
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from clean_swarm_env.config.load import load_family
+from selector.documents.arrays import load_arrays
+from selector.knowledge import load_knowledge
+from selector.store import KnowledgeStore, RewardSums
+from tests.train.learning.trainings import written
+from train.cli import app as cli
+
+STRATEGY = {"name": "UCB1", "parameters": {"prior": 0.0}}
+BANDIT = {"strategy": STRATEGY, "credit": {"hold": 5.0, "horizon": 10.0}}
+
+
+@pytest.fixture
+def train(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    config = written(tmp_path, "bandit", bandit=BANDIT, checkpoints=1, validation={"scenarios": 1}, decisions=200)
+
+    def call(*words):
+        given = ["clean-swarm", "train", "bandit", "--config", str(config), *map(str, words)]
+        monkeypatch.setattr(sys, "argv", given)
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        return int(ended.value.code or 0), capsys.readouterr().err
+
+    return call
+
+
+def counts(directory):
+    """Option -> number of rewards that the strategy of a training counts in the end."""
+    arrays, description = load_arrays(directory / "strategy.safetensors")
+    return dict(zip(description["options"], arrays["counts"][0].tolist(), strict=True))
+
+
+def held(context="training tiny"):
+    store = KnowledgeStore("s.sqlite", create=False)
+    learned = store.contents().scores(store.knowledge(), context).get("AvoidCollision", {})
+    store.close()
+    return {name: one.count for name, one in learned.items()}
+
+
+def test_counts_and_means_go_on_where_another_training_ended(train, tmp_path):
+    assert train("--store", "s.sqlite", "--learn", "--output", "a")[0] == 0
+    first = {name: count for name, count in counts(tmp_path / "a").items() if count}
+    assert held() == first
+    shutil.copy("s.sqlite", "before.sqlite")
+    assert train("--store", "s.sqlite", "--learn", "--seed", 1, "--output", "b")[0] == 0
+    both = {name: count for name, count in counts(tmp_path / "b").items() if count}
+    assert held() == both
+    assert sum(both.values()) > sum(first.values())
+    known = json.loads((tmp_path / "b/manifest.json").read_text())["learned"]["AvoidCollision"]
+    assert {name: one["count"] for name, one in known.items()} == first
+    assert train("--store", "before.sqlite", "--seed", 1, "--output", "c")[0] == 0
+    assert (tmp_path / "c/strategy.safetensors").read_bytes() == (tmp_path / "b/strategy.safetensors").read_bytes()
+
+
+def test_the_same_training_is_not_learned_again_and_missions_do_not_mix_in(train, tmp_path):
+    assert train("--store", "s.sqlite", "--learn", "--output", "a")[0] == 0
+    before = held()
+    code, err = train("--store", "s.sqlite", "--learn", "--output", "b")
+    assert code == 2
+    assert "s.sqlite: holds what 'training tiny, seed 0' learned already" in err
+    assert held() == before
+    options = [option.name for option in load_knowledge("avoidance").options("AvoidCollision")]
+    sums = RewardSums("AvoidCollision", options)
+    sums.record(np.arange(len(options)), np.ones(len(options)), "mission random")
+    store = KnowledgeStore("other.sqlite")
+    store.add(sums, source="missions")
+    store.close()
+    assert train("--store", "other.sqlite", "--output", "c")[0] == 0
+    assert (tmp_path / "c/strategy.safetensors").read_bytes() == (tmp_path / "a/strategy.safetensors").read_bytes()
+
+
+def test_a_family_that_names_a_store_is_refused(train, tmp_path):
+    family = load_family("random").model_dump(mode="json")
+    family["mission"]["store"] = "s.sqlite"
+    (tmp_path / "f.yaml").write_text(yaml.safe_dump(family))
+    config = yaml.safe_load((tmp_path / "bandit.yaml").read_text())
+    config["tasks"][0]["family"] = str(tmp_path / "f.yaml")
+    (tmp_path / "bandit.yaml").write_text(yaml.safe_dump(config))
+    code, err = train("--output", "a")
+    assert code == 2
+    assert "family random: mission.store: expected none in a training, see --store" in err

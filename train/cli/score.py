@@ -1,0 +1,58 @@
+"""`clean-swarm score`: run the options of goals, and keep what they cost in a knowledge store."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clean_swarm_env.config.errors import ConfigurationError
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, check_whole, wide_console
+from train.running.exit_codes import FINISHED
+
+Names = Annotated[
+    list[str],
+    typer.Argument(
+        help="Families, experiments or goals; a name is looked for in this order, a path is that of a family or an "
+        "experiment.",
+        metavar="FAMILY|EXPERIMENT|GOAL...",
+    ),
+]
+
+
+def score_command(
+    names: Names,
+    store: Annotated[
+        str | None, typer.Option(help="URL or file of the knowledge store; the one of `knowledge` unless given.")
+    ] = None,
+    scenarios: Annotated[int | None, typer.Option(help="Missions of each option; as in the file unless given.")] = None,
+    runs: Annotated[int, typer.Option(help="Runs of each option of a goal in its scene.")] = 20,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    knowledge: Annotated[
+        str | None, typer.Option(help="Expert knowledge of a family or goal, in place of its own.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    configs: Configs = None,
+) -> None:
+    """Run every option of each goal on the same scenarios and keep its scores, with their counts and spreads."""
+    check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--runs": (runs, 1, MOST_SCENARIOS)})
+    check_whole({"--workers": (workers, 1, MOST_WORKERS), "--seed": (seed, 0, MOST_SEED)})
+    if output is not None and len(names) > 1:
+        raise ConfigurationError(f"--output: expected one name, got {len(names)}")
+    from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
+    from train.evaluation.scoring import ScoreRequest, score_scene, scored_missions
+    from train.running.runs import usable_cpus
+
+    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console())
+    for name in names:
+        request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()))
+        evaluations = scored_missions(request)
+        if not evaluations:
+            score_scene(request, execution.console)
+        for evaluation in evaluations:
+            code = pipeline.evaluate(evaluation, execution)
+            if code != FINISHED:
+                raise typer.Exit(code)
