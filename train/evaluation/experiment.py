@@ -12,7 +12,6 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
-from clean_swarm_env.config.needs import needs_of
 from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.cleaning_robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
@@ -30,6 +29,7 @@ from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.reports.write_report import Publication
+from train.running.estimate import needs_of
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE

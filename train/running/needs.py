@@ -6,7 +6,7 @@ from pathlib import Path
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.needs import PROCESS, needs_of
+from train.running.estimate import PROCESS, needs_of
 
 LONGEST = 7 * 86_400.0
 """Longest estimated time of a command [s]: nobody waits longer without knowing."""

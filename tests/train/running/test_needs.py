@@ -4,8 +4,8 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.needs import needs_of
 from train.running import needs
+from train.running.estimate import needs_of
 from train.running.needs import Machine, Workload, check_needs
 
 LARGE = {"world": {"width": 1000.0, "height": 1000.0}, "robots": {"count": 2000}}
