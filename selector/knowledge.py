@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Name, NonNegative, Number
+from selector.documents.fields import Closed, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import find_file
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
@@ -22,13 +22,13 @@ ENOUGH = 5
 class Option(Closed):
     """One way to serve a goal: a configuration, and values for its parameters."""
 
-    configuration: Name
+    configuration: Label
     """Key of the configuration in the library."""
     score: Number
     """How well the option serves the goal, by the expert [-]; the option of the highest score is taken."""
-    parameters: dict[Name, Any] = Field(default_factory=dict)
+    parameters: dict[Label, Any] = Field(default_factory=dict)
     """Values that override the parameters of the configuration."""
-    name: Name = ""
+    name: Label = ""
     """Name, unique among the options of a goal; the key of the configuration unless given."""
 
     @model_validator(mode="before")
@@ -67,7 +67,7 @@ class _KnowledgeFile(Closed):
     @model_validator(mode="after")
     def _unique_names(self) -> Self:
         for goal, options in self.goals.items():
-            names = [option.name for option in options]
+            names = [checked_name(option.name, f"goals.{goal}: name") for option in options]
             for name in names:
                 if names.count(name) > 1:
                     raise ValueError(f"goals.{goal}: option {name!r} is given twice")

@@ -1,6 +1,10 @@
 """How well the messages of robots reach the others: range, message loss, memory."""
 
-from selector.documents.fields import Closed, Flag, NonNegative, Positive, Share
+from typing import Annotated
+
+from pydantic import Field
+
+from selector.documents.fields import Closed, Flag, Positive, Share
 
 EVERYWHERE = 1e9
 """Range of a message that all robots receive [m]."""
@@ -13,7 +17,7 @@ class DeliveryConfig(Closed):
     """Farthest receiver of a message [m]."""
     loss: Share = 0.0
     """Probability that a receiver misses a message, drawn for each receiver [-]."""
-    pose_memory: NonNegative = 1.0
+    pose_memory: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=3600.0)] = 1.0
     """Time for which a robot keeps the last pose it received from another one [s]."""
     own_contents: Flag = False
     """Whether each robot stores by itself what it receives even if nothing is ever lost; it costs time."""

@@ -9,15 +9,15 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE
-from clean_swarm_env.config.types import Count, Index, Point, Pose
+from clean_swarm_env.config.types import ArrivalRate, Index, Items, Point, Pose, Robots
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, NonNegative, Positive, Share
+from selector.documents.fields import Closed, Positive, Share
 
 
 class At(Closed):
     """The base class of events: their time."""
 
-    at: NonNegative
+    at: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1e7)]
     """Time of the event in the mission [s]."""
 
 
@@ -26,7 +26,7 @@ class Join(At):
 
     do: Literal["join"]
     """What happens."""
-    robots: Count = 1
+    robots: Robots = 1
     """Number of robots that join."""
     places: tuple[Pose, ...] = ()
     """x [m], y [m] and heading [rad] of the first robots; the others begin at random free places."""
@@ -61,7 +61,7 @@ class Land(At):
 
     do: Literal["land"]
     """What happens."""
-    items: Count
+    items: Annotated[Items, Field(ge=1)]
     """Number of items, at random places."""
 
 
@@ -70,7 +70,7 @@ class Respawn(At):
 
     do: Literal["respawn"]
     """What happens."""
-    rate: NonNegative
+    rate: ArrivalRate
     """Items that arrive in a minute from now on, at random times and places [1/min]."""
 
 

@@ -5,10 +5,10 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.types import Count
+from clean_swarm_env.config.types import Scenarios
 from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Number
+from selector.documents.fields import Closed, Label, Name, Number
 from selector.strategies.registry import StrategySpec
 
 ConditionScores = dict[str, dict[str, Number]]
@@ -17,13 +17,13 @@ ConditionScores = dict[str, dict[str, Number]]
 class ConditionConfig(Closed):
     """One condition: the scores and the strategy of missions of an experiment."""
 
-    name: str
+    name: Name
     """Name of the condition in all results."""
     scores: ConditionScores = Field(default={})
     """Goal -> option -> score, in place of those of the expert knowledge (so a mechanism can be forced)."""
     strategy: StrategySpec = BY_SCORE
     """Strategy that decides in every decision period which options serve the goals."""
-    measured: str | None = None
+    measured: Label | None = None
     """Name under which a file of start configurations holds the figures measured for this condition."""
 
 
@@ -39,7 +39,7 @@ class PublishedFigures(Closed):
 class ExperimentConfig(Closed):
     """A mission, the conditions to compare on it and their start configurations."""
 
-    name: str
+    name: Name
     """Name of the experiment."""
     description: str = ""
     """What the experiment shows, in one sentence."""
@@ -49,7 +49,7 @@ class ExperimentConfig(Closed):
     """The conditions; each one runs on every start configuration."""
     starts: tuple[StartConfiguration, ...] = ()
     """The start configurations; random ones if empty."""
-    scenarios: Count = 30
+    scenarios: Scenarios = 30
     """Number of random start configurations when there are no given ones."""
     reference: PublishedFigures | None = None
     """Figures to print beside ours."""

@@ -6,6 +6,7 @@ batch of worlds can hold them.
 """
 
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal, Self
 
@@ -16,9 +17,9 @@ from clean_swarm_env.config.events import Event
 from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_events, random_stations
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
-from clean_swarm_env.config.types import Count, Index
-from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Positive
+from clean_swarm_env.config.types import Items, Length, Point, Robots, Scenarios
+from selector.documents.errors import DocumentError, impossible, validated
+from selector.documents.fields import Closed, Name
 
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")
@@ -52,17 +53,17 @@ class Scenario:
 class FamilyConfig(Closed):
     """A family of scenarios: a mission, and the ranges of the draws for each scenario."""
 
-    name: str
+    name: Name
     """Name of the family."""
     description: str
     """Particulars of its scenarios, in one sentence."""
     mission: MissionConfig = MissionConfig()
     """The mission; a scenario changes what is drawn."""
-    sizes: tuple[tuple[Positive, Positive], ...] = ()
+    sizes: Annotated[tuple[tuple[Length, Length], ...], Field(max_length=1000)] = ()
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
-    robots: tuple[Count, Count] = (5, 5)
+    robots: tuple[Robots, Robots] = (5, 5)
     """Least and largest number of robots at the start."""
-    items: tuple[Index, Index] = (10, 10)
+    items: tuple[Items, Items] = (10, 10)
     """Least and largest number of items at the start."""
     respawn: Span = (0.0, 0.0)
     """Least and largest rate at which garbage keeps coming [1/min]."""
@@ -72,7 +73,7 @@ class FamilyConfig(Closed):
     """The events that are drawn."""
     starts: tuple[StartConfiguration, ...] = ()
     """Start configurations of the split "test", taken in turn; random ones if empty, as in the split "train"."""
-    scenarios: Annotated[int, Field(strict=True, ge=1)] = 100
+    scenarios: Scenarios = 100
     """Number of scenarios of an evaluation."""
 
     @model_validator(mode="after")
@@ -85,6 +86,7 @@ class FamilyConfig(Closed):
             counts = {len(getattr(start, name)) for start in self.starts}
             if counts and counts != set(getattr(self, name)):
                 raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
+        self._check_tori()
         self.scenario(0, 0, "train")  # refuse a family now if it has no possible scenario
         return self
 
@@ -104,6 +106,25 @@ class FamilyConfig(Closed):
         return Scenario(f"{split}-{index + 1}", own, mission, start)
 
     @property
+    def largest(self) -> MissionConfig:
+        """The mission with the most robots and items, on the first torus and without events."""
+        return self._largest_on(self.tori[0])
+
+    def _check_tori(self) -> None:
+        """Raise the error of the first torus on which the largest team or the given stations do not fit."""
+        for size in self.tori:
+            try:
+                self._largest_on(size)
+            except DocumentError as error:
+                where = "sizes" if self.sizes else "mission"
+                raise ValueError(f"{where}: {error}") from error
+
+    def _largest_on(self, size: tuple[float, float]) -> MissionConfig:
+        stations, garbage = self.mission.stations, {"count": self.items[1], "respawn": self.respawn[1]}
+        places = (stations.recycling, stations.dump) if self.stations == "given" else ((0.0, 0.0), (0.0, 0.0))
+        return self._made(size, self.robots[1] + self.changes.most_joining, garbage, places, ())
+
+    @property
     def tori(self) -> tuple[tuple[float, float], ...]:
         """Width and height of every torus that scenarios may have [m], each once."""
         return tuple(dict.fromkeys(self.sizes or ((self.mission.world.width, self.mission.world.height),)))
@@ -119,17 +140,30 @@ class FamilyConfig(Closed):
         if self.stations == "random":
             recycling, dump = random_stations((width, height), rng)
         events = draw_events(self.changes, (width, height), robots, base.time_limit, rng)
+        garbage = {"count": items, "respawn": respawn}
+        return self._made((width, height), robots, garbage, (recycling, dump), events)
+
+    def _made(
+        self,
+        size: tuple[float, float],
+        robots: int,
+        garbage: dict[str, Any],
+        places: tuple[Point, Point],
+        events: Sequence[dict[str, Any]],
+    ) -> MissionConfig:
+        """Return the mission on a torus of a `size` [m] with stations at `places` [m]; DocumentError if impossible."""
+        base, rows = self.mission, self.robots[1] + self.changes.most_joining
         parts: dict[str, dict[str, Any]] = {
-            "world": {"width": width, "height": height},
-            "robots": {"count": robots, "capacity": self.robots[1] + self.changes.most_joining},
-            "garbage": {"count": items, "respawn": respawn, "capacity": self._item_rows},
-            "stations": {"recycling": recycling, "dump": dump},
+            "world": {"width": size[0], "height": size[1]},
+            "robots": {"count": robots, "capacity": rows},
+            "garbage": {**garbage, "capacity": self._item_rows},
+            "stations": {"recycling": places[0], "dump": places[1]},
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
         own_contents = base.own_contents or "deliver" in self.changes.kinds
         delivery = {**base.delivery.model_dump(), "own_contents": own_contents}
         whole = {**base.model_dump(), **merged, "name": self.name, "events": events, "delivery": delivery}
-        return MissionConfig.model_validate(whole)
+        return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m")
 
     @property
     def _item_rows(self) -> int:

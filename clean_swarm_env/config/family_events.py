@@ -1,17 +1,19 @@
 """Random events of a family of scenarios."""
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from clean_swarm_env.config.starts import nearest_distance
-from clean_swarm_env.config.types import Index, Point
+from clean_swarm_env.config.types import ArrivalRate, Items, Point
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, NonNegative, Positive, Share
+from selector.documents.fields import Closed, Positive, Share
 
 Change = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
-Span = tuple[NonNegative, NonNegative]
+Span = tuple[ArrivalRate, ArrivalRate]
+Changes = Annotated[int, Field(strict=True, ge=0, le=1000)]
+"""Events of a scenario; more of them would hardly differ in time."""
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
 STATION_GAP = 2.0
@@ -21,11 +23,11 @@ STATION_GAP = 2.0
 class ChangesConfig(Closed):
     """Number, kinds and sizes of the events of a scenario."""
 
-    number: tuple[Index, Index] = (0, 0)
+    number: tuple[Changes, Changes] = (0, 0)
     """Least and largest number of events."""
     kinds: tuple[Change, ...] = ()
     """Kinds of events, all equally likely."""
-    items: tuple[Index, Index] = (5, 5)
+    items: tuple[Items, Items] = (5, 5)
     """Least and largest number of items that land at a time."""
     respawn: Span = (0.0, 6.0)
     """Least and largest rate at which garbage keeps coming after a change [1/min]."""

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import shown, validated
+from selector.documents.fields import checked_name
 from selector.documents.find import find_file, load_file
 from selector.documents.reading import read_mapping
 
@@ -46,8 +46,9 @@ def _resolved(path: Path, directories: Sequence[Path]) -> dict[str, Any]:
     """Return the content of an experiment or a family, with the named mission and starts read into it."""
     content = read_mapping(path)
     content["mission"] = _mission_of(content.get("mission", {}), path, directories)
-    if isinstance(content.get("starts"), str):
-        starts = read_mapping(find_file("starts", content["starts"], directories, f"{shown(path)}: starts: "))
+    if isinstance(given := content.get("starts"), str):
+        name = checked_name(given, f"{shown(path)}: starts")
+        starts = read_mapping(find_file("starts", name, directories, f"{shown(path)}: starts: "))
         content["starts"] = starts.get("starts")
     return content
 
@@ -55,11 +56,10 @@ def _resolved(path: Path, directories: Sequence[Path]) -> dict[str, Any]:
 def _mission_of(given: object, path: Path, directories: Sequence[Path]) -> object:
     """Return the content of an experiment's mission: a name, or changes laid over the mission named `base`."""
     if isinstance(given, str):
-        return load_mission(given, directories, f"{shown(path)}: mission: ").model_dump()
+        name = checked_name(given, f"{shown(path)}: mission")
+        return load_mission(name, directories, f"{shown(path)}: mission: ").model_dump()
     if isinstance(given, dict) and "base" in given:
-        base = given["base"]
-        if not isinstance(base, str):
-            raise ConfigurationError(f"{shown(path)}: mission.base: expected the name of a mission, got {base!r}")
+        base = checked_name(given["base"], f"{shown(path)}: mission.base")
         changes = {key: value for key, value in given.items() if key != "base"}
         return with_changes(load_mission(base, directories, f"{shown(path)}: mission.base: ").model_dump(), changes)
     return given

@@ -24,10 +24,10 @@ from clean_swarm_env.config.events import (
 )
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.stations import StationsConfig
-from clean_swarm_env.config.types import Count, Index, Point, Pose
+from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds
 from clean_swarm_env.config.world import WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.knowledge import LearnedScores, learned_from
 
 RANDOM_ITEMS = 40
@@ -37,11 +37,11 @@ RANDOM_ITEMS = 40
 class RobotConfig(Closed):
     """Body, drive and pose gradient of each robot."""
 
-    count: Count = 5
+    count: Robots = 5
     """Number of robots at the start."""
     capacity: Index = 0
     """Number of robots for which there is room in memory, over the whole mission; 0: as many as the events need."""
-    radius: Positive = 0.25
+    radius: Length = 0.25
     """Radius of the disc [m]."""
     max_speed: Positive = 1.0
     """Largest speed along the heading [m/s]."""
@@ -64,11 +64,11 @@ class RobotConfig(Closed):
 class GarbageConfig(Closed):
     """The items and how near a robot must be to see or take one."""
 
-    count: Annotated[int, Field(strict=True, ge=0)] = 10
+    count: Items = 10
     """Number of items at the start."""
-    respawn: NonNegative = 0.0
+    respawn: ArrivalRate = 0.0
     """Items that arrive in a minute, at random times and places; above 0 a mission lasts its time limit [1/min]."""
-    capacity: Index = 0
+    capacity: Items = 0
     """Most items lying or carried at a time, further ones are lost; 0: as needed, at least 40 with respawn."""
     diffusion: NonNegative = 1.0
     """Diffusion of an item's attractive gradient [m]."""
@@ -112,7 +112,7 @@ class PatrolConfig(Closed):
 class StartConfiguration(Closed):
     """Places of robots and items at the start of a mission."""
 
-    id: str
+    id: Name
     """Name of the scenario, unique among those of an experiment."""
     robots: Annotated[tuple[Pose, ...], Field(min_length=1)]
     """(N, 3) x [m], y [m] and heading [rad] of each robot."""
@@ -128,7 +128,7 @@ class StartConfiguration(Closed):
 class MissionConfig(Closed):
     """One cleaning mission: it ends when all items are dumped or the time is over."""
 
-    name: str = "cleaning"
+    name: Name = "cleaning"
     """Name of the mission."""
     world: WorldConfig = WorldConfig()
     """The torus and its physics."""
@@ -144,17 +144,17 @@ class MissionConfig(Closed):
     """The behaviour network."""
     delivery: DeliveryConfig = DeliveryConfig()
     """The delivery of messages among the robots."""
-    events: tuple[Event, ...] = ()
+    events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
     """The events of the mission."""
-    time_limit: Positive = 3000.0
+    time_limit: Seconds = 3000.0
     """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
     collision_cost: NonNegative = 2.0
     """Price of a collision event at the first distance in the cost of a mission [s]."""
-    collision_distances: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.55, 1.0)
+    collision_distances: Annotated[tuple[Length, ...], Field(min_length=1, max_length=10)] = (0.55, 1.0)
     """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
-    decision_period: Positive = 1.0
+    decision_period: Seconds = 1.0
     """Time between two decisions of the selector [s]; a whole multiple of the control period."""
-    knowledge: str = "cleaning"
+    knowledge: DocumentName = "cleaning"
     """Name of the expert knowledge file."""
     store: str = ""
     """URL or path of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
@@ -176,6 +176,10 @@ class MissionConfig(Closed):
         if round(periods) < 1 or abs(periods - round(periods)) > 1e-9:
             expected = f"a whole multiple of the control period {1.0 / world.control_rate:g} s"
             raise impossible("decision_period", expected, self.decision_period)
+        if self.time_limit * world.control_rate < 1.0:
+            raise impossible(
+                "time_limit", f"at least one control period, {1.0 / world.control_rate:g} s", self.time_limit
+            )
         fitting = robots_that_fit(world, robots.radius)
         if world.contacts == "solid" and robots.count > fitting:
             room = f"{world.width:g} m x {world.height:g} m"

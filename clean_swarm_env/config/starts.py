@@ -15,8 +15,9 @@ from pydantic import Field, model_validator
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import Point
-from selector.documents.errors import impossible, validated_json
+from selector.documents.errors import impossible, shown, validated
 from selector.documents.fields import Closed, Positive
+from selector.documents.reading import read_json
 from selforg.arrays import Floats
 from selforg.space import Torus
 
@@ -118,20 +119,13 @@ class StartsFile(Closed, extra="ignore"):
         width, height = self.torus_m
         world = mission.world.model_copy(update={"width": width, "height": height})
         stations = mission.stations.model_copy(update={"recycling": self.recycling, "dump": self.dump})
-        return MissionConfig.model_validate(
-            {**mission.model_dump(), "world": world.model_dump(), "stations": stations.model_dump()}
-        )
+        parts = {"world": world.model_dump(), "stations": stations.model_dump()}
+        return validated(MissionConfig, {**mission.model_dump(), **parts}, "the mission on the torus of this file")
 
 
 def load_starts(path: Path) -> StartsFile:
     """Read a JSON file of start configurations; a file that cannot be used raises ConfigurationError."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ConfigurationError(f"{path}: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise ConfigurationError(f"{path}: expected JSON text in UTF-8") from error
-    return validated_json(StartsFile, text, str(path))
+    return validated(StartsFile, read_json(path), shown(path))
 
 
 def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfig:
@@ -154,4 +148,4 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
                 )
     counts = {"robots": {"count": len(robots)}, "garbage": {"count": len(start.items)}}
     parts = {name: {**getattr(mission, name).model_dump(), **change} for name, change in counts.items()}
-    return MissionConfig.model_validate({**mission.model_dump(), **parts})
+    return validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}")

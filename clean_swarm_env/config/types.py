@@ -1,4 +1,4 @@
-"""Types that all models of the configuration share."""
+"""Types that all models of the configuration share, with their bounds and the reasons for these."""
 
 from typing import Annotated
 
@@ -6,7 +6,25 @@ from pydantic import Field
 
 from selector.documents.fields import Number
 
-Count = Annotated[int, Field(strict=True, ge=1)]
-Index = Annotated[int, Field(strict=True, ge=0)]
+Count = Annotated[int, Field(strict=True, ge=1, le=10_000_000)]
+"""A number of steps of learning; a day has room for some millions."""
+Robots = Annotated[int, Field(strict=True, ge=1, le=10_000)]
+"""Robots of one world; ten thousand take some gigabytes where delivery is not ideal, since each knows the others."""
+Index = Annotated[int, Field(strict=True, ge=0, le=10_000)]
+"""Number of a robot, from 0; or a number of robots or events that may be 0."""
+Items = Annotated[int, Field(strict=True, ge=0, le=100_000)]
+"""Items of one world; a robot looks for the nearest among those in sight."""
+Scenarios = Annotated[int, Field(strict=True, ge=1, le=10_000)]
+"""Missions of an evaluation; intervals of ten thousand are narrower than any model is true."""
+WorldCount = Annotated[int, Field(strict=True, ge=1, le=10_000)]
+"""Worlds side by side."""
+Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-3, le=1e4)]
+"""A size [m], from a millimetre to ten kilometres, which a robot crosses in a simulated day."""
+Rate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.01, le=10_000.0)]
+"""Steps per second [Hz]; a mission of a thousand steps a second is slower than the real one."""
+Seconds = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=1e7)]
+"""A time in a mission [s], up to four months."""
+ArrivalRate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=10_000.0)]
+"""Items that arrive in a minute [1/min]; robots cannot clean a hundredth of it."""
 Point = tuple[Number, Number]
 Pose = tuple[Number, Number, Number]

@@ -5,30 +5,36 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
+from clean_swarm_env.config.types import Length, Rate
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, Positive
+from selector.documents.fields import Closed
 
 MAX_COVERED_SHARE = 0.45
 """Largest share of the torus that solid discs may cover [-]; random sequential placement ends at 0.547."""
+
+MOST_STEPS = 1000
+"""Physics steps of a control period, between which nobody can interrupt a mission."""
 
 
 class WorldConfig(Closed):
     """The torus and its physics."""
 
-    width: Positive = 11.0
+    width: Length = 11.0
     """Length of the torus along x [m]."""
-    height: Positive = 11.0
+    height: Length = 11.0
     """Length of the torus along y [m]."""
     contacts: Literal["solid", "pass_through"] = "solid"
     """Whether robots are solid, or drive through each other as in the paper's simulator."""
-    physics_rate: Positive = 20.0
+    physics_rate: Rate = 20.0
     """Physics steps per second, which is also the sampling rate of collisions [Hz]."""
-    control_rate: Positive = 5.0
+    control_rate: Rate = 5.0
     """Decisions of every robot per second [Hz]; the physics rate is a whole multiple of it."""
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Self:
         ratio = self.physics_rate / self.control_rate
+        if ratio > MOST_STEPS:
+            raise impossible("physics_rate", f"at most {MOST_STEPS} steps in a control period", self.physics_rate)
         if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
             expected = f"a rate that divides physics_rate {self.physics_rate:g} Hz into whole steps"
             raise impossible("control_rate", expected, self.control_rate)

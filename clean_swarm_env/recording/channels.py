@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.recording.stepping import WholeNumbers, round_values, take_differences
 
-LARGEST_NUMBER: Final = 2**30 - 1
+LARGEST_WHOLE: Final = 2**30 - 1
 """Largest whole number that a channel holds; what is beyond is kept as this number."""
 MILLI: Final = 1000
 """Steps of a metre, of a radian, and of the numbers of a network."""
@@ -56,7 +56,7 @@ class Channel:
             return flat.astype(np.int32)
         whole = np.empty(flat.shape, dtype=np.int32)
         numbers = np.ascontiguousarray(flat, dtype=np.float64)
-        round_values(numbers.reshape(-1), float(self.scale), LARGEST_NUMBER, whole.reshape(-1))
+        round_values(numbers.reshape(-1), float(self.scale), LARGEST_WHOLE, whole.reshape(-1))
         return whole
 
     def values(self, whole: WholeNumbers) -> AnyArray:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.recording.channels import Channel, unpacked_frames
-from clean_swarm_env.recording.file import HEAD, CLOSING, blocks_of
+from clean_swarm_env.recording.file import CLOSING, HEAD, blocks_of
 from clean_swarm_env.recording.stepping import WholeNumbers
 from selforg.arrays import Floats
 from selforg.registry import unknown

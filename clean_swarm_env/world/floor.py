@@ -16,10 +16,13 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
-from clean_swarm_env.world.garbage import NOTHING, Garbage
+from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
 from selforg.arrays import Floats, Ints, Lasting, together
 from selforg.compiler.records import Packed
+
+SAME_PLACE = 1e-6
+"""Distance below which the gradients of two items may have become one [m]; a buffer tells farther ones apart."""
 
 
 class Floor:
@@ -121,6 +124,14 @@ class Floor:
         rows, items = self.packed.record.picked[:count].T
         worlds = rows // self.robots
         return worlds, self.garbage.positions[worlds, items]
+
+    def left_at(self, worlds: Ints, places: Floats) -> tuple[Ints, Floats]:
+        """Return worlds (K,) and places (K, 2) [m] of the items that lie where others were: `worlds` and `places`."""
+        apart = np.abs(self.garbage.positions[worlds] - places[:, None])  # (P, M, 2)
+        apart = np.minimum(apart, self.extent - apart)
+        lying = self.garbage.stage[worlds] == LYING
+        which, items = np.nonzero(lying & (apart.max(axis=2) < SAME_PLACE))
+        return worlds[which], self.garbage.positions[worlds[which], items]
 
     def move(self, orders: Packed[Orders], now: float) -> None:
         """Move the robots by their orders for one control period, and count collisions meanwhile."""

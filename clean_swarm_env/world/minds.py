@@ -206,11 +206,11 @@ class Minds:
         for inner in self._inner:
             inner.reset(rows)
 
-    def show_items(self, world: int, positions: Floats, now: float) -> None:
-        """Store the gradients of items that lie at `positions` (M, 2) [m] of a world from now on."""
+    def show_items(self, worlds: int | Ints, positions: Floats, now: float) -> None:
+        """Store the gradients of items that lie at `positions` (M, 2) [m] of one world, or of `worlds` (M,)."""
         garbage = self._garbage
         self.items.store_static(
-            np.full(len(positions), world),
+            np.broadcast_to(worlds, len(positions)),
             ITEMS,
             positions,
             now,

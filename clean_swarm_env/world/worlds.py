@@ -162,6 +162,9 @@ class Worlds:
             picked = handle_cargo_in_reach(floor.packed.words, minds.packed.words, self.team.working)
         if picked:
             minds.hide_items(*floor.picked(picked), now)
+            still_there = floor.left_at(*floor.picked(picked))
+            if len(still_there[0]):
+                minds.show_items(*still_there, now)
         if self._steered is None:
             minds.act(floor.packed, now)
             minds.leave(now)

@@ -31,6 +31,7 @@ from typing import Any
 
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
+from selector.coordination.named_conditions import InPlace, known_conditions
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robot_vocabulary import Coordinators, InnerNetworkSpec, NetworkSpec
 from selector.documents.errors import DocumentError, shown, validated
@@ -39,6 +40,9 @@ from selector.documents.parameters import Content, check_parameters_used, resolv
 from selector.documents.reading import read_mapping
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.registry import unknown
+
+MOST_NETWORKS = 50
+"""Networks of a robot, each counted wherever it stands; each costs a robot its own state and some milliseconds."""
 
 
 class NetworksSpec(Closed):
@@ -89,7 +93,9 @@ def network_from(
     except DocumentError as error:
         raise DocumentError(f"{where}: {error}") from error
     file = validated(NetworksSpec, filled, where)
-    return _Nesting(file.networks, where, coordinators or {}, settings).of(file.root, {}, ())
+    nesting = _Nesting(file.networks, where, coordinators or {}, settings)
+    nesting.check(file.root)
+    return nesting.of(file.root, {}, ())
 
 
 def coordinated_goals(path: Path) -> tuple[str, ...]:
@@ -117,10 +123,8 @@ class _Nesting:
         if name not in self.networks:
             raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
         where = f"{self.file}: networks.{name}"
-        if name in path:
-            raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
-        named = _named(self.networks[name], outside, where)
-        content = _in_place(self.networks[name], named, where)
+        named = known_conditions(self.networks[name], outside, where)
+        content = InPlace(named).content(self.networks[name], where)
         spec = validated(InnerNetworkSpec, content, where) if path else validated(NetworkSpec, content, where)
         inner = {b: held.network for b, held in spec.behaviours.items() if held.network is not None}
         held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
@@ -135,52 +139,19 @@ class _Nesting:
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
 
-
-def _named(content: Content, outside: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return the conditions that a network knows by name, its own and those of the networks around it."""
-    own = content.get("conditions", {})
-    if not isinstance(own, dict):
-        raise DocumentError(f"{where}.conditions: expected a mapping, got {own!r}")
-    for name, condition in own.items():
-        if name in outside and outside[name] != condition:
-            raise DocumentError(f"{where}.conditions.{name}: means something else in a network around this one")
-    return {**outside, **own}
-
-
-def _in_place(content: Content, named: Mapping[str, Any], where: str) -> Content:
-    """Return the content with every name of a condition replaced by the condition."""
-    filled = dict(content)
-    for section, key in (("behaviours", "preconditions"), ("goals", "conditions")):
-        parts = content.get(section)
-        if isinstance(parts, dict):
-            filled[section] = {
-                name: _resolve_in(part, key, named, f"{where}.{section}.{name}.{key}") for name, part in parts.items()
-            }
-    own = content.get("conditions")
-    if isinstance(own, dict):
-        filled["conditions"] = {
-            name: _resolved(condition, named, f"{where}.conditions.{name}", (name,)) for name, condition in own.items()
-        }
-    return filled
-
-
-def _resolve_in(part: Any, key: str, named: Mapping[str, Any], where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
-    if not (isinstance(part, dict) and isinstance(part.get(key), list)):
-        return part
-    return {**part, key: [_resolved(condition, named, where) for condition in part[key]]}
-
-
-def _resolved(condition: Any, named: Mapping[str, Any], where: str, path: tuple[str, ...] = ()) -> Any:  # noqa: ANN401
-    """Return a condition with the names in it replaced; `path` are the named conditions around it."""
-    if isinstance(condition, str):
-        if condition not in named:
-            raise DocumentError(f"{where}: {unknown('condition', condition, sorted(named))}")
-        if condition in path:
-            raise DocumentError(f"{where}: conditions must not contain each other: {' > '.join((*path, condition))}")
-        return _resolved(named[condition], named, where, (*path, condition))
-    if isinstance(condition, dict) and "of" in condition:
-        below = condition["of"]
-        if isinstance(below, list):
-            return {**condition, "of": [_resolved(part, named, where, path) for part in below]}
-        return {**condition, "of": _resolved(below, named, where, path)}
-    return condition
+    def check(self, root: str) -> None:
+        """Raise DocumentError, before any is built, for networks that hold each other in a circle or without end."""
+        waiting: list[tuple[str, tuple[str, ...]]] = [(root, ())]
+        number = 0
+        while waiting:
+            name, path = waiting.pop()
+            number += 1
+            where = f"{self.file}: networks.{name}"
+            if name in path:
+                raise DocumentError(f"{where}: networks must not hold each other: {' > '.join((*path, name))}")
+            if number > MOST_NETWORKS:
+                raise DocumentError(f"{where}: expected at most {MOST_NETWORKS} networks inside each other, got more")
+            behaviours = self.networks.get(name, {}).get("behaviours")
+            held = behaviours.values() if isinstance(behaviours, dict) else ()
+            inside = [b["network"] for b in held if isinstance(b, dict) and isinstance(b.get("network"), str)]
+            waiting += [(other, (*path, name)) for other in reversed(inside)]

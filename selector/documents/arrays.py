@@ -11,6 +11,7 @@ import safetensors
 import safetensors.numpy
 
 from selector.documents.errors import DocumentError, shown
+from selector.documents.reading import json_value
 from selector.documents.writing import write_whole
 
 Arrays = dict[str, npt.NDArray[Any]]
@@ -34,9 +35,10 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
     try:
         with safetensors.safe_open(path, framework="numpy") as file:
             arrays = {name: np.array(file.get_tensor(name)) for name in file.keys()}  # noqa: SIM118  (not a mapping)
-            description = json.loads((file.metadata() or {}).get(DESCRIPTION, "null"))
-    except (OSError, safetensors.SafetensorError, json.JSONDecodeError) as error:
-        raise DocumentError(f"{shown(path)}: cannot be read ({' '.join(str(error).split())})") from error
+            text = (file.metadata() or {}).get(DESCRIPTION, "null")
+    except (OSError, safetensors.SafetensorError, TypeError, ValueError, KeyError) as error:  # by what is damaged
+        raise DocumentError(f"{shown(path)}: cannot be read ({error})") from error
+    description = json_value(text, shown(path))
     if not isinstance(description, dict):
         raise DocumentError(f"{shown(path)}: expected a description of what the file holds, got none")
     return arrays, description

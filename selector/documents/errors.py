@@ -2,24 +2,27 @@
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from selector.documents.plain import plain, short
 from selforg.registry import unknown
 
 M = TypeVar("M", bound=BaseModel)
 IMPOSSIBLE = "impossible"
 """Type of errors whose key is not known to pydantic but stands in their context."""
-MAX_SHOWN = 60
-"""Characters of a given value that an error shows."""
 
 
 class DocumentError(ValueError):
-    """A file, a key or a name cannot be used; the message is one line for the user."""
+    """A file, a key or a name cannot be used; the message is one line of plain text, whatever it quotes."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(plain(message))
 
 
 def validated(model: type[M], content: object, where: str) -> M:
@@ -31,14 +34,6 @@ def validated(model: type[M], content: object, where: str) -> M:
     """
     try:
         return model.model_validate(content)
-    except ValidationError as error:
-        raise DocumentError(one_line(error, where, model)) from error
-
-
-def validated_json(model: type[M], text: str, where: str) -> M:
-    """Return a JSON text as a model, as `validated` does with content."""
-    try:
-        return model.model_validate_json(text)
     except ValidationError as error:
         raise DocumentError(one_line(error, where, model)) from error
 
@@ -61,6 +56,15 @@ def one_line(error: ValidationError, where: str, model: type[BaseModel]) -> str:
     return f"{where}: {f'{key}: ' if key else ''}{what}"
 
 
+@contextmanager
+def within(where: str) -> Iterator[None]:
+    """Let every DocumentError begin with `where`, the file or the key that led to what is wrong."""
+    try:
+        yield
+    except DocumentError as error:
+        raise DocumentError(f"{where}: {error}") from error
+
+
 def shown(path: Path) -> str:
     """Return `path` as a user in the working directory would write it."""
     relative = os.path.relpath(path)
@@ -78,14 +82,12 @@ def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str,
 
 def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
     """Return what is wrong, without the key."""
-    kind, given = details["type"], repr(details["input"])
+    kind = details["type"]
     if kind == "extra_forbidden":
         known = _known_keys(model, details["loc"][:-1])
         return unknown("key", str(details["loc"][-1]), known) if known else "unknown key"
     if kind == "missing":
         return "missing key" if isinstance(details["loc"][-1], str) else "missing value"
-    if kind == "json_invalid":
-        return f"expected JSON: {details['ctx']['error']}"
     if kind == "value_error":  # raised by a validator of the model, with a text of its own
         return str(details["ctx"]["error"])
     message = re.sub(r"^(Input should be|\w+ should have)", "expected", details["msg"]).removesuffix(
@@ -93,7 +95,7 @@ def _what(details: ErrorDetails, model: type[BaseModel]) -> str:
     )
     if kind == IMPOSSIBLE:
         return message
-    return f"{message}, got {given if len(given) <= MAX_SHOWN else given[:MAX_SHOWN] + '...'}"
+    return f"{message}, got {short(details['input'])}"
 
 
 def _known_keys(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:

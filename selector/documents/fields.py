@@ -1,15 +1,72 @@
 """Types of the fields of document models; they are strict: no type is converted to another."""
 
+import os
+import re
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
+from selector.documents.errors import DocumentError, one_line
+from selector.documents.plain import short
+
+LARGEST_NUMBER = 1e9
+"""Largest absolute value of any number; squares and products of such numbers are still exact to a millionth."""
+SMALLEST = 1e-9
+"""Smallest positive number; quotients of numbers within these bounds are finite."""
+MOST_LETTERS = 100
+"""Length of a name; names of files are made of several."""
+MOST_STORED = 120
+"""Length of a text in a knowledge store: four of them fit into an index of PostgreSQL."""
+
+
+def _not_tiny(number: float) -> float:
+    if number < SMALLEST:
+        raise ValueError(f"expected at least {SMALLEST:g}, got {number:g}")
+    return number
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
+NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=LARGEST_NUMBER)]
+Positive = Annotated[
+    float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=LARGEST_NUMBER), AfterValidator(_not_tiny)
+]
 Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1.0)]
-Name = Annotated[str, Field(strict=True, min_length=1)]
 Flag = Annotated[bool, Field(strict=True)]
+
+
+def _named(name: str) -> str:
+    if not re.fullmatch(r"\w([\w\-. ]*\w)?", name) or len(name) > MOST_LETTERS:
+        ends = "beginning and ending with a letter, a digit or _"
+        raise ValueError(f"expected up to {MOST_LETTERS} letters, digits and -_. {ends}, got {short(name)}")
+    return name
+
+
+def _no_relative_path(named: str) -> str:
+    return _no_controls(named) if os.path.isabs(named) else _NAME.validate_python(named)
+
+
+def _no_controls(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError(f"expected printable characters, got {short(text)}")
+    return text
+
+
+Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_named)]
+"""Name of anything: letters, digits and `-_. `, so that it can stand in the name of a file, a table and a message."""
+DocumentName = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
+"""Name of another document, or its absolute path; a relative path would depend on where the program was started."""
+Label = Annotated[str, Field(strict=True, min_length=1, max_length=MOST_STORED), AfterValidator(_no_controls)]
+"""Text that a knowledge store keeps: options, contexts and sources of programs other than ours."""
+
+_NAME: TypeAdapter[str] = TypeAdapter(Name)
+
+
+def checked_name(given: object, where: str) -> str:
+    """Return a name that no model checks; DocumentError, which begins with `where`, for anything else."""
+    try:
+        return _NAME.validate_python(given)
+    except ValidationError as error:
+        raise DocumentError(one_line(error, where, Closed)) from error
 
 
 class Closed(BaseModel):

@@ -62,7 +62,7 @@ def find_file(kind: str, name: str, directories: Sequence[Path] = (), where: str
     """
     given = _path(kind, name)
     if given is not None:
-        if not given.is_file():
+        if not _is_file(given):
             raise DocumentError(f"{where}{name}: no such file")
         return given
     found = files_of(kind, directories)
@@ -102,11 +102,19 @@ def roots(directories: Sequence[Path] = ()) -> list[Path]:
     return [*directories, SHIPPED]
 
 
+def _is_file(path: Path) -> bool:
+    """Return whether a path is that of a file; one that no file can have is not."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def _path(kind: str, name: str) -> Path | None:
     """Return `name` as a path; None if `name` is not a path but the name of a file in the folder of its kind."""
     ending = KINDS[kind].ending
     if ending.startswith("/"):
         path = Path(name + ending)
-        return path if os.sep in name or path.is_file() else None
+        return path if os.sep in name or _is_file(path) else None
     endings = (".yaml", ".yml") if ending == ".yaml" else (ending,)
     return Path(name) if os.sep in name or name.endswith(endings) else None

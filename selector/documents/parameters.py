@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
 
 from selector.documents.errors import DocumentError
+from selector.documents.plain import short
 from selforg.registry import unknown
 
 Content: TypeAlias = dict[str, Any]
@@ -25,7 +26,7 @@ def declared_parameters(content: Content) -> Content:
     """Return the parameters that a document declares, with their own values."""
     declared = content.get("parameters", {})
     if not isinstance(declared, dict):
-        raise DocumentError(f"parameters: expected a mapping, got {declared!r}")
+        raise DocumentError(f"parameters: expected a mapping, got {short(declared)}")
     return declared
 
 
@@ -45,9 +46,8 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -
             raise DocumentError(f"{where}: {unknown('parameter', key, sorted(base))}")
         below = base[key]
         if isinstance(below, Mapping) is not isinstance(value, Mapping):
-            raise DocumentError(
-                f"{where}.{key}: expected {'a mapping' if isinstance(below, Mapping) else 'a value'}, got {value!r}"
-            )
+            expected = "a mapping" if isinstance(below, Mapping) else "a value"
+            raise DocumentError(f"{where}.{key}: expected {expected}, got {short(value)}")
         merged[key] = laid_over(below, value, f"{where}.{key}") if isinstance(below, Mapping) else value
     return merged
 

@@ -1,9 +1,13 @@
 """Writing files whole or not at all."""
 
+import errno
 import os
 from pathlib import Path
 
 from selector.documents.errors import DocumentError, shown
+
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Numbers of the errors of a full disk, which is nobody's mistake: they stay an OSError."""
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -11,6 +15,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
     Raises:
         DocumentError: the file cannot be written.
+        OSError: the disk is full.
 
     """
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -25,4 +30,27 @@ def write_whole(path: Path, content: bytes) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        raise DocumentError(f"{shown(path)}: cannot be written ({error})") from error
+        if error.errno in DISK_FULL:
+            raise
+        raise DocumentError(f"{shown(path)}: cannot be written ({error.strerror or error})") from error
+
+
+def remove_parts(directory: Path) -> None:
+    """Remove the parts of files in a directory whose writers were killed; parts of living processes stay."""
+    for part in directory.glob(".*.part"):
+        maker = part.name.split(".")[-2]
+        if maker.isdecimal() and not _lives(int(maker)):
+            part.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    """Return whether a process runs; True where this cannot be known."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)  # sends nothing
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AwareDatetime, Field, PlainSerializer, StringConstraints
 
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Name
-from selector.documents.reading import as_yaml, read_mapping
+from selector.documents.fields import Closed, Label
+from selector.documents.reading import as_yaml, read_json, read_mapping
 from selector.knowledge import Option, believed, knowledge_from
 from selector.store.errors import StoreError
 from selector.store.exact_sums import Moments
@@ -29,7 +29,7 @@ class _Expert(Option):
 
     position: Annotated[int, Field(strict=True, ge=0, lt=2**31)]
     """Place among the options of its goal."""
-    source: Name
+    source: Label
     """Source of the option."""
     updated: Time
     """Time at which it was given (ISO 8601)."""
@@ -38,13 +38,13 @@ class _Expert(Option):
 class _Learned(Closed):
     """Sums of the rewards of one option of one goal in one context from one source."""
 
-    goal: Name
+    goal: Label
     """The goal that the option serves."""
-    option: Name
+    option: Label
     """Name of the option."""
     context: Annotated[str, Field(strict=True)]
     """Key of the context; empty for none."""
-    source: Name
+    source: Label
     """Source of the rewards."""
     updated: Time
     """Time of the last update (ISO 8601)."""
@@ -63,7 +63,7 @@ class _Document(Closed):
     """Kind of the file."""
     version: Literal[1]
     """Version of this format."""
-    expert: dict[Name, tuple[_Expert, ...]]
+    expert: dict[Label, tuple[_Expert, ...]]
     """Options by goal."""
     learned: tuple[_Learned, ...]
     """Learned entries."""
@@ -153,31 +153,7 @@ def knowledge_text(contents: StoredKnowledge, context: str, where: str) -> str:
 def read(path: Path, source: str) -> StoredKnowledge:
     """Return the contents of a file: an exported store, or expert knowledge with `source` and the present time."""
     where = shown(path)
-    content = _read_json(path) if path.suffix == ".json" else read_mapping(path)
+    content = read_json(path) if path.suffix == ".json" else read_mapping(path)
     if "format" in content:
         return from_document(content, where)
     return stored(knowledge_from(content, where), source)
-
-
-def _read_json(path: Path) -> dict[str, Any]:
-    where = shown(path)
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_unique)
-    except (OSError, UnicodeDecodeError) as error:
-        raise DocumentError(f"{where}: cannot be read ({error})") from error
-    except json.JSONDecodeError as error:
-        raise DocumentError(f"{where}: line {error.lineno}: {error.msg}") from error
-    except ValueError as error:
-        raise DocumentError(f"{where}: {error}") from error
-    if not isinstance(content, dict):
-        raise DocumentError(f"{where}: expected a mapping of keys, got {type(content).__name__}")
-    return content
-
-
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the mapping of `pairs`; ValueError for a key that is given twice."""
-    mapping = dict(pairs)
-    if len(mapping) < len(pairs):
-        names = [name for name, _ in pairs]
-        raise ValueError(f"key {next(name for name in names if names.count(name) > 1)!r} twice")
-    return mapping

@@ -33,7 +33,7 @@ class LearnedDescription(Closed):
     @property
     def spec(self) -> StrategySpec:
         """The strategy with its parameters."""
-        return StrategySpec(name=self.strategy, parameters=self.parameters)
+        return validated(StrategySpec, {"name": self.strategy, "parameters": self.parameters}, "strategy")
 
 
 def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False) -> None:
@@ -90,7 +90,7 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
 
 
 def description_of(path: Path) -> LearnedDescription:
-    """Return which strategy wrote a file; DocumentError if it is not such a file."""
+    """Return which strategy wrote a file; DocumentError if it is not such a file, or a newer release wrote it."""
     return _described(load_arrays(path)[1], shown(path))
 
 
@@ -98,4 +98,9 @@ def _described(content: dict[str, Any], where: str) -> LearnedDescription:
     version = content.get("version")
     if isinstance(version, int) and version > VERSION:
         raise DocumentError(f"{where}: version: expected at most {VERSION}, got {version} from a newer release")
-    return validated(LearnedDescription, content, where)
+    description = validated(LearnedDescription, content, where)
+    try:
+        description.spec  # noqa: B018  (raises)
+    except DocumentError as error:
+        raise DocumentError(f"{where}: {error}; a newer release may have written it") from error
+    return description

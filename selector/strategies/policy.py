@@ -3,7 +3,7 @@
 import numpy as np
 
 from selector.documents.errors import shown
-from selector.documents.fields import Closed, Flag, Name
+from selector.documents.fields import Closed, DocumentName, Flag
 from selector.strategies.choosing import best, chance_of, drawn, shares
 from selector.strategies.policy_file import Floats32, TrainedPolicy, find_policy, load_policy
 from selector.strategies.problem import Decisions
@@ -18,7 +18,7 @@ ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
 class PolicyParameters(Closed):
     """The policy, and how its outputs become an option."""
 
-    policy: Name
+    policy: DocumentName
     """Directory of an exported policy, or the name of one in `policies/` of a directory of configurations."""
     sampled: Flag = False
     """Draw an option with the probabilities of the network, as in training, instead of taking the likeliest."""

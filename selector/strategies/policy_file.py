@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
+import safetensors
 import safetensors.numpy
 from pydantic import Field, model_validator
 
@@ -20,6 +21,8 @@ from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.find import find_file
+from selector.documents.plain import plain
+from selector.documents.reading import read_bytes, read_json
 from selector.documents.writing import write_whole
 from selector.strategies.problem import Problem
 
@@ -38,7 +41,7 @@ class PolicySpec(Closed):
     """(O,) names of the options, in the order of the network's outputs."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""
-    hidden: tuple[Annotated[int, Field(strict=True, ge=1)], ...]
+    hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=100_000)], ...], Field(max_length=100)]
     """Widths of the hidden layers."""
     activation: Literal["tanh", "relu"] = "tanh"
     """Function after each hidden layer."""
@@ -145,18 +148,17 @@ def load_policy(directory: Path) -> TrainedPolicy:
 
     """
     where = shown(directory / SPECIFICATION)
-    try:
-        text = json.loads((directory / SPECIFICATION).read_text(encoding="utf-8"))
-        content = (directory / WEIGHTS_FILE).read_bytes()
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise DocumentError(f"{shown(directory)}: cannot be read ({error})") from error
-    spec = validated(PolicySpec, text, where)
+    spec = validated(PolicySpec, read_json(directory / SPECIFICATION), where)
+    content = read_bytes(directory / WEIGHTS_FILE)
     digest = hashlib.sha256(content).hexdigest()
     if digest != spec.weights_sha256:
         raise DocumentError(
             f"{where}: weights_sha256: expected that of {WEIGHTS_FILE}, {digest}, got {spec.weights_sha256}"
         )
-    policy = TrainedPolicy(spec, safetensors.numpy.load(content))
+    try:
+        policy = TrainedPolicy(spec, safetensors.numpy.load(content))
+    except (safetensors.SafetensorError, ValueError, KeyError) as error:
+        raise DocumentError(f"{shown(directory / WEIGHTS_FILE)}: cannot be read ({plain(str(error))})") from error
     _check(policy, shown(directory))
     return policy
 

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Name
 from selector.documents.imported import imported, is_import
+from selector.documents.plain import short
 from selector.documents.reading import read_value
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
@@ -61,10 +62,12 @@ def spec_from_text(text: str) -> StrategySpec:
     for part in rest.split(",") if rest else ():
         key, equals, value = part.partition("=")
         if not equals or not key or key in values:
-            raise DocumentError(f"strategy {text!r}: expected NAME:parameter=value,..., each once, got {part!r}")
+            raise DocumentError(
+                f"strategy {short(text)}: expected NAME:parameter=value,..., each once, got {short(part)}"
+            )
         values[key] = read_value(value)
     content = {"name": name, **({"sharing": values.pop("sharing")} if "sharing" in values else {})}
-    return validated(StrategySpec, content | {"parameters": values}, f"strategy {text!r}")
+    return validated(StrategySpec, content | {"parameters": values}, f"strategy {short(text)}")
 
 
 def named_in(text: str) -> tuple[str, str]:

@@ -212,6 +212,10 @@ class DecisionStrategy(ABC):
         """
         return {}
 
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        """Return the least and the largest number of state arrays, by name, where `LEARNED_LIMIT` is too much."""
+        return {}
+
     @abstractmethod
     def _select(self, decisions: Decisions) -> Ints:
         """Return the option (K,) of each decision; set `chance[decisions.rows]` if the choice was random."""
@@ -249,9 +253,15 @@ class DecisionStrategy(ABC):
             if given.shape not in shapes or not np.can_cast(given.dtype, own.dtype, "same_kind"):
                 got = f"{given.shape} of {given.dtype}"
                 raise ValueError(f"state '{name}': expected {own.shape} of {own.dtype}, got {got}")
+            least, most = self._ranges().get(name, (-LEARNED_LIMIT, LEARNED_LIMIT))
+            within = (given >= least) & (given <= most)  # NaN is not
+            if name != "keys" and not within.all():
+                raise ValueError(f"state '{name}': expected {least:g} to {most:g}, got {given[~within][0]:g}")
         for name in names:
             getattr(self, name)[...] = state[name]
 
 
+LEARNED_LIMIT = 1e15
+"""Largest absolute value of a learned number; sums of so many rewards are still exact to a whole one."""
 ROW_STATE = ("keys", "counters", "chance")
 """Names of the arrays (R,) that every strategy has besides the learned ones."""

@@ -20,6 +20,9 @@ from selector.vocabulary.components import ComponentSpec
 from selforg.network.model import behaviours, conditions
 from selforg.network.model.activators import ACTIVATORS, Activator
 
+Priority = Annotated[int, Field(strict=True, ge=-1_000_000, le=1_000_000)]
+"""An order; a network has no million of behaviours or goals."""
+
 
 class ActivatorSpec(ComponentSpec[Activator]):
     """A registered activator."""
@@ -108,11 +111,11 @@ class BehaviourSpec(Closed):
     """Expected changes of sensors."""
     ready_threshold: Share = 0.8
     """Satisfaction from which the behaviour can start [-]."""
-    priority: Annotated[int, Field(strict=True)] = 0
+    priority: Priority = 0
     """Priority over other behaviours that influence the same sensor [-]."""
     interruptable: Flag = True
     """Whether the behaviour may be stopped before it ends by itself."""
-    timeout: Annotated[int, Field(strict=True, ge=0)] | None = None
+    timeout: Annotated[int, Field(strict=True, ge=0, le=10**9)] | None = None
     """Steps after which the behaviour is stopped [steps]; no limit by default."""
     cost: Positive = 1.0
     """Cost of the behaviour in a plan [-]."""
@@ -139,7 +142,7 @@ class GoalSpec(Closed):
 
     conditions: Annotated[tuple[AnyCondition, ...], Field(min_length=1)]
     """Conditions, all of which shall hold."""
-    priority: Annotated[int, Field(strict=True)] = 0
+    priority: Priority = 0
     """Goals of lower priority are given up first [-]."""
     permanent: Flag = True
     """Whether the goal stays enabled when it is satisfied."""

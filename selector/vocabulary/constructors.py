@@ -5,13 +5,14 @@ document gives the name of one that it declares (`Reference`).
 """
 
 import dataclasses
+import math
 from collections.abc import Iterable, Mapping
 from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 
 from selector.documents import fields
 from selector.documents.errors import DocumentError, validated
@@ -28,13 +29,22 @@ FROM_HOST = ("buffer", "directions", "generators")
 """Parameters that the host gives; a document cannot."""
 RECORDS = (Carried, Pheromone)
 """Dataclasses, which a document gives as mappings."""
-_Real = Annotated[float, Field(strict=True)]
+
+
+def _bounded(number: float) -> float:
+    if not (math.isinf(number) or abs(number) <= fields.LARGEST_NUMBER):
+        raise ValueError(f"expected a number within {fields.LARGEST_NUMBER:g}, or infinity, got {number:g}")
+    return number
+
+
+_Real = Annotated[float, Field(strict=True), AfterValidator(_bounded)]
+"""Some parameters may be infinite, such as a range; each class says which."""
 _FIELDS: dict[object, object] = {
     float: _Real,
     declared.Finite: fields.Number,
     declared.AtLeastZero: fields.NonNegative,
     declared.UpToOne: fields.Share,
-    int: Annotated[int, Field(strict=True)],
+    int: Annotated[int, Field(strict=True, ge=-(10**9), le=10**9)],
     bool: fields.Flag,
     str: Annotated[str, Field(strict=True)],
     Iterable[str]: tuple[str, ...],

@@ -38,7 +38,7 @@ class SettingsSpec(Closed):
     """Threshold of the activation at the start [-]."""
     threshold_decay: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.8
     """Factor on the threshold while nothing runs [-]."""
-    max_parallel: Annotated[int, Field(strict=True, ge=1)] | None = None
+    max_parallel: Annotated[int, Field(strict=True, ge=1, le=1000)] | None = None
     """Behaviours that may run at once; any number by default."""
     goal_priority: Flag = False
     """Whether goals of higher priority give more."""

@@ -81,7 +81,7 @@ def test_the_nearest_directory_wins_and_names_are_listed(tmp_path):
         ("goals: {G: [\n", "k.yaml: line 2: "),
         ("goals: {}\ngoals: {}\n", "k.yaml: line 2: key 'goals' twice"),
         ("- a\n", "expected a mapping of keys, got list"),
-        ("1: {}\n", "expected a mapping of keys, got dict"),
+        ("1: {}\n", "k.yaml: line 1: expected text as a key, got 1"),
     ],
 )
 def test_broken_files_are_named(tmp_path, text, message):

@@ -1,24 +1,51 @@
 """The command line of Clean Swarm: `app` has all commands.
 
-A mistake in the input gives one line on the standard error and exit code 2; Ctrl-C gives exit code 130. The commands
-import heavy libraries inside their functions, so that help is quick.
+A mistake in the input gives one line on the standard error and exit code 2, a full disk one line and exit code 1;
+Ctrl-C and the signals by which a system ends programs give one line and exit code 130. The commands import heavy
+libraries inside their functions, so that help is quick.
 """
 
 import os
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.writing import DISK_FULL
 from train.cli import draw, evaluate, knowledge, repeat, run, score, train
-from train.cli.options import Configs, error_console
-from train.running.exit_codes import BAD_INPUT, INTERRUPTED
+from train.cli.options import Configs, error_console, print_error
+from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+ENDING = ("SIGTERM", "SIGHUP")
+"""Signals that end a program like Ctrl-C; not every system has both."""
+
+
+class _Interruptible(TyperGroup):
+    """A group whose commands end with a line and exit code 130 when they are interrupted."""
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401  (versions of typer differ in the types of both)
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            error_console().print("interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+
+
+app = typer.Typer(
+    cls=_Interruptible,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
 app.command("evaluate")(evaluate.evaluate_command)
 app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
@@ -31,17 +58,37 @@ app.command("replay")(repeat.replay_command)
 app.command("export")(repeat.export_command)
 
 
-def main() -> None:
+def run_app() -> None:
     """Run the command line and exit with its code."""
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
     try:
-        app()
+        with _ended_by_signals():
+            app()
     except ConfigurationError as error:
-        error_console().print(f"error: {error}", markup=False)
+        print_error(str(error))
         sys.exit(BAD_INPUT)
+    except OSError as error:
+        if error.errno not in DISK_FULL:
+            raise
+        print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); what was done before stays")
+        sys.exit(FAILED)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let the signals `ENDING` do what Ctrl-C does, except those that the program was told to ignore (nohup)."""
+    numbers = [getattr(signal, name) for name in ENDING if hasattr(signal, name)]
+    changed = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+    for number in changed:
+        signal.signal(number, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for number in changed:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _version(wanted: bool) -> None:
@@ -62,16 +109,17 @@ def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
     from clean_swarm_env.config.load import load_experiment, load_family
     from selector.documents.find import KINDS, files_of
+    from selector.documents.plain import plain
     from selector.strategies.registry import STRATEGIES
 
     for name in files_of("experiments", configs or ()):
         experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
-        typer.echo(f"{name}: {experiment.description}")
+        typer.echo(f"{plain(name)}: {plain(experiment.description)}")
         typer.echo(f"  {starts} start configurations; conditions: {', '.join(c.name for c in experiment.conditions)}")
     typer.echo("families of scenarios:")
     for name in files_of("families", configs or ()):
-        typer.echo(f"  {name}: {load_family(name, configs or ()).description}")
+        typer.echo(f"  {plain(name)}: {plain(load_family(name, configs or ()).description)}")
     for kind in sorted(KINDS.keys() - {"experiments", "families"}):
-        typer.echo(f"{kind}: {', '.join(files_of(kind, configs or ()))}")
+        typer.echo(f"{kind}: {plain(', '.join(files_of(kind, configs or ())))}")
     typer.echo(f"strategies by name: {', '.join(STRATEGIES.names())}")

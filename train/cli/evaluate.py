@@ -7,7 +7,18 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, Learn, RunStore, check_least, error_console, wide_console
+from train.cli.options import (
+    MOST_SCENARIOS,
+    MOST_SEED,
+    MOST_WORKERS,
+    Configs,
+    Force,
+    Learn,
+    RunStore,
+    check_whole,
+    error_console,
+    wide_console,
+)
 from train.running.run_folder import RECORDINGS
 
 
@@ -46,37 +57,43 @@ def evaluate_command(
     store: RunStore = None,
     learn: Learn = False,
     configs: Configs = None,
+    force: Force = False,
     record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
     minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
-    check_least({"--scenarios": (scenarios, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
+    check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
+    check_whole({"--seed": (seed, 0, MOST_SEED)})
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.entrants import unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
     from train.knowledge_store import StoreRequest
+    from train.running.needs import Machine
     from train.running.runs import usable_cpus
 
     if learn and workers not in (None, 1):
         raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
+    machine = Machine(workers or usable_cpus(), force)
     if family is None:
         _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal})
         conditions = tuple(condition or ())
-        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept)
+        request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept, machine=machine)
         evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
-        family_request = FamilyRequest(family, strategies, seed, scenarios, knowledge, goal, directories, kept)
+        family_request = FamilyRequest(
+            family, strategies, seed, scenarios, knowledge, goal, directories, kept, machine=machine
+        )
         evaluation = FamilyEvaluation(family_request)
         for label in () if learn or store else unlearned(evaluation.entrants):
             words = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
             error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
-    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console(), recorded)
+    execution = pipeline.Execution(machine.workers, output, resume, wide_console(), recorded)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 

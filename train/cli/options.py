@@ -8,6 +8,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.plain import short
 
 TABLE_WIDTH = 140
 """Least width of the printed tables [characters]: folded cells are hard to read."""
@@ -21,6 +22,13 @@ Configs = Annotated[
 ]
 
 
+MOST_SEED = 2**63 - 1
+MOST_SCENARIOS = 10_000
+MOST_WORKERS = 1000
+
+Force = Annotated[
+    bool, typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week.")
+]
 RunStore = Annotated[
     str | None,
     typer.Option(
@@ -31,16 +39,23 @@ RunStore = Annotated[
 Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
 
 
-def check_least(given: Mapping[str, tuple[int | None, int]]) -> None:
-    """Raise ConfigurationError for a number below the least one allowed; `given`: option -> number and least number."""
-    for name, (value, least) in given.items():
+def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:
+    """Raise ConfigurationError for a number out of bounds; `given`: option -> number, least and largest number."""
+    for name, (value, least, most) in given.items():
         if value is not None and value < least:
-            raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {value}")
+            raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {short(value)}")
+        if value is not None and value > most:
+            raise ConfigurationError(f"{name}: expected a whole number of at most {most}, got {short(value)}")
 
 
 def wide_console() -> Console:
     """Return a console for tables."""
     return Console(width=max(Console().width, TABLE_WIDTH), highlight=False, markup=False)
+
+
+def print_error(text: str) -> None:
+    """Print the text of an error on the standard error, without markup."""
+    error_console().print(f"error: {text}", markup=False, emoji=False)
 
 
 def error_console() -> Console:

@@ -1,7 +1,6 @@
 """`clean-swarm run`: a goal of the library in its scene, with the measures of its success."""
 
 import json as json_format
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -9,8 +8,10 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, Learn, RunStore, check_least, wide_console
+from train.cli.options import MOST_SEED, Configs, Learn, RunStore, check_whole, wide_console
 
+MOST_ROBOTS, MOST_RUNS, MOST_SECONDS = 10_000, 10_000, 1e7
+"""The bounds of missions, for scenes as well."""
 ARENAS = ("torus", "open")
 
 
@@ -38,9 +39,9 @@ def run_command(
             raise ConfigurationError(f"{name}: expected one goal, not --all")
     if output is not None and not every:
         raise ConfigurationError("--output: expected --all, got one goal")
-    check_least({"--robots": (robots, 1), "--seed": (seed, 0), "--runs": (runs, 1)})
-    if seconds is not None and not (seconds > 0.0 and math.isfinite(seconds)):
-        raise ConfigurationError(f"--seconds: expected a positive number, got {seconds}")
+    check_whole({"--robots": (robots, 1, MOST_ROBOTS), "--seed": (seed, 0, MOST_SEED), "--runs": (runs, 1, MOST_RUNS)})
+    if seconds is not None and not 0.0 < seconds <= MOST_SECONDS:
+        raise ConfigurationError(f"--seconds: expected a positive number up to {MOST_SECONDS:g}, got {seconds:g}")
     if arena is not None and arena not in ARENAS:
         raise ConfigurationError(f"--arena: expected {' or '.join(ARENAS)}, got {arena!r}")
     from clean_swarm_env.scenes import goals  # imports Numba

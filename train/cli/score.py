@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, check_least, wide_console
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, check_whole, wide_console
 from train.running.exit_codes import FINISHED
 
 Names = Annotated[
@@ -38,7 +38,8 @@ def score_command(
     configs: Configs = None,
 ) -> None:
     """Run every option of each goal on the same scenarios and keep its scores, with their counts and spreads."""
-    check_least({"--scenarios": (scenarios, 1), "--runs": (runs, 1), "--workers": (workers, 1), "--seed": (seed, 0)})
+    check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--runs": (runs, 1, MOST_SCENARIOS)})
+    check_whole({"--workers": (workers, 1, MOST_WORKERS), "--seed": (seed, 0, MOST_SEED)})
     if output is not None and len(names) > 1:
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import Configs, Learn, RunStore, check_least
+from train.cli.options import MOST_SEED, Configs, Force, Learn, RunStore, check_whole
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
@@ -31,16 +31,19 @@ def ppo(
     resume: Resume = False,
     configs: Configs = None,
     record: RecordOption = False,
+    force: Force = False,
 ) -> None:
     """Train a policy by PPO and export it."""
-    check_least({"--seed": (seed, 0)})
+    check_whole({"--seed": (seed, 0, MOST_SEED)})
     from train.learning.session import TrainingRequest, check_installed, run_training  # imports Numba
 
     check_installed("ppo")
     from train.learning.ppo import PpoTraining  # imports torch
 
     directories = tuple(configs or ())
-    request = TrainingRequest("ppo", config or "general", seed, output, resume, directories=directories, record=record)
+    request = TrainingRequest(
+        "ppo", config or "general", seed, output, resume, directories=directories, record=record, forced=force
+    )
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
@@ -55,15 +58,16 @@ def bandit(
     learn: Learn = False,
     configs: Configs = None,
     record: RecordOption = False,
+    force: Force = False,
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
-    check_least({"--seed": (seed, 0)})
+    check_whole({"--seed": (seed, 0, MOST_SEED)})
     from train.knowledge_store import StoreRequest  # these import SQLAlchemy and Numba
     from train.learning.bandit import BanditTraining
     from train.learning.session import TrainingRequest, run_training
 
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
-    request = TrainingRequest("bandit", config or "situations", seed, output, resume, kept, directories, record)
+    request = TrainingRequest("bandit", config or "situations", seed, output, resume, kept, directories, record, force)
     with _one_line():
         raise typer.Exit(run_training(request, BanditTraining, Console(highlight=False)))
 

@@ -16,6 +16,7 @@ from clean_swarm_env.config.starts import load_starts, random_start
 from clean_swarm_env.world.cleaning_robot import coordinators_of, robot_network
 from selector.configurations.library import library_of
 from selector.coordination.robot_document import coordinated_goals
+from selector.documents.errors import shown, within
 from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.problem import Problem
@@ -28,6 +29,8 @@ from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.reports.write_report import Publication
+from train.running.estimate import needs_of
+from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import RunKey, RunRecord, RunTask, forcing, tasks_of
@@ -52,6 +55,8 @@ class ExperimentRequest:
     """The knowledge store."""
     scoring: bool = False
     """Whether to run every option of each goal in place of the conditions, and score it."""
+    machine: Machine = ALONE
+    """What the evaluation may use."""
 
     @property
     def words(self) -> list[str]:
@@ -61,6 +66,7 @@ class ExperimentRequest:
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--starts", str(self.starts)] if self.starts is not None else []
         words += [word for name in self.conditions for word in ("--condition", name)]
+        words += ["--force"] if self.machine.forced else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
 
 
@@ -84,15 +90,21 @@ class ExperimentEvaluation(Evaluation):
             self.measured, self.starts_from = given.measured, str(request.starts)
             self.stem += f"-{request.starts.stem}"
             starts = str(request.starts)
-            changes: dict[str, Any] = {"mission": given.world_of(chosen.mission), "starts": given.starts}
+            with within(shown(request.starts)):
+                mission = given.world_of(chosen.mission)
+            changes: dict[str, Any] = {"mission": mission, "starts": given.starts}
         elif self.own_starts:
             self.starts_from, changes = "the experiment's own start configurations", {}
         else:
             count = request.scenarios or chosen.scenarios
+            with within(request.experiment):
+                check_needs(Workload(chosen.mission, count * len(chosen.conditions)), request.machine)
             self.starts_from = f"{count} random start configurations of seed {request.seed}"
             self.stem += f"-{count}-scenarios"
             starts = "random starts"
-            changes = {"starts": tuple(random_start(chosen.mission, request.seed, index) for index in range(count))}
+            with within(request.experiment):
+                drawn = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
+            changes = {"starts": drawn}
         self.experiment = chosen.model_copy(update=changes)
         check_mission(self.experiment, directories, request.experiment)
         store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
@@ -104,6 +116,11 @@ class ExperimentEvaluation(Evaluation):
         )
         self.memory = store.memory(knowledge_of(self.mission, directories), context, source)
         self.total = len(self.experiment.conditions) * len(self.scenarios)
+        with within(shown(request.starts) if request.starts is not None else request.experiment):
+            tasks = self._tasks()
+            largest = max((task.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
+            check_needs(Workload(largest, len(tasks)), request.machine)
+        self._missions = {(task.scenario, task.condition): task.mission for task in tasks}
         self.manifest = {
             "identity": {
                 "experiment": self.experiment.name,
@@ -147,6 +164,12 @@ class ExperimentEvaluation(Evaluation):
         """Return the task of one run in which `options` serve the goals."""
         key = (scenario, condition)
         return next(task for task in self._tasks() if (task.scenario, task.condition) == key).serving(options)
+
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run is not one of this experiment's."""
+        if record.key not in self._missions:
+            return "this evaluation has no such run"
+        return record.mistake(self.experiment.name, self.seed, self._missions[record.key])
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return Table 1, ratios between conditions, comparisons with measured figures, and the picture."""
@@ -192,9 +215,12 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         check_planner(network.planner)
     except (ValueError, ModuleNotFoundError) as error:
         raise ConfigurationError(f"{where}: mission.network.planner: {error}") from error
-    library, knowledge = library_of(directories), load_knowledge(experiment.mission.knowledge, directories)
-    library.check(knowledge)
-    robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
+    library = library_of(directories)
+    with within(f"{where}: mission.knowledge"):
+        knowledge = load_knowledge(experiment.mission.knowledge, directories)
+        library.check(knowledge)
+    with within(f"{where}: mission.network.robot"):
+        robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

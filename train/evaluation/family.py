@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
@@ -28,12 +29,15 @@ from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
+from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
 from train.running.trials import TrialSettings, run_trials
 
+TEST_SCENARIO = r"test-[1-9][0-9]{0,5}"
+"""Form of the name of a scenario of the split "test"."""
 TASK_SCENARIOS = 25
 """Scenarios of one task, which run at the same time in one batch."""
 
@@ -59,6 +63,8 @@ class FamilyRequest:
     """The knowledge store."""
     scoring: bool = False
     """Whether the strategies are fixed options, each of which is scored."""
+    machine: Machine = ALONE
+    """What the evaluation may use."""
 
     @property
     def words(self) -> list[str]:
@@ -71,6 +77,7 @@ class FamilyRequest:
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
         words += ["--knowledge", self.knowledge] if self.knowledge is not None else []
         words += ["--goal", self.goal] if self.goal is not None and not self.scoring else []
+        words += ["--force"] if self.machine.forced else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
 
 
@@ -171,6 +178,9 @@ class FamilyEvaluation(Evaluation):
         self._request, self.words = request, request.words
         self.directories = tuple(path.resolve() for path in request.directories)
         self.family = _family(request)
+        with within(request.family):
+            missions = (request.scenarios or self.family.scenarios) * len(request.strategies)
+            check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
         batch = Batch(first, directories=request.directories)
@@ -213,6 +223,12 @@ class FamilyEvaluation(Evaluation):
             for first in range(0, len(missing), TASK_SCENARIOS):
                 tasks.append(self._task(tuple(missing[first : first + TASK_SCENARIOS]), condition, member))
         return tasks
+
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run is not one of this family's; it may be of further scenarios and of other strategies."""
+        if not re.fullmatch(TEST_SCENARIO, record.scenario):
+            return "this family has no such scenario"
+        return record.mistake(self.family.name, self._request.seed, self.family.largest)
 
     def choosers(self) -> dict[str, Choosers]:
         """Return the strategy of each member, which chooses for the one goal."""

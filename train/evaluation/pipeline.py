@@ -83,6 +83,10 @@ class Evaluation(ABC):
         """Return the tasks for all runs except those that are `done`."""
 
     @abstractmethod
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run kept in the directory is not one of this evaluation; empty if it is."""
+
+    @abstractmethod
     def choosers(self) -> Mapping[str, Choosers]:
         """Return for each condition the strategies that choose an option of each goal once in a mission."""
 
@@ -120,7 +124,7 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
-    results = Results(folder)
+    results = Results(folder, evaluation.mistake)
     try:
         _run_missing(evaluation, results, execution)
     except (KeyboardInterrupt, BrokenProcessPool) as end:

@@ -6,13 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import one_line
+from selector.documents.errors import validated, within
+from selector.documents.plain import short
 from selforg.registry import unknown
 from train.evaluation.family import TrialTask
 from train.evaluation.repeat_trial import evaluation_seed, family_tasks, trial_steps
@@ -40,8 +39,10 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     """
     manifest = read_manifest(directory)
     path, identity = directory / MANIFEST, manifest["identity"]
-    given = identity.get("directories", manifest.get("directories", []))
-    directories = tuple(Path(name) for name in given)
+    listed = identity.get("directories", manifest.get("directories", []))
+    if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
+        raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
+    directories = tuple(Path(name) for name in listed)
     _check_same_files(identity.get("files"), directories, path)
     if "family" in identity:
         tasks: Sequence[Repeated] = family_tasks(identity, directories, directory)
@@ -57,11 +58,10 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
 
 
 def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> list[RunTask]:
-    try:
-        experiment = ExperimentConfig.model_validate(identity.get("configuration"))
-    except ValidationError as error:
-        raise ConfigurationError(one_line(error, f"{path}: identity.configuration", ExperimentConfig)) from error
-    return tasks_of(experiment, evaluation_seed(identity, path), directories)
+    where = f"{path}: identity.configuration"
+    experiment = validated(ExperimentConfig, identity.get("configuration"), where)
+    with within(where):
+        return tasks_of(experiment, evaluation_seed(identity, path), directories)
 
 
 def _chosen(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
@@ -74,6 +74,8 @@ def _chosen(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
 def changed_versions(directory: Path) -> list[str]:
     """Return the packages whose version has changed since an evaluation, such as `numba 0.61, now 0.62`."""
     held = read_manifest(directory).get("versions", {})
+    if not isinstance(held, dict):
+        raise ConfigurationError(f"{directory / MANIFEST}: versions: expected a mapping, got {short(held)}")
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import one_line
+from selector.documents.errors import validated
+from selector.documents.plain import short
 from train.evaluation.entrants import Entrant, identified
-from train.evaluation.family import TrialTask
+from train.evaluation.family import TEST_SCENARIO, TrialTask
 from train.running.decided_goal import DecidedGoal
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST
@@ -33,16 +34,15 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 
     """
     path = directory / MANIFEST
-    try:
-        family = FamilyConfig.model_validate(identity["family"])
-    except ValidationError as error:
-        raise ConfigurationError(one_line(error, f"{path}: identity.family", FamilyConfig)) from error
+    family = validated(FamilyConfig, identity["family"], f"{path}: identity.family")
     members = dict(_members(identity.get("strategies"), directories, path))
     seed, goal = evaluation_seed(identity, path), str(identity.get("goal"))
     tasks = []
     for scenario, condition in (record.key for record in runs_of(directory / JOURNAL)):
         if condition not in members:
             raise ConfigurationError(f"{path}: identity.strategies: expected the run {condition!r} among them")
+        if not re.fullmatch(TEST_SCENARIO, scenario):
+            raise ConfigurationError(f"{directory / JOURNAL}: expected a scenario of {family.name}, got {scenario!r}")
         number = int(scenario.rpartition("-")[2]) - 1
         tasks.append(TrialTask(family, seed, (number,), condition, members[condition], goal, directories))
     if not tasks:
@@ -67,16 +67,18 @@ def trial_steps(task: TrialTask) -> Iterator[Worlds]:
 def evaluation_seed(identity: Mapping[str, Any], path: Path) -> int:
     """Return the seed of an evaluation."""
     seed = identity.get("seed")
-    if not isinstance(seed, int):
-        raise ConfigurationError(f"{path}: identity.seed: expected a whole number, got {seed!r}")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise ConfigurationError(f"{path}: identity.seed: expected a whole number from 0 on, got {short(seed)}")
     return seed
 
 
 def _members(strategies: object, directories: tuple[Path, ...], path: Path) -> Iterator[tuple[str, str]]:
     """Yield condition and member of each strategy."""
     if not isinstance(strategies, dict):
-        raise ConfigurationError(f"{path}: identity.strategies: expected a mapping, got {strategies!r}")
+        raise ConfigurationError(f"{path}: identity.strategies: expected a mapping, got {short(strategies)}")
     for label, held in strategies.items():
+        if not (isinstance(held, list) and all(isinstance(member, str) for member in held)):
+            raise ConfigurationError(f"{path}: identity.strategies.{label}: expected texts, got {short(held)}")
         entrant = Entrant(label, tuple(member.partition(DIGEST)[0] for member in held))
         for condition, member, then in zip(entrant.conditions, entrant.members, held, strict=True):
             if identified(member, directories) != then:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
-from selector.documents.arrays import Arrays, load_arrays, save_arrays
+from clean_swarm_env.config.types import Count
+from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, Number
 from selector.knowledge import learned_from
 from selector.store import RewardSums
 from selector.strategies.learned_file import save_strategy
@@ -26,6 +30,21 @@ from train.learning.validation import CheckpointHistory
 from train.running.pilots import PilotMaker, StrategyPilot, columns_of
 
 STRATEGY = "strategy.safetensors"
+
+
+class CheckpointDescription(Closed):
+    """What a checkpoint says besides its arrays."""
+
+    checkpoint: Count
+    """Number of checkpoints done."""
+    decisions: Annotated[int, Field(strict=True, ge=0)]
+    """Decisions made so far."""
+    history: tuple[dict[str, Any], ...]
+    """Figures of the checkpoints."""
+    best: Number | None
+    """Lowest score so far; None: none."""
+    since: Annotated[int, Field(strict=True, ge=0)]
+    """Measurements since the best one."""
 
 
 class BanditTraining(Training):
@@ -125,14 +144,21 @@ class BanditTraining(Training):
         self._record = RewardSums(self.problem.goal, self.problem.options)
 
     def _load(self) -> None:
-        arrays, description = load_arrays(self.checkpoint_file)
+        arrays, content = load_arrays(self.checkpoint_file)
+        where = shown(self.checkpoint_file)
+        description = validated(CheckpointDescription, content, where)
         parts: dict[str, Arrays] = {"now": {}, "best": {}}
         for name, array in arrays.items():
             kind, _, own = name.partition(".")
-            parts[kind][own] = array
-        self.strategy.load_learned(parts["now"])
+            parts.setdefault(kind, {})[own] = array
+        check_same_names(where, "arrays", ("best", "now"), tuple(sorted(parts)))
+        for kind in ("best", "now"):
+            try:
+                self.strategy.load_learned(parts[kind])
+            except ValueError as error:
+                raise DocumentError(f"{where}: {kind}: {error}") from error
         self._best = parts["best"]
-        self.checkpoint, self._decisions = description["checkpoint"], description["decisions"]
-        best = float("inf") if description["best"] is None else description["best"]
-        self.history = CheckpointHistory(description["history"], best, description["since"])
+        self.checkpoint, self._decisions = description.checkpoint, description.decisions
+        best = float("inf") if description.best is None else description.best
+        self.history = CheckpointHistory(list(description.history), best, description.since)
         self.write_history()

@@ -8,28 +8,31 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.types import Count
+from clean_swarm_env.config.types import Count, Scenarios, WorldCount
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.documents.find import load_file
 from selector.strategies.registry import StrategySpec
+
+Width = Annotated[int, Field(strict=True, ge=1, le=4096)]
+"""Width of a hidden layer; an observation has some tens of components."""
 
 
 class TaskConfig(Closed):
     """A family of scenarios to train on."""
 
-    family: Name
+    family: DocumentName
     """Name of the family, or path to its YAML file."""
-    worlds: Count = 16
+    worlds: WorldCount = 16
     """Worlds that run at the same time."""
 
 
 class ValidationConfig(Closed):
     """Validation at checkpoints, on scenarios that are not used for learning."""
 
-    scenarios: Count = 16
+    scenarios: Scenarios = 16
     """Scenarios of each family."""
     every: Count = 1
     """Checkpoints from one measurement to the next."""
@@ -40,11 +43,11 @@ class ValidationConfig(Closed):
 class PpoConfig(Closed):
     """Hyper-parameters of PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347)."""
 
-    steps: Count = 64
+    steps: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 64
     """Decisions of each row between two updates."""
     minibatch: Count = 4096
     """Decisions of one gradient step."""
-    epochs: Count = 4
+    epochs: Annotated[int, Field(strict=True, ge=1, le=1000)] = 4
     """Number of passes over all decisions of an update."""
     learning_rate: Positive = 3e-4
     """Step size of Adam at the beginning; it falls linearly to a tenth [-]."""
@@ -60,7 +63,7 @@ class PpoConfig(Closed):
     """Weight of the error of the value function [-]."""
     gradient: Positive = 0.5
     """Largest norm of the gradient [-]."""
-    hidden: tuple[Count, ...] = (64, 64)
+    hidden: Annotated[tuple[Width, ...], Field(max_length=10)] = (64, 64)
     """Widths of the hidden layers, of policy and value function alike."""
 
 
@@ -80,7 +83,7 @@ class CreditConfig(Closed):
 class ComparisonConfig(Closed):
     """Comparison of missions of one scenario by the logarithm of their costs."""
 
-    group: Annotated[int, Field(strict=True, ge=2)] = 8
+    group: Annotated[int, Field(strict=True, ge=2, le=10_000)] = 8
     """Missions of each scenario."""
     limit: Positive = 0.1
     """Largest absolute reward: a failed mission counts as one that costs a tenth more [-]."""

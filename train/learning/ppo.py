@@ -6,6 +6,7 @@ Each checkpoint resets all worlds and seeds all generators; see `train.learning.
 from __future__ import annotations
 
 import io
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from stable_baselines3.common.vec_env import VecEnvWrapper, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
+from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from train.learning.config import PpoConfig
 from train.learning.policy_export import exported
@@ -30,6 +32,8 @@ from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker, PolicyPilot
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
+DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
+"""What torch raises for a checkpoint that is damaged or of another shape, by what is damaged."""
 LAST_RATE = 0.1
 """Share of the learning rate that is left at the end."""
 
@@ -56,7 +60,10 @@ class PpoTraining(Training):
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
-            self._load(torch.load(self.checkpoint_file, weights_only=True))
+            try:
+                self._load(torch.load(self.checkpoint_file, weights_only=True))
+            except DAMAGE as error:
+                raise DocumentError(f"{shown(self.checkpoint_file)}: cannot be continued ({error})") from error
 
     @property
     def decisions(self) -> int:
@@ -135,6 +142,12 @@ class PpoTraining(Training):
         self.job.folder.write(self.CHECKPOINT, stream.getvalue())
 
     def _load(self, content: dict[str, Any]) -> None:
+        for name, weights in content["policy"].items():
+            if not torch.isfinite(weights).all():
+                raise ValueError(f"{name}: expected finite numbers")
+        counted = (content["checkpoint"], content["decisions"], content["updates"])
+        if not all(isinstance(number, int) and number >= 0 for number in counted):
+            raise ValueError(f"expected numbers of checkpoints, decisions and updates, got {counted}")
         self._take(content)
         self.model.policy.optimizer.load_state_dict(content["optimizer"])
         self.normal.ret_rms = _statistics(content["returns"])

@@ -17,11 +17,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.warm_up import announce, compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, within
+from selector.documents.fields import MOST_LETTERS
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.running.exit_codes import FINISHED, INTERRUPTED
+from train.running.needs import Machine, Workload, check_needs
 from train.running.provenance import versions
 from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 
@@ -47,11 +49,14 @@ class TrainingRequest:
     """The user's own directories of configurations, searched before the shipped one."""
     record: bool = False
     """Whether the missions of validations are recorded."""
+    forced: bool = False
+    """Whether to start what the machine is estimated to be too small for."""
 
     @property
     def directory(self) -> Path:
         """Directory of the training."""
-        return self.output or Path("results") / f"{Path(self.config).stem}-{self.learner}-seed{self.seed}"
+        stem = Path(self.config).stem[:MOST_LETTERS]
+        return self.output or Path("results") / f"{stem}-{self.learner}-seed{self.seed}"
 
     def command(self, *, resume: bool) -> str:
         """Return the command of this training."""
@@ -59,6 +64,7 @@ class TrainingRequest:
         words += ["--output", str(self.output)] if self.output is not None else []
         words += self.store.words
         words += [word for path in self.directories for word in ("--configs", str(path))]
+        words += ["--force"] if self.forced else []
         return shlex.join([*words, "--resume"] if resume else words)
 
 
@@ -72,6 +78,10 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
 
     """
     config = load_training(request.config, request.learner, request.directories)
+    for task in config.tasks:
+        with within(f"{request.config}: tasks"):
+            largest = load_family(task.family, request.directories).largest
+            check_needs(Workload(largest, task.worlds, task.worlds), Machine(forced=request.forced))
     identity = {
         "learner": request.learner,
         "seed": request.seed,

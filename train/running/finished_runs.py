@@ -10,13 +10,14 @@ import io
 import json
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.errors import shown
+from selector.documents.reading import json_value, read_text
 from train.running.run_folder import RunFolder
-from train.running.runs import RUN_COLUMNS, RunRecord
+from train.running.runs import RUN_COLUMNS, RunKey, RunRecord
 
 JOURNAL, RUNS = "runs.jsonl", "runs.csv"
 
@@ -28,11 +29,15 @@ class Results:
         folder: the directory.
         records: the finished runs.
 
+    Raises:
+        ConfigurationError: a line of the journal is no finished run, or one of another evaluation.
+
     """
 
-    def __init__(self, folder: RunFolder) -> None:
+    def __init__(self, folder: RunFolder, mistake: Callable[[RunRecord], str] = lambda record: "") -> None:
+        """`mistake` returns why a kept run is not one of this evaluation; empty if it is."""
         self.folder = folder
-        self.records = runs_of(folder.path / JOURNAL)
+        self.records = runs_of(folder.path / JOURNAL, mistake)
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:
@@ -54,18 +59,32 @@ class Results:
         self.folder.write(RUNS, ",".join(RUN_COLUMNS) + "\n" + "".join(map(_row, self.records)))
 
 
-def runs_of(path: Path) -> list[RunRecord]:
-    """Return the runs of a journal, without a last line that a crash cut off."""
+def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "") -> list[RunRecord]:
+    """Return the runs of a journal, without a last line that a crash cut off.
+
+    Args:
+        path: the journal; without it there are no runs.
+        mistake: returns why a run is not one of the evaluation that is asked for; empty if it is.
+
+    Raises:
+        ConfigurationError: a line is no finished run, or one that was not asked for.
+
+    """
     if not path.exists():
         return []
-    records = {}
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(keepends=True), start=1):
-        if not line.endswith("\n"):
-            break
+    records: dict[RunKey, RunRecord] = {}
+    lines = read_text(path).split("\n")[:-1]  # what follows the last end of a line is nothing, or cut off
+    for number, line in enumerate(lines, start=1):
+        where = f"{shown(path)}: line {number}"
         try:
-            record = RunRecord.of_mapping(json.loads(line))
-        except (ValueError, ValidationError) as error:
-            raise ConfigurationError(f"{path}: line {number}: expected a finished run") from error
+            record = RunRecord.of_mapping(json_value(line, where))
+        except (ValueError, TypeError) as error:
+            why = str(error).removeprefix(f"{where}: ")
+            raise ConfigurationError(f"{where}: expected a finished run: {why}") from error
+        why = "is there twice" if record.key in records else mistake(record)
+        if why:
+            run = f"scenario {record.scenario}, condition {record.condition}"
+            raise ConfigurationError(f"{where}: {run}: {why}; not a run of this evaluation")
         records[record.key] = record
     return list(records.values())
 
@@ -80,9 +99,14 @@ def _line(record: RunRecord) -> str:
     return json.dumps(record.as_mapping(), allow_nan=False) + "\n"
 
 
+def _data(cell: object) -> object:
+    """Return a cell that no spreadsheet takes for a formula: a text that begins like one gets a quotation mark."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@")) else cell
+
+
 def _row(record: RunRecord) -> str:
     """Return the line of `runs.csv`, with the collisions at the first distance only."""
     cells, text = record.as_mapping(), io.StringIO()
     firsts = [value[0] if isinstance(value, tuple) else value for value in cells.values()]
-    csv.writer(text, lineterminator="\n").writerow(firsts)
+    csv.writer(text, lineterminator="\n").writerow(map(_data, firsts))
     return text.getvalue()

@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.writing import write_whole
+from selector.documents.reading import read_json
+from selector.documents.writing import remove_parts, write_whole
 
 MANIFEST = "manifest.json"
+MOST_STEM = 200
+"""Length of the name of a directory; file systems allow 255, and a number may follow."""
 RECORDINGS = "recordings"
 """Directory of the recordings below a run folder."""
 LEARNED_BEFORE = "learned"
@@ -46,6 +49,8 @@ class RunFolder:
         identity, self.learned = content["identity"], content.get(LEARNED_BEFORE, {})
         if path.exists() and not path.is_dir():
             raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
+        if path.exists():
+            remove_parts(path)
         if path.exists() and any(path.iterdir()):
             held = self._claimed(identity, growing, resume=resume)
             self.learned = held.get(LEARNED_BEFORE, {})
@@ -70,7 +75,8 @@ class RunFolder:
         try:
             held = read_manifest(self.path)
         except ConfigurationError as error:
-            raise ConfigurationError(f"{self.path}: holds other files; expected an empty or a new directory") from error
+            expected = "holds other files; expected an empty or a new directory"
+            raise ConfigurationError(f"{self.path}: {expected} ({error})") from error
         wanted = dict(identity)
         if growing and isinstance(kept := held["identity"].get(growing), dict):
             wanted[growing] = {name: wanted[growing].get(name, known) for name, known in kept.items()}
@@ -84,7 +90,7 @@ class RunFolder:
 
 def default_directory(stem: str, *, resume: bool) -> Path:
     """Return the first of results/<stem>, <stem>-2, <stem>-3, ... that is free; to resume, the last that exists."""
-    root = Path("results")
+    root, stem = Path("results"), stem[:MOST_STEM]
     taken, number = None, 1
     while (candidate := root / (stem if number == 1 else f"{stem}-{number}")).exists():
         taken, number = candidate, number + 1
@@ -101,13 +107,10 @@ def read_manifest(directory: Path) -> Json:
     if not directory.is_dir():
         raise ConfigurationError(f"{directory}: no such directory")
     path = directory / MANIFEST
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation") from error
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f"{path}: cannot be read ({error})") from error
-    if not (isinstance(content, dict) and isinstance(content.get("identity"), dict)):
+    if not path.exists():
+        raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation")
+    content: Json = read_json(path)
+    if not isinstance(content.get("identity"), dict):
         raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
     return content
 

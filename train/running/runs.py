@@ -1,5 +1,6 @@
 """One run, which is a mission under one condition: its task for a worker process, and its record."""
 
+import json
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -7,7 +8,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
@@ -59,12 +60,50 @@ class RunRecord:
 
     @classmethod
     def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
-        """Return the record of a mapping by `as_mapping`; ValidationError for anything else."""
+        """Return the record of a mapping by `as_mapping`; ValueError for anything else."""
+        if set(given) != set(RUN_COLUMNS):
+            raise ValueError(f"expected the keys {', '.join(RUN_COLUMNS)}")
+        for name, value in given.items():
+            for number in value if isinstance(value, list | tuple) else [value]:
+                if isinstance(number, int | float) and not 0.0 <= number <= LARGEST_FIGURE:
+                    raise ValueError(f"{name}: expected a number from 0 to {LARGEST_FIGURE:g}, got {number:g}")
         result = {name: value for name, value in given.items() if name in _RESULT_COLUMNS}
         own = {name: value for name, value in given.items() if name not in _RESULT_COLUMNS}
-        return _RECORD.validate_python({**own, "result": result})
+        try:
+            return _RECORD.validate_json(json.dumps({**own, "result": result}), strict=True)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+
+    def mistake(self, experiment: str, seed: int, mission: MissionConfig) -> str:
+        """Return how the record shows that it is not of `mission` in an evaluation; empty if nothing shows it."""
+        result = self.result
+        limit = mission.time_limit * (1.0 + 1e-9)
+        checks = (
+            ("experiment", self.experiment == experiment, experiment, self.experiment),
+            ("seed", self.seed == seed, seed, self.seed),
+            ("duration_s", result.duration_s <= limit, f"at most {mission.time_limit:g}", result.duration_s),
+            ("robots", result.robots <= mission.rows, f"at most {mission.rows}", result.robots),
+            *(
+                (
+                    name,
+                    len(given) == len(mission.collision_distances),
+                    f"{len(mission.collision_distances)} numbers",
+                    given,
+                )
+                for name, given in (
+                    ("collision_samples_per_s", result.collision_samples_per_s),
+                    ("collision_events_per_s", result.collision_events_per_s),
+                )
+            ),
+        )
+        return next(
+            (f"{name}: expected {expected}, got {given}" for name, fits, expected, given in checks if not fits), ""
+        )
 
 
+LARGEST_FIGURE = 1e15
+"""Largest figure of a run; costs of failed missions are extrapolated."""
 NAMING = ("experiment", "scenario", "seed", "condition")
 """Columns that identify a run."""
 _RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult))

@@ -11,6 +11,7 @@ from selector.strategies.bandits.optimism import RecentParameters, RecentUCB
 from selector.strategies.bandits.value_table import summed
 from selector.strategies.problem import Outcomes
 from selector.strategies.registry import STRATEGIES
+from selector.strategies.strategy import LEARNED_LIMIT
 
 
 class DiscountedUCBParameters(RecentParameters):
@@ -35,6 +36,9 @@ class DiscountedUCB(RecentUCB):
     def _first_state(self) -> Arrays:
         shape = (self.groups, self.options)
         return {"counts": np.zeros(shape), "totals": np.zeros(shape)}
+
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        return {"counts": (0.0, LEARNED_LIMIT)}
 
     def _update(self, outcomes: Outcomes) -> None:
         place = (outcomes.groups, outcomes.option)

@@ -9,6 +9,7 @@ from selector.documents.arrays import Arrays
 from selector.strategies.bandits.optimism import RecentParameters, RecentUCB
 from selector.strategies.problem import Outcomes
 from selector.strategies.registry import STRATEGIES
+from selector.strategies.strategy import LEARNED_LIMIT
 from selforg.arrays import Floats, Ints
 
 
@@ -43,6 +44,10 @@ class SlidingWindowUCB(RecentUCB):
             "totals": np.zeros((self.groups, self.options)),
             "cursor": np.zeros(self.groups, dtype=np.int64),
         }
+
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        some = (0.0, LEARNED_LIMIT)
+        return {"counts": some, "step_counts": some, "cursor": (0, self.parameters.window - 1)}
 
     def _update(self, outcomes: Outcomes) -> None:
         touched = np.unique(outcomes.groups)

@@ -8,7 +8,7 @@ from pydantic import Field
 from selector.documents.arrays import Arrays
 from selector.documents.fields import Closed, NonNegative
 from selector.strategies.problem import Decisions, Outcomes
-from selector.strategies.strategy import DecisionStrategy
+from selector.strategies.strategy import LEARNED_LIMIT, DecisionStrategy
 from selforg.arrays import Floats, Ints
 
 Pseudocount = Annotated[NonNegative, Field(le=1e12)]
@@ -34,6 +34,9 @@ class ValueTable(DecisionStrategy):
         count, mean, variance = self.problem.rewards
         known = {"counts": count, "means": mean, "spreads": count * variance}
         return {name: np.tile(values, (self.groups, 1)) for name, values in known.items()}
+
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        return {"counts": (0.0, LEARNED_LIMIT), "spreads": (0.0, LEARNED_LIMIT)}
 
     def estimates(self) -> Floats:
         """Return the estimated reward (G, O) of each option: the mean of its rewards and of the expert's score."""

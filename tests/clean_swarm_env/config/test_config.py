@@ -71,7 +71,7 @@ def _written(tmp_path: Path, mission: str = "", rest: str = "") -> str:
 MISTAKES = [
     ("world: {widht: 3}", "", "mission.world.widht: unknown key 'widht' (known: contacts, "),
     ("base: table1, world: {widht: 3}", "", "did you mean 'width'?"),
-    ("robots: {radius: -1}", "", "mission.robots.radius: expected greater than 0, got -1"),
+    ("robots: {radius: -1}", "", "mission.robots.radius: expected greater than or equal to 0.001, got -1"),
     (
         "robots: {count: 278}",
         "",
@@ -80,7 +80,7 @@ MISTAKES = [
     ("robots: {radius: 2.0}", "", "mission.robots.count: expected at most 4 solid robots of radius 2 m"),
     ("robots: {radius: 2.76, count: 1}", "", "mission.robots.count: expected at most 0"),
     ("robots: {count: 5.5}", "", "mission.robots.count: expected a valid integer, got 5.5"),
-    ("robots: {radius: yes}", "", "mission.robots.radius: expected a valid number, got True"),
+    ("robots: {radius: true}", "", "mission.robots.radius: expected a valid number, got True"),
     ("world: {width: .inf}", "", "mission.world.width: expected a finite number, got inf"),
     ("stations: {dump: [12, 3]}", "", "mission.stations.dump: expected a point on the torus 11 m x 11 m, got [12, 3]"),
     ("stations: {recycling: [1, -0.1]}", "", "mission.stations.recycling: expected a point on the torus"),
@@ -88,7 +88,7 @@ MISTAKES = [
     ("stations: {dump: [12]}", "", "mission.stations.dump.1: missing value"),
     ("world: {control_rate: 3}", "", "mission.world.control_rate: expected a rate that divides physics_rate 20 Hz"),
     ("decision_period: 0.3", "", "mission.decision_period: expected a whole multiple of the control period 0.2 s"),
-    ("collision_distances: [0]", "", "mission.collision_distances.0: expected greater than 0, got 0"),
+    ("collision_distances: [0]", "", "mission.collision_distances.0: expected greater than or equal to 0.001, got 0"),
     ("patrol: {min_speed: 2}", "", "mission.patrol.min_speed: expected a speed up to max_speed 1 m/s, got 2"),
     ("base: tabel1", "", "mission.base: unknown mission 'tabel1' (known: "),
     ("", "mision: table1", "mision: unknown key 'mision'"),

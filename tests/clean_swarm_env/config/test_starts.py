@@ -125,7 +125,7 @@ def test_measured_figures_and_further_keys_are_optional(tmp_path):
     ("content", "expected"),
     [
         ("{", "expected JSON"),
-        ("[]", "expected an object"),
+        ("[]", "expected a mapping of keys, got list"),
         ({"torus_m": [1, 1]}, "missing key"),
         (FILE | {"cases": []}, "cases: expected at least 1 item"),
         (FILE | {"torus_m": [0, 1]}, "torus_m.0: expected greater than 0, got 0"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.channels import LARGEST_NUMBER, Channel, packed_frames, unpacked_frames
+from clean_swarm_env.recording.channels import LARGEST_WHOLE, Channel, packed_frames, unpacked_frames
 from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of
 from clean_swarm_env.recording.reader import RecordedMission
 
@@ -15,12 +15,12 @@ WHOLE = Channel("whole", (), (), 1, 1, "-", "one whole number")
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("size", [0, 1, 100, 30_000, LARGEST_NUMBER])
+@pytest.mark.parametrize("size", [0, 1, 100, 30_000, LARGEST_WHOLE])
 @pytest.mark.parametrize("frames", [1, 2, 50])
 def test_whole_numbers_come_back(order, size, frames):
     rng = np.random.default_rng(frames)
     whole = rng.integers(-size, size + 1, (frames, 20)).astype(np.int32)
-    if order == 2 and size == LARGEST_NUMBER:
+    if order == 2 and size == LARGEST_WHOLE:
         whole //= 4
     whole[:, 3] = 7
     changing, width, content = packed_frames(whole, order)
@@ -31,7 +31,7 @@ def test_whole_numbers_come_back(order, size, frames):
 
 def test_values_are_rounded_and_held_within_the_range():
     values = np.array([[0.12349, -0.0006, np.nan], [np.inf, -np.inf, 1e12]])
-    assert NUMBERS.whole(values).tolist() == [[123, -1, 0], [LARGEST_NUMBER, -LARGEST_NUMBER, LARGEST_NUMBER]]
+    assert NUMBERS.whole(values).tolist() == [[123, -1, 0], [LARGEST_WHOLE, -LARGEST_WHOLE, LARGEST_WHOLE]]
 
 
 @pytest.fixture

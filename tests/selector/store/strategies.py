@@ -22,7 +22,7 @@ def moments_of(values):
 moments = st.lists(rewards, min_size=1, max_size=5).map(moments_of)
 keys = st.builds(Key, names, names, st.just("") | names, names)
 few_keys = st.builds(Key, *[st.sampled_from("ab")] * 4)
-finite = st.floats(allow_nan=False, allow_infinity=False)
+scores = st.floats(-1e9, 1e9)
 json_values = st.recursive(
     st.none()
     | st.booleans()
@@ -36,7 +36,7 @@ options = st.builds(
     Option,
     configuration=names,
     name=names,
-    score=finite,
+    score=scores,
     parameters=st.dictionaries(names, json_values, max_size=3),
 )
 

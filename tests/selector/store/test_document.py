@@ -81,7 +81,7 @@ def test_mistakes_name_file_and_key_in_one_line(content, message):
         ("s.json", '{"format": ', r"s\.json: line 1: Expecting value"),
         ("s.json", "[]", r"s\.json: expected a mapping of keys, got list"),
         ("s.json", '{"a": 1, "a": 2}', r"s\.json: key 'a' twice"),
-        ("s.yaml", "format: [", r"s\.yaml: line 1"),
+        ("s.yaml", "format: [1]]", r"s\.yaml: line 1"),
         ("s.yaml", "goals: {G: []}", r"s\.yaml: goals\.G: .*at least 1 item"),
         ("none.json", None, r"none\.json: cannot be read"),
     ],

@@ -133,9 +133,9 @@ def damage(directory):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda d: (d / "policy.json").write_text("{"), "cannot be read"),
-        (lambda d: (d / "policy.json").write_text("[]"), r"policy\.json: .*expected a valid"),
-        (lambda d: (d / "policy.safetensors").unlink(), r"cannot be read .*policy\.safetensors"),
+        (lambda d: (d / "policy.json").write_text("{"), r"policy\.json: line 1: .*expected JSON"),
+        (lambda d: (d / "policy.json").write_text("[]"), r"policy\.json: expected a mapping of keys"),
+        (lambda d: (d / "policy.safetensors").unlink(), r"policy\.safetensors: cannot be read"),
         (damage, r"policy\.json: weights_sha256: expected that of policy\.safetensors"),
         (lambda d: edit(d, version=2), "version: expected 1, got 2"),
         (lambda d: edit(d, mean=[0.0]), "mean: expected 7 numbers, one an observation, got 1"),

@@ -157,8 +157,11 @@ def _experiment(path: Path, **changes: object) -> Path:
         (["--scenarios", "0"], "--scenarios: expected a whole number of at least 1, got 0"),
         (["--workers", "-1"], "--workers: expected"),
         (["--seed", "-1"], "--seed: expected"),
-        (["--starts", "none.json"], "none.json: No such file"),
-        (["--starts", "broken.json"], "broken.json: expected JSON"),
+        (["--starts", "none.json"], "none.json: cannot be read (No such file or directory)"),
+        (
+            ["--starts", "broken.json"],
+            "broken.json: line 1: Expecting property name enclosed in double quotes; expected JSON",
+        ),
         (["--starts", "x", "--scenarios", "3"], "--scenarios and --starts: expected one of them, got both"),
         (["--output", "taken"], "taken: holds other files"),
         (["misspelt.yaml"], "misspelt.yaml: mission.world.widht: unknown key 'widht'"),

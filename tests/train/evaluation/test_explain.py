@@ -160,7 +160,12 @@ def test_directories_without_results_are_refused(tmp_path, told):
     code, _, err = told("explain", tmp_path, *words)
     assert code == 2
     assert "holds no manifest.json; expected the results of an evaluation" in err
-    for content, expected in (("{", "cannot be read"), ("[]", "expected the manifest of an evaluation")):
+    cases = {
+        "{": "manifest.json: line 1: ",
+        "[]": "manifest.json: expected a mapping of keys, got list",
+        "{}": "expected the manifest of an evaluation",
+    }
+    for content, expected in cases.items():
         (tmp_path / "manifest.json").write_text(content)
         code, _, err = told("explain", tmp_path, *words)
         assert code == 2

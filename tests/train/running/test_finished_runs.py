@@ -82,3 +82,12 @@ def test_scenarios_sort_by_their_numbers():
         "case-9",
         "case-10",
     ]
+
+
+def test_a_text_that_begins_like_a_formula_is_quoted_and_numbers_stay_numbers(tmp_path):
+    results = opened(tmp_path / "r")
+    for name in ("=1+1", "+x", "-x", "@x", "x=1"):
+        results.add(record("1", name))
+    results.close()
+    assert [row["condition"] for row in _rows(tmp_path / "r")] == ["'+x", "'-x", "'=1+1", "'@x", "x=1"]
+    assert {float(row["duration_s"]) for row in _rows(tmp_path / "r")} == {10.0}

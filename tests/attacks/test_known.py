@@ -1,0 +1,81 @@
+"""Every file of bad input that once made the program hang, eat memory or end in a traceback is refused in one line."""
+
+import resource
+import sys
+import time
+
+import pytest
+
+from tests.attacks.readers import MOST_BYTES, MOST_SECONDS
+from tests.paths import SHARED
+from train.cli import app as cli
+
+ATTACKS = SHARED / "attacks"
+CONFIGS = ("--configs", ATTACKS / "configs")
+RUN = {"pile.yaml"}
+"""Files that are no bad input; see `test_pile.py`."""
+KNOWLEDGE = ("k1.yaml", "k2.yaml", "inf.yaml", "nan.json", "dup.json")
+pytestmark = pytest.mark.skipif(not ATTACKS.is_dir(), reason="the attacks lie beside the checkout only")
+
+
+def command(path):
+    if path.name in KNOWLEDGE:
+        return ("knowledge", "import", path, "--store", "store.sqlite")
+    if path.name == "starts.json":
+        return ("evaluate", "--starts", path)
+    return ("evaluate", *(("--family",) if path.name.startswith("fam") else ()), path, *CONFIGS)
+
+
+FILES = sorted(path for pattern in ("*.yaml", "*.json") for path in ATTACKS.glob(pattern) if path.name not in RUN)
+COMMANDS = {path.name: command(path) for path in FILES}
+COMMANDS |= {
+    f"draw {path.stem}": ("draw", path.stem, *CONFIGS) for path in sorted((ATTACKS / "configs" / "robots").glob("*"))
+}
+COMMANDS |= {f"draw {name}": ("draw", ATTACKS / name) for name in ("e2.yaml", "k1.yaml", "m1.yaml", "e5.yaml")}
+COMMANDS |= {
+    f"run {name}": ("run", "MaxValue", "--knowledge", name, *CONFIGS) for name in ("bomb", "selfref", "../x", "none")
+}
+COMMANDS |= {
+    "runs": ("run", "MaxValue", "--runs", 10**9),
+    "robots": ("run", "MaxValue", "--robots", 10**9),
+    "seconds": ("run", "MaxValue", "--seconds", "1e300"),
+    "scenarios": ("evaluate", "--scenarios", 10**8),
+    "workers": ("evaluate", "--workers", 10**9),
+    "seed": ("evaluate", "--seed", 10**30),
+}
+
+
+@pytest.fixture
+def told(monkeypatch, capsys, tmp_path):
+    """Run the command line in a directory inside an empty one: code, output, errors."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        return int(ended.value.code or 0), *capsys.readouterr()
+
+    return call
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_bad_input_is_refused_in_one_line_at_once_and_writes_nothing(name, told, tmp_path):
+    told("list")  # imports and the library are not what is measured
+    told("evaluate", "nothing")
+    before, began = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
+    code, out, err = told(*COMMANDS[name])
+    took = time.process_time() - began
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
+    assert (code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert err.endswith("\n")
+    assert err[:-1].isprintable()
+    assert len(err) < 1500
+    if name.endswith((".yaml", ".json")):
+        assert name.removeprefix("draw ") in err or "/configs/" in err
+    assert took < MOST_SECONDS
+    assert grown < MOST_BYTES
+    assert [path.name for path in tmp_path.iterdir()] == ["here"]
+    assert not [path for path in (tmp_path / "here").rglob("*") if path.is_file()]

@@ -1,0 +1,53 @@
+"""What missions need is estimated before they start, said in words, and refused where the machine is too small."""
+
+import pytest
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.mission import MissionConfig
+from train.running import needs
+from train.running.estimate import needs_of
+from train.running.needs import Machine, Workload, check_needs
+
+LARGE = {"world": {"width": 1000.0, "height": 1000.0}, "robots": {"count": 2000}}
+
+
+def mission(**changes):
+    return MissionConfig.model_validate(changes)
+
+
+@pytest.mark.parametrize(
+    ("workload", "expected"),
+    [
+        (Workload(mission(**LARGE, delivery={"loss": 0.1}), 1), r"3\.0 GB|of memory"),
+        (Workload(mission(time_limit=1e7), 10_000), r"at most 7\.0 days of time, got about"),
+        (Workload(mission(**LARGE, delivery={"loss": 0.1}, time_limit=60.0), 1, 25), "of memory"),
+    ],
+)
+def test_what_is_too_much_is_refused_in_words_unless_forced(workload, expected, monkeypatch):
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e9)
+    with pytest.raises(ConfigurationError, match=expected) as caught:
+        check_needs(workload, Machine(2))
+    assert f"of up to {workload.mission.rows} robots, 10 items and" in str(caught.value)
+    assert "--force" in str(caught.value)
+    check_needs(workload, Machine(2, forced=True))
+
+
+def test_periods_in_which_nobody_can_interrupt_are_refused(monkeypatch):
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e12)
+    crowd = mission(**LARGE, delivery={"loss": 0.1}, time_limit=60.0)
+    with pytest.raises(ConfigurationError, match="in which Ctrl-C waits"):
+        check_needs(Workload(crowd, 1, 2), Machine())
+
+
+def test_what_ships_needs_little(monkeypatch):
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: 2e9)
+    check_needs(Workload(mission(), 200), Machine(2))
+    assert needs_of(mission()).ticks == 15_000
+
+
+def test_a_container_has_its_own_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(needs, "CONTROL_GROUP", tmp_path / "memory.max")
+    whole = needs.memory_of_machine()
+    for text, expected in (("max\n", whole), ("1000000\n", 1e6)):
+        (tmp_path / "memory.max").write_text(text)
+        assert needs.memory_of_machine() == expected
