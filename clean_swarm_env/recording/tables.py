@@ -5,18 +5,18 @@ import numpy as np
 from clean_swarm_env.recording.channels import AnyArray
 from clean_swarm_env.recording.reader import RecordedMission
 
-Columns = dict[str, AnyArray]
+TableColumns = dict[str, AnyArray]
 """The columns of a table by their names, all of one length."""
 
 
-def tables_of(recording: RecordedMission) -> dict[str, Columns]:
+def tables_of(recording: RecordedMission) -> dict[str, TableColumns]:
     """Return the tables of a recording.
 
     Channels with the same axes are columns of one table: `robot` has the poses, `item` the items, `robot-behaviour` the
     marks of the robots' networks, `AvoidCollision.RepulsionGradient-behaviour` those inside an option. Every table
     begins with `frame`, `time` [s] and a number for each axis.
     """
-    tables: dict[str, Columns] = {}
+    tables: dict[str, TableColumns] = {}
     for name, channel in recording.channels.items():
         prefix, _, column = name.rpartition("/")
         if prefix in ("held", "opinion"):  # of goals, about robots
