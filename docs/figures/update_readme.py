@@ -27,7 +27,7 @@ def evaluate(*words: str) -> tuple[str, dict[str, Any]]:
     """Run `clean-swarm evaluate` and return what it prints and its summary."""
     with tempfile.TemporaryDirectory() as directory:
         output = Path(directory) / "run"
-        command = [sys.executable, "-c", "from train.cli.app import main; main()", "evaluate", *words]
+        command = [sys.executable, "-c", "from train.cli import main; main()", "evaluate", *words]
         done = subprocess.run([*command, "--output", str(output)], cwd=ROOT, check=True, capture_output=True, text=True)
         summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
     printed = re.sub(r"results in .*", "", done.stdout)

@@ -29,7 +29,7 @@ TIMEOUT = 400.0
 
 def command(learner, config, output, *more):
     words = ["train", learner, "--config", str(config), "--seed", "5", "--output", str(output), *more]
-    return [sys.executable, "-c", "from train.cli.app import main; main()", *words]
+    return [sys.executable, "-c", "from train.cli import main; main()", *words]
 
 
 def finish(words):
