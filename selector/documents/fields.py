@@ -34,15 +34,16 @@ Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1.0)
 Flag = Annotated[bool, Field(strict=True)]
 
 
-def _named(name: str) -> str:
+def named(name: str) -> str:
+    """Return a name; ValueError if it is none."""
     if not re.fullmatch(r"\w([\w\-. ]*\w)?", name) or len(name) > MOST_LETTERS:
         ends = "beginning and ending with a letter, a digit or _"
         raise ValueError(f"expected up to {MOST_LETTERS} letters, digits and -_. {ends}, got {short(name)}")
     return name
 
 
-def _no_relative_path(named: str) -> str:
-    return _no_controls(named) if os.path.isabs(named) else _NAME.validate_python(named)
+def _no_relative_path(text: str) -> str:
+    return _no_controls(text) if os.path.isabs(text) else named(text)
 
 
 def _no_controls(text: str) -> str:
@@ -51,7 +52,7 @@ def _no_controls(text: str) -> str:
     return text
 
 
-Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_named)]
+Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(named)]
 """Name of anything: letters, digits and `-_. `, so that it can stand in the name of a file, a table and a message."""
 DocumentName = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
 """Name of another document, or its absolute path; a relative path would depend on where the program was started."""

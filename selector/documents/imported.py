@@ -4,15 +4,22 @@ import sys
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field
 
 from selector.documents.errors import DocumentError
+from selector.documents.fields import named
 
 
 def is_import(text: str) -> bool:
     """Return whether a text has the form of a name of the user's own code."""
     module, colon, name = text.rpartition(":")
     return bool(colon) and name.isidentifier() and (module.endswith(".py") or module.replace(".", "_").isidentifier())
+
+
+NameOrImport = Annotated[str, Field(strict=True), AfterValidator(lambda text: text if is_import(text) else named(text))]
+"""Name of what is registered, or of the user's own code."""
 
 
 def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user's code defines)

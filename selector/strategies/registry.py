@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Name
-from selector.documents.imported import imported, is_import
+from selector.documents.imported import NameOrImport, imported, is_import
 from selector.documents.plain import short
 from selector.documents.reading import read_value
 from selector.strategies.problem import Problem
@@ -24,7 +24,7 @@ STRATEGIES: Registry[DecisionStrategy] = Registry("strategy")
 class StrategySpec(Closed):
     """A registered strategy with valid parameters, as YAML and the command line name it."""
 
-    name: Name
+    name: NameOrImport
     """Name of a registered strategy, or `module:class` of one's own."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Values for parameters of the strategy."""

@@ -8,7 +8,7 @@ import pytest
 
 from tests.attacks.readers import MOST_BYTES, MOST_SECONDS
 from tests.paths import SHARED
-from train.cli import app as cli
+from train import cli
 
 ATTACKS = SHARED / "attacks"
 CONFIGS = ("--configs", ATTACKS / "configs")

@@ -18,8 +18,8 @@ from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name, Number, Positive
-from selector.documents.imported import imported, is_import
+from selector.documents.fields import Closed, Number, Positive
+from selector.documents.imported import NameOrImport, imported, is_import
 from selforg.registry import unknown
 
 DEFAULT_TERMS = (
@@ -35,7 +35,7 @@ class TermConfig(Closed):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Number] = Field(init=False)
 
-    name: Name
+    name: NameOrImport
     """Name of a registered term, or `module:class` of one that is registered when that is imported."""
     weight: Number = 1.0
     """Factor on the components of the term [-]."""

@@ -101,7 +101,7 @@ def test_every_term_is_what_its_name_says(name):
     batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
     seen = batch.reset([1, 2])
     met = np.zeros(batch.width)
-    for _ in range(120):
+    for _ in range(90):
         for row in range(10):
             np.testing.assert_allclose(seen[row], _expected(batch, row, idle[row]), atol=1e-6, err_msg=str(row))
         met += np.abs(seen).max(axis=0) > 0

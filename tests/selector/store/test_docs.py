@@ -7,8 +7,8 @@ import sys
 import pytest
 
 from tests.paths import ROOT
+from train import cli
 from train import knowledge_store as stores
-from train.cli import app as cli
 
 PAGE = (ROOT / "docs" / "knowledge.md").read_text(encoding="utf-8")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from selector.store import KnowledgeStore, RewardSums, StoredKnowledge
+from train import cli
 from train import knowledge_store as stores
-from train.cli import app as cli
 
 
 @pytest.fixture

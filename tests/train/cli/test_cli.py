@@ -14,7 +14,7 @@ import pytest
 from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
-from train.cli import app as cli
+from train import cli
 from train.evaluation import pipeline
 from train.running import runs
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from train.cli import app as cli
+from train import cli
 
 KNOWLEDGE = """
 goals:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from train.cli import app as cli
+from train import cli
 
 STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
 

@@ -12,7 +12,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, run_mission
 from tests.clean_swarm_env.courses import difference, snapshot
-from train.cli import app as cli
+from train import cli
 from train.evaluation.repeat import steps_of, task_of
 
 CONDITIONS = [

@@ -19,7 +19,7 @@ from selector.strategies.policy_file import find_policy, load_policy, save_polic
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
 from selector.strategies.streams import row_keys
-from train.cli import app as cli
+from train import cli
 from train.evaluation.entrants import member_pilot
 from train.running.trials import TrialSettings, run_trials
 

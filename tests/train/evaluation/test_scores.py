@@ -17,7 +17,7 @@ from selector.knowledge import ENOUGH, knowledge_from, load_knowledge
 from selector.store import KnowledgeStore, RewardSums
 from tests.paths import ROOT
 from tests.train import fake_mission
-from train.cli import app as cli
+from train import cli
 from train.evaluation import pipeline
 from train.running import runs
 

@@ -9,7 +9,7 @@ import pytest
 
 from docs.figures.draw_scores import ALONE, LEARN, write_files
 from tests.paths import ROOT
-from train.cli import app as cli
+from train import cli
 
 PAGE = (ROOT / "docs" / "scores.md").read_text(encoding="utf-8")
 FEWER = {"30": "3", "20": "1", "10": "1"}

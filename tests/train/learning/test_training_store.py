@@ -13,7 +13,7 @@ from selector.documents.arrays import load_arrays
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore, RewardSums
 from tests.train.learning.trainings import written
-from train.cli import app as cli
+from train import cli
 
 STRATEGY = {"name": "UCB1", "parameters": {"prior": 0.0}}
 BANDIT = {"strategy": STRATEGY, "credit": {"hold": 5.0, "horizon": 10.0}}

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from train.cli import app as cli
+from train import cli
 
 
 def run(*words: object) -> int:
