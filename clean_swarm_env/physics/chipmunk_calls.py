@@ -37,9 +37,9 @@ NAMES = (
 
 
 class Chipmunk(NamedTuple):
-    """Where Chipmunk's functions lie in the memory of this process."""
+    """The addresses of Chipmunk's functions in the memory of this process."""
 
-    functions: Annotated[Ints, "NAMES"]  # addresses, all zero where compiled code cannot call them
+    functions: Annotated[Ints, "NAMES"]  # all zero where compiled code cannot call them
 
 
 CHIPMUNK = Recording(Chipmunk)
