@@ -49,7 +49,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     """One world of cleaning robots; each agent is a robot.
 
     Args:
-        mission: a mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
+        mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         reward: weights of the reward's terms, or a function, see `Batch`.
         render_mode: None, "rgb_array", or "human", which shows the world in a window of Matplotlib.
         max_cycles: most steps of an episode, which is then truncated; None: as the mission has it.

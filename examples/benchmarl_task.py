@@ -1,6 +1,6 @@
 """BenchMARL: the cleaning swarm as a task, for MAPPO and IPPO, QMIX with masks and global state, MASAC with vectors.
 
-pip install benchmarl && pip install clean-swarm
+pip install benchmarl && pip install .
 python examples/benchmarl_task.py mappo --frames 60000
 """
 

@@ -1,6 +1,6 @@
 """A Minari dataset of missions in which the selector chooses at random, with the figures of each mission in its infos.
 
-pip install 'minari[hdf5,create]' && pip install clean-swarm
+pip install 'minari[hdf5,create]' && pip install .
 python examples/minari_dataset.py --missions 10
 """
 

@@ -1,6 +1,6 @@
 """PPO of RLlib with masks and an open team: robots join and are gone, all share one policy.
 
-pip install 'ray[rllib]' torch && pip install clean-swarm
+pip install 'ray[rllib]' torch && pip install .
 python examples/rllib_ppo.py --iterations 20
 """
 

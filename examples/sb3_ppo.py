@@ -1,6 +1,6 @@
 """PPO of Stable-Baselines3 on 16 worlds; the policy is then compared with fixed options.
 
-pip install 'clean-swarm[train]'
+pip install '.[train]'
 python examples/sb3_ppo.py --steps 200000
 clean-swarm evaluate --family table1 --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
 """

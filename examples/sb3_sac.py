@@ -1,6 +1,6 @@
 """SAC of Stable-Baselines3 with movement vectors as actions.
 
-pip install 'clean-swarm[train]'
+pip install '.[train]'
 python examples/sb3_sac.py --steps 100000
 """
 

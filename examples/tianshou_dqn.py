@@ -1,6 +1,6 @@
 """DQN of Tianshou, one network for each robot, with masks, in a team that changes.
 
-pip install tianshou && pip install clean-swarm
+pip install tianshou && pip install .
 python examples/tianshou_dqn.py --epochs 10
 """
 

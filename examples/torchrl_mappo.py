@@ -1,6 +1,6 @@
 """MAPPO with TorchRL: robots share an actor, one critic sees the global state and values each robot.
 
-pip install torchrl && pip install clean-swarm
+pip install torchrl && pip install .
 python examples/torchrl_mappo.py --frames 60000
 """
 

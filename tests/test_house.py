@@ -1,4 +1,4 @@
-"""The house stays a house: no circles, folders that can be overlooked, names with one meaning, short signatures."""
+"""The structure keeps its rules: no circles of imports, small folders, names with one meaning, short signatures."""
 
 import pytest
 

@@ -22,7 +22,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     (MultiDiscrete), or one option for all robots (Discrete). The reward is the mean over the robots.
 
     Args:
-        mission: a mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
+        mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         one_for_all: whether one option serves all robots.
         render_mode: None or "rgb_array".
         settings: further arguments of `Batch`.

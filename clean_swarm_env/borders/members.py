@@ -26,7 +26,7 @@ class Member:
     render_mode = None
 
     def __init__(self, batch: Batch, world: int, rows: slice) -> None:
-        """`rows` are its rows within the batch."""
+        """Make the environment of the `rows` of a batch that belong to one world."""
         self.world, self.robot = world, rows.start % batch.robots
         self._batch, self._rows = batch, rows
 

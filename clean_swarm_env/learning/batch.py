@@ -98,7 +98,7 @@ class Batch:
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
-        mission: a mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
+        mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         worlds: W.
         observation: terms of the observation.
         reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.

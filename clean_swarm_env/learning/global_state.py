@@ -24,8 +24,8 @@ class GlobalState:
     `names` names them: `robot_K_NAME` (`ROBOT`, then `holds_OPTION` or with several goals `holds_GOAL_OPTION`),
     `item_K_NAME` (`ITEM`), `recycling_x`, `recycling_y`, `dump_x`, `dump_y`, `time` and `garbage_done`. Places go from
     -1 to 1 along each side of the torus; that of an item is where it lies or was picked. `time` is the share of the
-    time limit that has passed, `garbage_done` the share of the items dumped of those that arrived. All else are flags,
-    but for cosine and sine. What is not there is 0.
+    time limit that has passed, `garbage_done` the share of the items dumped of those that arrived. The other
+    components are flags, except cosine and sine. What is not there is 0.
 
     Args:
         worlds: the worlds.

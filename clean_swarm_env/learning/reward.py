@@ -93,7 +93,7 @@ class Rewards:
     """
 
     def __init__(self, config: RewardConfig, period: float) -> None:
-        """`period`: length of a tick [s]."""
+        """Turn the weights into prices; `period` is the length of a tick [s]."""
         self.config = config
         own = {
             "picked": config.own_picked,

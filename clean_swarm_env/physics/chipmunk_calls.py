@@ -1,4 +1,4 @@
-"""Calls of Chipmunk's C functions from compiled code, by their addresses: a world in contact, for one control tick.
+"""Calls of Chipmunk's C functions by address from compiled code: they move a world in contact for one control tick.
 
 A call from Python costs about as much as the work of a small space. `contact_space.py` has the addresses, and does the
 same through pymunk's public interface where compiled code cannot call C.
@@ -37,9 +37,9 @@ NAMES = (
 
 
 class Chipmunk(NamedTuple):
-    """Where Chipmunk's functions lie in the memory of this process."""
+    """The addresses of Chipmunk's functions in the memory of this process."""
 
-    functions: Annotated[Ints, "NAMES"]  # addresses, all zero where compiled code cannot call them
+    functions: Annotated[Ints, "NAMES"]  # all zero where compiled code cannot call them
 
 
 CHIPMUNK = Recording(Chipmunk)
@@ -117,7 +117,7 @@ def make_space(world: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]
     call_c(c[SET_SLOP], (space, COLLISION_SLOP))
     for index in range(m.parts.shape[0]):
         row, disc = world * m.parts.shape[0] + index, call_for_pointer(c[BODY_NEW], (1.0, np.inf))
-        call_c(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))  # circles at one place would all be pairs
+        call_c(c[SET_POSITION], (disc, m.bodies[row, 0], m.bodies[row, 1]))  # else all circles would be pairs
         m.parts[index, 0] = call_for_pointer(c[ADD_BODY], (space, disc))
         circle = call_for_pointer(c[CIRCLE_NEW], (disc, m.radius, 0.0, 0.0))
         if not m.present[row]:
@@ -158,7 +158,7 @@ def touch(world: int, space: int, last: bool, motion: Words[RobotMotion], chipmu
 
 @part
 def free_space(space: int, motion: Words[RobotMotion], chipmunk: Words[Chipmunk]) -> None:
-    """Give the memory of a space, its discs and circles back."""
+    """Free the memory of a space, its discs and circles."""
     c, m = open_chipmunk(chipmunk).functions, open_robot_motion(motion)
     call_c(c[SPACE_FREE], (space,))
     for index in range(m.parts.shape[0]):

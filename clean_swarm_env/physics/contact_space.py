@@ -1,4 +1,4 @@
-"""Pymunk: addresses of its C functions, and the same calls by its public interface (the only file that knows it)."""
+"""Pymunk: addresses of its C functions, and the same calls by its public interface. No other file imports pymunk."""
 
 import os
 from math import inf

@@ -45,7 +45,7 @@ class RobotMotion(NamedTuple):
     reach: float  # distance of two centres below which robots touch [m]
     zone: float  # distance from a seam within which a body needs copies [m]
     timestep: float  # [s]
-    settling: int  # substeps for which a world stays in contact after its last touch
+    settling: int  # substeps for which a world is in contact from a touch on, that of the touch included
     stiffness: float  # force by missing velocity [kg/s]; a robot has 1 kg, because their mass has no effect
 
 

@@ -4,7 +4,8 @@ Pymunk computes the motion while robots touch. A world without contacts needs no
 its robots by position += velocity * timestep. Both are the same integrator, cut at different points. Chipmunk's step
 moves by the velocity of the step before, finds contacts, then forces and contacts change the velocity. Here a substep
 finds contacts, changes velocities and then moves by them. So a world may change between the two at any substep, and a
-command acts at once. A world returns to free motion when Chipmunk no longer remembers its last contact.
+command acts at once. A world moves freely again three substeps after its last contact: within a tick Chipmunk
+remembers contacts for so long.
 
 Robots that touch are put into a new space of pymunk in every control tick. Between ticks the arrays are all there is.
 

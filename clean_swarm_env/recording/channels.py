@@ -24,7 +24,7 @@ AnyArray = NDArray[Any]
 
 @dataclass(frozen=True)
 class Channel:
-    """What a channel holds."""
+    """A channel: its name, axes, steps, unit and meaning."""
 
     name: str
     axes: tuple[str, ...]
@@ -42,7 +42,7 @@ class Channel:
 
     @property
     def columns(self) -> int:
-        """Numbers of a frame, K."""
+        """How many numbers a frame has, K."""
         return int(np.prod(self.shape, dtype=np.int64))
 
     def as_mapping(self) -> dict[str, Any]:
@@ -97,8 +97,8 @@ def _second(values: AnyArray) -> AnyArray:
 def packed_frames(whole: WholeNumbers, order: int) -> tuple[int, int, bytes]:
     """Return the bytes of T >= 1 frames of whole numbers (T, K), how many columns change, and the width of a number.
 
-    First the first frame, K numbers int32. Then a bit for each column, 1 where it changes. Then the differences of the
-    columns that change, column by column, each in time: first the lowest byte of all, then the next one.
+    The first frame comes first, as K numbers int32. A bit for each column follows, 1 where it changes. The differences
+    in time of the columns that change come last, column by column: the lowest byte of all, then the next one.
     """
     steps = np.empty((whole.shape[1], len(whole) - 1), dtype=np.int32)
     changing = np.empty(whole.shape[1], dtype=np.bool_)

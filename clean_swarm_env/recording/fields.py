@@ -1,4 +1,4 @@
-"""Fields at any moment of a recording, rebuilt from what robots have left behind."""
+"""Gradients that lie in the world at a frame of a recording, rebuilt from the deposits of the robots."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What robots leave behind and what they miss: deposits of gradients, and poses of others that did not arrive."""
+"""Deposits of gradients that robots leave behind, and poses of others that did not reach them."""
 
 from __future__ import annotations
 
@@ -57,11 +57,11 @@ class MessageLog:
             self._missed[:] = missed.sum(axis=1) * worlds.team.working
 
     def begin(self) -> None:
-        """Forget the deposits of a tick."""
+        """Clear the deposits of the tick before."""
         self._deposits[:] = 0
 
     def close(self) -> None:
-        """Listen to the buffers no more."""
+        """Stop listening to the buffers."""
         for buffer in self._buffers.values():
             buffer.on_deposit = None
 

@@ -34,7 +34,7 @@ LEAST_FRAMES: Final = 16
 
 @dataclass(frozen=True)
 class RecordSettings:
-    """Where missions are recorded, and how much of them."""
+    """Settings of recordings: their directory, their names, and what they hold."""
 
     directory: Path
     """Directory of the files; made if it is missing."""
@@ -66,7 +66,7 @@ class MissionRecorder:
 
     Args:
         worlds: the worlds; `explained` ones if minds are to be recorded.
-        settings: where, and how much.
+        settings: directory, names and content of the files.
 
     """
 
@@ -161,7 +161,7 @@ class MissionRecorder:
             self._write_all()
 
     def close(self) -> None:
-        """Write what waits, and end all files."""
+        """Write all frames that are not in a file yet, and end all files."""
         for world in list(self._running):
             self._end(world)
         self._messages.close()
@@ -230,7 +230,7 @@ class MissionRecorder:
         self._at = 0
 
     def _write(self, world: int) -> None:
-        """Write the frames of a world that wait."""
+        """Write the frames of a world that are not in its file yet."""
         running, count = self._running[world], self.worlds.worlds
         frames = slice(running.begun, self._at)
         if frames.start == frames.stop:

@@ -1,4 +1,4 @@
-"""What is sampled in every frame: arrays of the worlds, and the channels that are made of them.
+"""Arrays of the worlds that are copied in every frame, and the channels that are made of them.
 
 Shapes: W worlds, N robots a world, R = W * N rows, M items a world, O options, B behaviours, S sensors, G goals.
 """
@@ -49,7 +49,7 @@ class Sampled:
 
 
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
-    """Yield what lies and moves on the floor, but for the poses, and what robots carry."""
+    """Yield the arrays of items, stations, cargo, contacts and held options; the recorder keeps the poses itself."""
     robots, items = ("robot", worlds.robots), ("item", worlds.garbage.stage.shape[1])
     garbage, team = worlds.garbage, worlds.team
     for name, array, about in (

@@ -1,6 +1,6 @@
 """Draws the figures of the paper anew: `python -m docs.figures.draw_paper [DIR]` (default docs/pictures).
 
-The paper's own pictures are not at hand: these are made from its text, as our design notes tell it, and from this code.
+The paper's own pictures are not at hand: these are made from its text and from this code.
 Fig. 1 comes from the table of patterns, Fig. 5 is a mission, Fig. 6 is what `clean-swarm draw cleaning` draws; names in
 the others come from documents and registries.
 """

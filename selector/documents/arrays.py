@@ -36,7 +36,7 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
         with safetensors.safe_open(path, framework="numpy") as file:
             arrays = {name: np.array(file.get_tensor(name)) for name in file.keys()}  # noqa: SIM118  (not a mapping)
             text = (file.metadata() or {}).get(DESCRIPTION, "null")
-    except (OSError, safetensors.SafetensorError, TypeError, ValueError, KeyError) as error:  # by what is damaged
+    except (OSError, safetensors.SafetensorError, TypeError, ValueError, KeyError) as error:  # depends on the damage
         raise DocumentError(f"{shown(path)}: cannot be read ({error})") from error
     description = json_value(text, shown(path))
     if not isinstance(description, dict):

@@ -38,7 +38,7 @@ class _Open:
 
     Attributes:
         content: what it holds so far.
-        anchor: by which aliases refer to it; None: none.
+        anchor: name by which aliases refer to it; None without one.
         before: nodes counted before it.
         key: of a mapping, the key whose value comes next; None: a key comes next.
         depth: how deep values are nested in it, itself counted.
@@ -114,7 +114,7 @@ class _Builder:
         text: str = event.value
         if not text.isascii() and any("\ud800" <= character <= "\udfff" for character in text):
             self._refuse(event, "expected text, got half a character (a lone surrogate)")
-        if not event.implicit[0]:  # it stands in quotes
+        if not event.implicit[0]:  # a text in quotes is never a number
             return text
         try:
             return value_of(text)

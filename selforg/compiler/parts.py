@@ -1,4 +1,4 @@
-"""How a part of kernels is compiled: once, into code that each kernel takes in and optimises with its own.
+"""Compilation of parts of kernels: each is compiled once, into code that kernels link and optimise with their own.
 
 Numba by itself would optimise every function and turn it into machine code, and do both again within each caller. It
 would also compile a function once more for each set of compiler options and for each constant that callers pass. This

@@ -1,4 +1,4 @@
-"""Files of the user's that are called as our packages break nothing: script, -c, -m, command line, worker processes."""
+"""Files of a user with the names of our packages break nothing: script, -c, -m, command line, worker processes."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Small worlds for the tests."""
+"""Small worlds for tests of gradients and mechanisms."""
 
 from dataclasses import dataclass
 

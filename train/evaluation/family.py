@@ -155,7 +155,7 @@ class TrialTask:
 
     @property
     def naming(self) -> dict[str, str]:
-        """What the heads of recordings say of the runs."""
+        """Plain data about the runs for the heads of their recordings."""
         return {"experiment": self.family.name, "condition": self.condition}
 
     def scenario_of(self, number: int) -> Scenario:

@@ -211,7 +211,8 @@ def _give_scores(evaluation: Evaluation, memory: Memory, records: Sequence[RunRe
 def mission_score(mission: MissionConfig, cost: float) -> float:
     """Return the score of a mission by its `cost` [s]: the share of its time limit that is left [-].
 
-    1 is the best there could be, 0 costs as much as all its time, below 0 more than that, down to what a store takes.
+    1 is the best possible score. A mission with the score 0 costs as much as its time limit. The lowest score is the
+    lowest reward that a store takes.
     """
     return max(1.0 - cost / mission.time_limit, -REWARD_LIMIT)
 

@@ -44,7 +44,7 @@ class ScoreRequest:
 
     @property
     def kept(self) -> StoreRequest:
-        """The store, which learns."""
+        """The store, to which the scores are given."""
         return StoreRequest(store_url(self.store), learn=True)
 
 

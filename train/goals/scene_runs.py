@@ -152,7 +152,7 @@ def score_goal(request: GoalRequest, memory: Memory) -> None:
 def scores_of(scene: type[Scene], values: Mapping[str, Floats]) -> Floats:
     """Return the scores (W,) of runs: by the measure that is farthest from its target, in units of the target [-].
 
-    1 where that measure just meets its target, 0 where it is as far away as the target is from 0.
+    The score is 1 where that measure just meets its target, 0 where it is as far away as the target is from 0.
     """
     scores = []
     for measure in scene.measures:

@@ -35,7 +35,7 @@ class Results:
     """
 
     def __init__(self, folder: RunFolder, mistake: Callable[[RunRecord], str] = lambda record: "") -> None:
-        """`mistake` returns why a kept run is not one of this evaluation; empty if it is."""
+        """Read the runs kept in `folder`; `mistake` returns why one is not of this evaluation, empty if it is."""
         self.folder = folder
         self.records = runs_of(folder.path / JOURNAL, mistake)
         self._rewrite()

@@ -41,7 +41,7 @@ class ModelPilot:
             self.choose(np.zeros((1, len(problem.features)), dtype=np.float32))
         except ImportError as error:
             raise DocumentError(f"{path}: {error}; the extras train and onnx have what models need") from error
-        except (RuntimeError, ValueError, KeyError) as error:  # each library has its own for a wrong shape or file
+        except (RuntimeError, ValueError, KeyError) as error:  # libraries raise different errors
             text = " ".join(str(error).split())[:200]
             expected = f"a model of {len(problem.features)} numbers and {self._options} options"
             raise DocumentError(f"{path}: expected {expected}, got {text}") from error

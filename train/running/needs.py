@@ -1,4 +1,4 @@
-"""What an evaluation or a training needs, said in words, and refused where the machine has less."""
+"""The check of what an evaluation or a training needs: it is refused in one line where the machine has less."""
 
 import os
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class Workload:
 
 
 def check_needs(workload: Workload, machine: Machine) -> None:
-    """Raise ConfigurationError if missions need more than the machine has or anybody waits for; not if forced.
+    """Raise ConfigurationError if missions need more memory or time than the limits, unless they are forced.
 
     The limits are those of memory, of the time of all missions (`LONGEST`), and of a control period (`LONGEST_TICK`).
     """

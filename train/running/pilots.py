@@ -45,7 +45,7 @@ class StrategyPilot:
     """A strategy that decides in every decision period, and does not learn."""
 
     def __init__(self, strategy: DecisionStrategy, columns: Ints) -> None:
-        """`columns` (K,) of an observation are the context of the strategy."""
+        """Let `strategy` decide; its context is `columns` (K,) of an observation."""
         self.strategy, self._columns = strategy, columns
 
     def begin(self, rows: Ints, seed: int) -> None:

@@ -163,7 +163,7 @@ class RunTask:
 
     @property
     def naming(self) -> dict[str, Any]:
-        """What the head of a recording says of the run."""
+        """Plain data about the run for the head of its recording."""
         return {"experiment": self.experiment, "scenario": self.scenario, "condition": self.condition}
 
     def run(self) -> list[RunRecord]:

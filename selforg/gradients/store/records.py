@@ -34,7 +34,7 @@ class Poses(NamedTuple):
 
 
 class Store(NamedTuple):
-    """The gradients of a buffer, and room for what walks over them note."""
+    """The gradients of a buffer, and memory for what searches find."""
 
     near: Annotated[Floats, "M NEAR"]  # columns X .. GOAL_RADIUS and NEAR_
     links: Annotated[Links, "M LINK"]  # columns LINK_

@@ -13,7 +13,7 @@ from selforg.randomness import take_direction
 
 
 class Movements(NamedTuple):
-    """Where a mechanism writes its answers."""
+    """The arrays to which a mechanism writes its answers."""
 
     vectors: Annotated[Floats, "K D"]  # [m/s], zero without a movement
     active: Annotated[Flags, "K"]  # whether there is a movement

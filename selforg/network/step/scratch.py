@@ -15,7 +15,7 @@ POSITIVE, NEGATIVE, EITHER, WISH_MORE, WISH_LESS, COUNTS = range(6)
 
 
 class Scratch(NamedTuple):
-    """Overwritten for each row; S sensors, L leaves, C nodes, B behaviours, G goals, E effects, U wishes."""
+    """Memory overwritten for each row; S sensors, L leaves, C nodes, B behaviours, G goals, E effects, U wishes."""
 
     leaf_satisfaction: Annotated[Floats, "L"]
     leaf_wish: Annotated[Floats, "L"]

@@ -1,4 +1,4 @@
-"""Counts of a period: "avoiding" is the coordinator of AvoidCollision, at any place in the mission."""
+"""Counts of a period: "avoiding" counts the coordinator of AvoidCollision, at any place in the mission."""
 
 import numpy as np
 import pytest

@@ -74,7 +74,7 @@ def run(monkeypatch, capsys, tmp_path):
 
 @pytest.fixture
 def fake(monkeypatch):
-    """Missions of experiments take no time."""
+    """Let missions of experiments take no time."""
     monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
     monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
 

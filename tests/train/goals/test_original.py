@@ -1,4 +1,4 @@
-"""What is known of the original's options stands beside ours, and can be built."""
+"""The original's options are compared with ours, and all of them can be built."""
 
 from clean_swarm_env.scenes import goals
 from docs.figures import write_original

@@ -1,4 +1,4 @@
-"""The command line within a test."""
+"""Runs the command line within a test."""
 
 import sys
 
