@@ -19,7 +19,8 @@ class Problem:
         options: (O,) names of the options, at least one, each different.
         scores: (O,) the expert's scores, finite; learned ones where rewards are known, see `believed`.
         features: (F,) names of the components of a context, each different.
-        rewards: (3, O) count, mean and variance of the rewards known at the beginning; zeros unless given.
+        rewards: (3, O) count, mean and variance of the rewards known at the beginning; zeros unless given, and
+            where no reward is known.
 
     Raises:
         ValueError: a name is given twice, the scores cannot be compared, or no rewards are such.
@@ -49,6 +50,7 @@ class Problem:
         if not np.isfinite(rewards).all() or rewards[[0, 2]].min() < 0.0:
             got = rewards.tolist()
             raise ValueError(f"goal {self.goal}: rewards: expected counts and variances from 0 and means, got {got}")
+        rewards[1:, rewards[0] == 0.0] = 0.0
         scores = believed(scores, rewards)
         for name, values in (("scores", scores), ("rewards", rewards)):
             values.flags.writeable = False
