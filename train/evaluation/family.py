@@ -70,7 +70,8 @@ class FamilyRequest:
     def words(self) -> list[str]:
         """The command for this request."""
         if self.scoring:
-            words = ["clean-swarm", "score", self.family, "--seed", str(self.seed), "--store", str(self.store.url)]
+            words = ["clean-swarm", "score", self.family, "--seed", str(self.seed)]
+            words += [word for word in self.store.words if word != "--learn"]
         else:
             words = ["clean-swarm", "evaluate", "--family", self.family, "--seed", str(self.seed), *self.store.words]
             words += [word for text in self.strategies for word in ("--strategy", text)]
