@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import find_file
+from selector.documents.plain import short
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
 from selforg.registry import unknown
@@ -151,8 +152,10 @@ class Knowledge:
                 raise DocumentError(f"{self.source}: goals.{goal}: {unknown('option', name, names)}")
 
 
-def learned_from(content: Mapping[str, Mapping[str, object]], where: str) -> LearnedScores:
+def learned_from(content: object, where: str) -> LearnedScores:
     """Return what was learned of options from plain data; errors begin with `where`."""
+    if not (isinstance(content, Mapping) and all(isinstance(scores, Mapping) for scores in content.values())):
+        raise DocumentError(f"{where}: expected a mapping of options by goal, got {short(content)}")
     return {
         goal: {name: validated(LearnedScore, one, f"{where}.{goal}.{name}") for name, one in scores.items()}
         for goal, scores in content.items()

@@ -11,6 +11,7 @@ import platformdirs
 from selector.documents.errors import DocumentError
 from selector.knowledge import Knowledge, LearnedScores, load_knowledge
 from selector.store import KnowledgeStore, RewardSums, StoredKnowledge, StoreError, document
+from selector.store.connection import public_url
 from selector.store.stored_knowledge import check_names, stored
 
 VARIABLE = "CLEAN_SWARM_STORE"
@@ -32,8 +33,8 @@ class StoreRequest:
 
     @property
     def words(self) -> list[str]:
-        """The words of this request on the command line."""
-        named = ["--store", self.url] if self.url is not None else []
+        """The words of this request on the command line, without the password of the store."""
+        named = ["--store", public_url(self.url)] if self.url is not None else []
         return named + (["--learn"] if self.learn else [])
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":

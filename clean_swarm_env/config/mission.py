@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_serializer, field_validator, model_validator
 
 from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.events import (
@@ -160,6 +160,15 @@ class MissionConfig(Closed):
     """URL or path of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
     learned: LearnedScores = Field(default={})
     """Rewards of options with which the mission begins, besides those in the file and the store."""
+
+    @field_serializer("store", when_used="json")
+    def _public(self, store: str) -> str:
+        """Return the store as manifests and recordings name it: without its password."""
+        if not store:
+            return store
+        from selector.store.connection import public_url  # imports SQLAlchemy, which takes long
+
+        return public_url(store)
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

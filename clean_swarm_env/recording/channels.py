@@ -110,6 +110,12 @@ def packed_frames(whole: WholeNumbers, order: int) -> tuple[int, int, bytes]:
     return int(changing.sum()), width, content
 
 
+def packed_bytes(sizes: tuple[int, int, int, int]) -> int:
+    """Return how many bytes `packed_frames` makes of frames; `sizes` as in `unpacked_frames`."""
+    frames, count, changed, width = sizes
+    return 4 * count + -(-count // 8) + changed * (frames - 1) * width
+
+
 def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order: int) -> tuple[WholeNumbers, int]:
     """Return whole numbers (T, K) that `packed_frames` packed, and the number of bytes that they took.
 

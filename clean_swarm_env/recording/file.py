@@ -22,6 +22,8 @@ FORMAT_VERSION: Final = 1
 HEAD, PART, CLOSING = b"HEAD", b"DATA", b"DONE"
 BLOCK: Final = struct.Struct("<4sII")
 """Kind of a block, length of its content, and the CRC-32 of the content."""
+MOST_BYTES: Final = 2**30
+"""Largest content of a block; those that we write take a twentieth of it."""
 LEVEL: Final = 2
 """Level of compression of zlib: level 6 takes three times as long for files that are 13 % smaller."""
 
@@ -97,7 +99,19 @@ def blocks_of(path: Path) -> Iterator[tuple[bytes, bytes]]:
             return
         if zlib.crc32(data[begin:at]) != checksum:
             raise ConfigurationError(f"{path}: damaged: the checksum of the block at byte {begin} is wrong")
-        yield kind, zlib.decompress(data[begin:at])
+        yield kind, _unpacked(data[begin:at], f"{path}: damaged: the block at byte {begin}")
+
+
+def _unpacked(small: bytes, where: str) -> bytes:
+    """Return the content of a block; ConfigurationError, which begins with `where`, for one that is none."""
+    unpacking = zlib.decompressobj()
+    try:
+        content = unpacking.decompress(small, MOST_BYTES)
+    except zlib.error as error:
+        raise ConfigurationError(f"{where} is not packed by zlib") from error
+    if not unpacking.eof:
+        raise ConfigurationError(f"{where} is cut, or holds more than {MOST_BYTES} bytes")
+    return content
 
 
 def _json(content: Mapping[str, Any]) -> bytes:

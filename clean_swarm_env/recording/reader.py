@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import struct
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -13,9 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.channels import Channel, unpacked_frames
+from clean_swarm_env.recording.channels import Channel, packed_bytes, unpacked_frames
 from clean_swarm_env.recording.file import CLOSING, HEAD, blocks_of
+from clean_swarm_env.recording.head import MOST_NUMBERS, Directory, Head
 from clean_swarm_env.recording.stepping import WholeNumbers
+from selector.documents.errors import validated
+from selector.documents.plain import short
+from selector.documents.reading import json_value
 from selforg.arrays import Floats
 from selforg.registry import unknown
 
@@ -46,19 +48,21 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
         kind, content = next(blocks, (b"", b""))
         if kind != HEAD:
             raise ConfigurationError(f"{path}: damaged: expected a recording that begins with its head")
-        self.head: dict[str, Any] = json.loads(content)
-        listed = [Channel(**{**c, "axes": tuple(c["axes"]), "shape": tuple(c["shape"])}) for c in self.head["channels"]]
-        self.channels = {channel.name: channel for channel in listed}
+        self.head = _object(content, f"{path}: head")
+        listed = validated(Head, self.head, f"{path}: head").channels
+        self.channels = {channel.name: Channel(**channel.model_dump()) for channel in listed}
+        self.frames = 0
         for kind, content in blocks:
             if kind == CLOSING:
-                self.result = json.loads(content)
+                self.result = _object(content, f"{path}: result")
+            elif kind == HEAD or self.result is not None:
+                raise ConfigurationError(f"{path}: damaged: expected nothing after the end, and one head")
             else:
                 parts.append(self._frames_of(content))
         if not parts:
             raise ConfigurationError(f"{path}: holds no frame: the run was stopped before the first ones were written")
         joined = (np.concatenate(frames) for frames in zip(*parts, strict=True))
         self._whole = dict(zip(self.channels, joined, strict=True))
-        self.frames = len(next(iter(self._whole.values())))
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return the values (T, ...) of a channel, in its unit."""
@@ -96,13 +100,33 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
         return name
 
     def _frames_of(self, content: bytes) -> list[WholeNumbers]:
-        (length,) = struct.unpack_from("<I", content)
-        directory = json.loads(content[4 : 4 + length])
-        self.notes = {name: note for name, note in directory.items() if name not in ("first", "frames", "sizes")}
-        rest, found = memoryview(content)[4 + length :], []
-        for channel, (changing, width) in zip(self.channels.values(), directory["sizes"], strict=True):
-            sizes = (directory["frames"], channel.columns, changing, width)
-            whole, used = unpacked_frames(rest, sizes, channel.order)
+        where = f"{self.path}: frames from {self.frames} on"
+        length = int.from_bytes(content[:4], "little")
+        given = _object(content[4 : 4 + length], where)
+        directory = validated(Directory, given, where)
+        self.notes = {name: note for name, note in given.items() if name not in ("first", "frames", "sizes")}
+        rest, frames, columns = memoryview(content)[4 + length :], directory.frames, list(self.channels.values())
+        if directory.first != self.frames or len(directory.sizes) != len(columns):
+            raise ConfigurationError(f"{where}: damaged: a part of other channels or frames, from {directory.first} on")
+        sizes = [(frames, channel.columns, *size) for channel, size in zip(columns, directory.sizes, strict=True)]
+        fitting = frames * sum(channel.columns for channel in columns) <= MOST_NUMBERS
+        if not fitting or any(size[2] > size[1] for size in sizes) or len(rest) != sum(map(packed_bytes, sizes)):
+            raise ConfigurationError(f"{where}: damaged: the sizes of channels do not fit the content")
+        found = []
+        for channel, size in zip(columns, sizes, strict=True):
+            whole, used = unpacked_frames(rest, size, channel.order)
             rest = rest[used:]
             found.append(whole)
+        self.frames += frames
         return found
+
+
+def _object(content: bytes, where: str) -> dict[str, Any]:
+    """Return a JSON object; ConfigurationError, which begins with `where`, for anything else."""
+    try:
+        found = json_value(content.decode(), where)
+    except UnicodeDecodeError as error:
+        raise ConfigurationError(f"{where}: expected text in UTF-8, got another byte at {error.start}") from error
+    if not isinstance(found, dict):
+        raise ConfigurationError(f"{where}: expected an object, got {short(found)}")
+    return found

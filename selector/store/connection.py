@@ -1,7 +1,9 @@
 """Connections to the database of a store, SQLite or PostgreSQL, and the schema of the store in it."""
 
 import os
+import re
 import sqlite3
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import quote
 
@@ -21,32 +23,60 @@ LOCK = 0x636C65616E
 """Advisory lock of PostgreSQL that a writer of the schema or of expert options holds."""
 DRIVERS = {"sqlite": "pysqlite", "postgresql": "pg8000"}
 """Supported databases, with the driver that is installed with the project."""
+FORMS = "sqlite:///PATH or postgresql://USER@HOST/DATABASE"
+OWNER_ONLY = 0o600
+"""Mode of a new SQLite file: others may neither read nor write it."""
 
 
 def parsed(url: str) -> URL:
-    """Return the URL of a store; a plain path is an SQLite file, and a missing driver is filled in from `DRIVERS`."""
-    if "://" not in url:
-        if not url:
-            raise StoreError("store: expected a URL or a path, got nothing")
-        return URL.create("sqlite+pysqlite", database=str(Path(url).expanduser()))
-    scheme = url.partition("://")[0]
+    """Return the URL of a store; a plain path is an SQLite file, and a missing driver is filled in from `DRIVERS`.
+
+    No error shows more of a URL than its scheme, unless it is known where its password stands.
+    """
+    if not url.isprintable():
+        raise StoreError("store: expected a URL or a path of printable characters")
+    scheme, separator, _ = url.partition("://")
     backend, _, driver = scheme.partition("+")
+    if not separator:
+        return URL.create("sqlite+pysqlite", database=str(_path(url)))
     if backend not in DRIVERS:
         raise StoreError(f"store: unknown database {backend!r} (known: {', '.join(DRIVERS)})")
     try:
         parts = make_url(url)
-    except (ArgumentError, ValueError) as error:
-        raise StoreError(f"store: {scheme}://...: not a URL ({' '.join(str(error).split())})") from error
-    if backend == "sqlite" and (not parts.database or parts.database == ":memory:" or parts.host):
-        raise StoreError(f"store: {url}: expected sqlite:///PATH, with a file to keep")
+    except (ArgumentError, ValueError):
+        raise StoreError(f"store: {scheme}://...: not a URL (expected {FORMS})") from None
+    more = (parts.username, parts.password, parts.host, parts.port, parts.query)
+    if backend == "sqlite" and (not parts.database or parts.database == ":memory:" or any(more)):
+        raise StoreError(f"store: {_public(parts)}: expected sqlite:///PATH, with a file to keep, and nothing else")
     return parts.set(drivername=f"{backend}+{driver or DRIVERS[backend]}")
+
+
+def _path(given: str) -> Path:
+    if not given:
+        raise StoreError("store: expected a URL or a path, got nothing")
+    if re.match(rf"({'|'.join(DRIVERS)})(\+\w*)?:", given):
+        raise StoreError(f"store: expected {FORMS}, got something else")
+    try:
+        return Path(given).expanduser()
+    except RuntimeError as error:
+        raise StoreError(f"store: {given}: unknown home directory") from error
 
 
 def name_of(url: URL) -> str:
     """Return the name of a store in messages: its path, or its URL without the password."""
     if url.get_backend_name() == "sqlite":
         return shown(Path(str(url.database)))
-    return url.set(drivername="postgresql").render_as_string(hide_password=True)
+    return _public(url.set(drivername="postgresql"))
+
+
+def public_url(url: str) -> str:
+    """Return the URL of a store for commands and files that others may see: without password and values of options."""
+    parts = parsed(url)
+    return _public(make_url(url)) if parts.password or parts.query else url
+
+
+def _public(url: URL) -> str:
+    return url.set(query=dict.fromkeys(url.query, "...")).render_as_string(hide_password=True)
 
 
 def engine_of(url: URL, *, create: bool) -> Engine:
@@ -78,6 +108,8 @@ def _sqlite(url: URL, path: Path, create: bool) -> Engine:
             raise StoreError(f"{where}: no such knowledge store")
         if not path.parent.is_dir():
             raise StoreError(f"{where}: no such directory as {shown(path.parent)}")
+        with suppress(OSError):  # SQLite says below that it cannot be made
+            os.close(os.open(path, os.O_CREAT | os.O_RDWR, OWNER_ONLY))
     if _on_read_only_medium(path):
         url = url.set(database=f"file:{quote(str(path.absolute()))}", query={"immutable": "1", "uri": "true"})
     # One connection stays open: closing the last one empties the write-ahead log, which takes longer than an update.
@@ -142,6 +174,8 @@ def _check_file(connection: Connection, where: str) -> None:
 def _has_store(connection: Connection, where: str) -> bool:
     names = set(inspect(connection).get_table_names())
     if meta.name in names:
+        if lost := sorted(metadata.tables.keys() - names):
+            raise StoreError(f"{where}: is corrupt: no such table: {', '.join(lost)}")
         return True
     if names and connection.dialect.name == "sqlite":
         raise StoreError(f"{where}: is a database of something else (tables: {', '.join(sorted(names))})")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from sqlalchemy import Connection, Engine, Pool
+from sqlalchemy.exc import ArgumentError
 
 from selector.knowledge import Knowledge
 from selector.store import connection as connecting
@@ -55,11 +56,12 @@ class KnowledgeStore:
         parts = connecting.parsed(url)
         self.name = connecting.name_of(parts)
         """Name of the store in messages."""
-        self._own_engine = connecting.engine_of(parts, create=create)
+        with _opening(self.name):
+            self._own_engine = connecting.engine_of(parts, create=create)
         self._process = os.getpid()
         self._of_parent: list[Pool] = []
         try:
-            with reported(self.name):
+            with _opening(self.name):
                 connecting.prepare(self._engine, self.name, create=create)
         except StoreError:
             self.close()
@@ -88,13 +90,18 @@ class KnowledgeStore:
                 key = Key(batch.goal, option, context, source)
                 entry = LearnedEntry(moments, now)
                 learned[key] = learned[key].merged(entry) if key in learned else entry
-        self.absorb(StoredKnowledge(learned=learned))
+        contents = StoredKnowledge(learned=learned)
+        check(contents)
+        with self._writing() as connection, self._sound():
+            for batch in batches:  # an update makes no damaged row look whole
+                tables.read_learned(connection, batch.goal, [context for _, context in batch.moments])
+            tables.add_learned(connection, learned.items())
 
     def estimates(self, goal: str, options: Sequence[str], contexts: Sequence[str] = ("",)) -> Estimates:
         """Return the estimates of `options` (O,) for a goal in `contexts` (C,)."""
         if isinstance(contexts, str):
             raise ValueError(f"contexts: expected a sequence of contexts, got the text {contexts!r}")
-        with self._reading() as connection:
+        with self._reading() as connection, self._sound():
             learned = tables.read_learned(connection, goal, contexts)
         sums: dict[tuple[str, str], Moments] = {}
         for key, entry in learned.items():
@@ -126,7 +133,7 @@ class KnowledgeStore:
         check(given)
         with self._writing() as connection:
             connecting.lock(connection)
-            held = StoredKnowledge(tables.read_expert(connection))
+            held, _ = self._held(connection)
             held.check_same(knowledge)
             new = {key: rated for key, rated in given.expert.items() if key not in held.expert}
             tables.put_expert(connection, new.items())
@@ -142,9 +149,7 @@ class KnowledgeStore:
     def _whole(self) -> tuple[StoredKnowledge, Origins]:
         """Return everything in the store, and the origins of its updates, as of one moment."""
         with self._reading() as connection:
-            contents = StoredKnowledge(tables.read_expert(connection), tables.read_learned(connection))
-            check(contents)
-            return contents, read_origins(connection)
+            return self._held(connection)
 
     def absorb(self, contents: StoredKnowledge) -> None:
         """Add `contents` to the store."""
@@ -152,7 +157,7 @@ class KnowledgeStore:
         with self._writing() as connection:
             if contents.expert:
                 connecting.lock(connection)
-            _add(connection, contents)
+            self._add(connection, contents)
 
     def merge(self, other: "KnowledgeStore") -> StoredKnowledge:
         """Add everything in another store, and return what was added.
@@ -166,10 +171,10 @@ class KnowledgeStore:
         with self._writing() as connection:
             connecting.lock(connection)
             if contents.learned:
-                if why := read_origins(connection).why_not(origins):
+                if why := self._held(connection)[1].why_not(origins):
                     raise StoreError(f"{self.name}: {other.name} {why}")
                 note_merged(connection, origins.every, microseconds())
-            _add(connection, contents)
+            self._add(connection, contents)
         return contents
 
     def reset(self, *, expert: bool = False, **chosen: str) -> tuple[int, int]:
@@ -209,10 +214,7 @@ class KnowledgeStore:
         with reported(self.name), self._engine.connect() as connection:
             if connection.dialect.name == "postgresql":
                 connection = connection.execution_options(isolation_level="REPEATABLE READ")  # as of one moment
-            try:
-                yield connection
-            except (TypeError, ValueError) as error:  # also StoreError, by `check`
-                raise StoreError(f"{self.name}: is corrupt: {' '.join(str(error).split())}") from error
+            yield connection
 
     @contextmanager
     def _writing(self) -> Iterator[Connection]:
@@ -223,11 +225,37 @@ class KnowledgeStore:
         ):
             yield connection
 
+    @contextmanager
+    def _sound(self) -> Iterator[None]:
+        """Report rows that no store writes."""
+        try:
+            yield
+        except (TypeError, ValueError) as error:  # also StoreError, by `check`
+            raise StoreError(f"{self.name}: is corrupt: {' '.join(str(error).split())}") from error
 
-def _add(connection: Connection, contents: StoredKnowledge) -> None:
-    """Add contents to a store; the caller keeps others from changing its expert options meanwhile."""
-    if contents.expert:
-        held = StoredKnowledge(tables.read_expert(connection))
+    def _held(self, connection: Connection) -> tuple[StoredKnowledge, Origins]:
+        """Return everything in the store, and the origins of its updates; StoreError for damaged rows."""
+        with self._sound():
+            held = StoredKnowledge(tables.read_expert(connection), tables.read_learned(connection))
+            check(held)
+            return held, read_origins(connection)
+
+    def _add(self, connection: Connection, contents: StoredKnowledge) -> None:
+        """Add contents; the caller keeps others from changing expert options of the store meanwhile."""
+        held, _ = self._held(connection)
         together = held.merged(StoredKnowledge(contents.expert)).expert
         tables.put_expert(connection, (item for item in together.items() if item[0] in contents.expert))
-    tables.add_learned(connection, contents.learned.items())
+        tables.add_learned(connection, contents.learned.items())
+
+
+@contextmanager
+def _opening(where: str) -> Iterator[None]:
+    """Turn what a database, its driver or the system says of a URL into a StoreError that begins with `where`."""
+    try:
+        with reported(where):
+            yield
+    except StoreError:
+        raise
+    except (ArgumentError, OSError, TypeError, ValueError) as error:  # options and names that a driver does not take
+        why = error.strerror if isinstance(error, OSError) and error.strerror else " ".join(str(error).split())
+        raise StoreError(f"{where}: cannot be opened ({why})") from error

@@ -4,8 +4,7 @@ A sum has two columns, `value = high * 2^62 + low` with 0 <= low < 2^62, because
 statement adds to both and carries, so that equal sums give equal rows in any order of adding.
 """
 
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from sqlalchemy import (
@@ -17,6 +16,7 @@ from sqlalchemy import (
     Integer,
     MetaData,
     Row,
+    Select,
     String,
     Table,
     Text,
@@ -26,6 +26,9 @@ from sqlalchemy import (
 )
 from sqlalchemy.dialects import postgresql, sqlite
 
+from selector.documents.errors import validated
+from selector.documents.plain import short
+from selector.documents.reading import json_value
 from selector.knowledge import Option
 from selector.store.errors import FULL
 from selector.store.exact_sums import COUNT_LIMIT, Moments
@@ -123,14 +126,14 @@ def put_expert(connection: Connection, options: Iterable[tuple[tuple[str, str], 
 
 def read_expert(connection: Connection) -> dict[tuple[str, str], Rated]:
     """Return all expert options by goal and name."""
-    return {(row.goal, row.name): _rated(row) for row in connection.execute(select(expert))}
+    return {(row.goal, row.name): _rated(row) for row in _rows(connection, expert, select(expert))}
 
 
 def _rated(row: Row[Any]) -> Rated:
-    option = Option(
-        configuration=row.configuration, score=row.score, parameters=json.loads(row.parameters), name=row.name
-    )
-    return Rated(option, int(row.position), str(row.source), int(row.updated))
+    where = f"{expert.name}: {row.goal}.{row.name}"
+    given = {"configuration": row.configuration, "score": row.score, "name": row.name}
+    parameters = json_value(row.parameters, f"{where}.parameters")
+    return Rated(validated(Option, given | {"parameters": parameters}, where), row.position, row.source, row.updated)
 
 
 def read_learned(
@@ -142,7 +145,8 @@ def read_learned(
         query = query.where(learned.c.goal == goal)
     if contexts is not None and len(contexts) <= MOST_NAMED:
         query = query.where(learned.c.context.in_(list(contexts)))
-    return {Key(row.goal, row.option, row.context, row.source): _entry(row) for row in connection.execute(query)}
+    rows = _rows(connection, learned, query)
+    return {Key(row.goal, row.option, row.context, row.source): _entry(row) for row in rows}
 
 
 def any_learned(connection: Connection) -> bool:
@@ -155,7 +159,17 @@ def _entry(row: Row[Any]) -> LearnedEntry:
     moments = Moments(row.updates, total, squares)
     if why := moments.impossible():
         raise ValueError(why)
-    return LearnedEntry(moments, int(row.updated))
+    return LearnedEntry(moments, row.updated)
+
+
+def _rows(connection: Connection, table: Table, query: Select[Any]) -> Iterator[Row[Any]]:
+    """Yield the rows of a table; ValueError for a value of another type than its column, which SQLite would keep."""
+    types = [(column.name, column.type.python_type) for column in table.c]
+    for row in connection.execute(query):
+        for (name, expected), value in zip(types, row, strict=True):
+            if type(value) is not expected:
+                raise ValueError(f"{table.name}.{name}: expected {expected.__name__}, got {short(value)}")
+        yield row
 
 
 def delete_rows(connection: Connection, table: Table, chosen: dict[str, str]) -> int:

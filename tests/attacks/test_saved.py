@@ -18,9 +18,9 @@ from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from tests.attacks import hostile
 from tests.train.records import record
-from train.evaluation.repeat import changed_versions, task_of
+from train.evaluation.repeat import changed_versions, chosen_options, task_of
 from train.running.finished_runs import JOURNAL, Results
-from train.running.run_folder import MANIFEST, RunFolder, read_manifest
+from train.running.run_folder import CHOSEN_OPTIONS, MANIFEST, RunFolder, read_manifest
 
 RULES = SHIPPED / "strategies" / "rules.safetensors"
 POLICY = SHIPPED / "policies" / "general"
@@ -202,9 +202,28 @@ def test_a_run_that_is_kept_twice_is_refused(tmp_path):
         Results(folder, asked)
 
 
+@pytest.mark.parametrize("odd", [1, "x", [], {"G": 1}, {"G": {"a": 1}}, {"G": {"a": {"count": -1}}}, None])
+def test_what_a_manifest_says_was_learned_is_checked(tmp_path, odd):
+    content = {"identity": {"experiment": "x"}, "learned": odd}
+    (tmp_path / MANIFEST).write_text(json.dumps(content))
+    for read in (read_manifest, lambda path: RunFolder(path, {"identity": {"experiment": "x"}}, resume=True)):
+        with pytest.raises(DocumentError, match=r"manifest\.json: learned(\.G)?(\.a)?(: count)?.*expected") as error:
+            read(tmp_path)
+        assert len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("line", ["{", "[]", '{"scenario": 1}', '{"scenario": "1", "condition": "a", "options": [1]}'])
+def test_damaged_choices_of_a_learning_evaluation_are_one_line(tmp_path, line):
+    (tmp_path / CHOSEN_OPTIONS).write_text(line + "\n")
+    with pytest.raises(DocumentError, match=rf"{CHOSEN_OPTIONS}: line 1: ") as error:
+        chosen_options(tmp_path)
+    assert len(str(error.value).splitlines()) == 1
+
+
 def test_odd_manifests(tmp_path):
     identity = {"experiment": "x", "seed": 1, "configuration": {"name": "x"}, "files": {}, "directories": []}
-    content = {"identity": identity, "versions": {"numba": "1"}}
+    learned = {"G": {"a": {"count": 3, "mean": 0.5, "variance": 0.0}}}
+    content = {"identity": identity, "versions": {"numba": "1"}, "learned": learned}
 
     @often
     @given(hostile.json_documents(content))

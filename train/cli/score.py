@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, check_whole, wide_console
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, Force, check_whole, wide_console
 from train.running.exit_codes import FINISHED
 
 Names = Annotated[
@@ -35,6 +35,7 @@ def score_command(
         Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    force: Force = False,
     configs: Configs = None,
 ) -> None:
     """Run every option of each goal on the same scenarios and keep its scores, with their counts and spreads."""
@@ -44,11 +45,13 @@ def score_command(
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.scoring import ScoreRequest, score_scene, scored_missions
+    from train.running.needs import Machine
     from train.running.runs import usable_cpus
 
-    execution = pipeline.Execution(workers or usable_cpus(), output, resume, wide_console())
+    machine = Machine(workers or usable_cpus(), force)
+    execution = pipeline.Execution(machine.workers, output, resume, wide_console())
     for name in names:
-        request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()))
+        request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()), machine)
         evaluations = scored_missions(request)
         if not evaluations:
             score_scene(request, execution.console)

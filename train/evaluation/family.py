@@ -19,6 +19,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
+from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
@@ -70,7 +71,8 @@ class FamilyRequest:
     def words(self) -> list[str]:
         """The command for this request."""
         if self.scoring:
-            words = ["clean-swarm", "score", self.family, "--seed", str(self.seed), "--store", str(self.store.url)]
+            words = ["clean-swarm", "score", self.family, "--seed", str(self.seed)]
+            words += [word for word in self.store.words if word != "--learn"]
         else:
             words = ["clean-swarm", "evaluate", "--family", self.family, "--seed", str(self.seed), *self.store.words]
             words += [word for text in self.strategies for word in ("--strategy", text)]
@@ -143,6 +145,8 @@ class TrialTask:
 
     def serving(self, options: Mapping[str, str]) -> TrialTask:
         """Return the runs in which an option serves the goal all the time; goal -> option."""
+        if self.goal not in options:
+            raise DocumentError(f"expected an option of {self.goal}, got {short(options)}")
         return replace(self, member=f"{FIXED}:{options[self.goal]}")
 
     def beginning(self) -> TrialTask:

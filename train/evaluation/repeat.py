@@ -1,6 +1,5 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -10,8 +9,10 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import validated, within
+from selector.documents.errors import shown, validated, within
+from selector.documents.fields import Closed, Number
 from selector.documents.plain import short
+from selector.documents.reading import json_value, read_text
 from selforg.registry import unknown
 from train.evaluation.family import TrialTask
 from train.evaluation.repeat_trial import evaluation_seed, family_tasks, trial_steps
@@ -25,6 +26,16 @@ LISTED = 8
 """Largest number of scenarios in an error."""
 ROUNDING = 1e-9
 """A time this little before the beginning of a control period belongs to that period [periods]."""
+
+
+class _Choice(Closed):
+    """A line of `CHOSEN_OPTIONS`."""
+
+    scenario: str
+    condition: str
+    options: dict[str, str]
+    """The option that served each goal."""
+    score: Number
 
 
 def task_of(directory: Path, scenario: str | None = None, condition: str | None = None) -> Repeated:
@@ -53,8 +64,9 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     if condition is not None and condition not in names:
         raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
     task = of_scenario[0 if condition is None else names.index(condition)].knowing(manifest.get(LEARNED_BEFORE, {}))
-    options = _chosen(directory).get((task.scenario, task.condition))
-    return task.serving(options) if options else task
+    options = chosen_options(directory).get((task.scenario, task.condition))
+    with within(f"{directory / CHOSEN_OPTIONS}"):
+        return task.serving(options) if options else task
 
 
 def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> list[RunTask]:
@@ -64,11 +76,16 @@ def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...]
         return tasks_of(experiment, evaluation_seed(identity, path), directories)
 
 
-def _chosen(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
+def chosen_options(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
     """Return the options that served each mission of an evaluation that learned: goal -> option by run."""
     path = directory / CHOSEN_OPTIONS
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return {(one["scenario"], one["condition"]): one["options"] for one in map(json.loads, lines)}
+    lines = read_text(path).splitlines() if path.exists() else []
+    chosen = {}
+    for number, line in enumerate(lines, start=1):
+        where = f"{shown(path)}: line {number}"
+        one = validated(_Choice, json_value(line, where), where)
+        chosen[one.scenario, one.condition] = one.options
+    return chosen
 
 
 def changed_versions(directory: Path) -> list[str]:

@@ -22,6 +22,7 @@ from train.goals.scene_runs import GoalRequest, score_goal
 from train.knowledge_store import StoreRequest, store_url
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import on_terminal
+from train.running.needs import ALONE, Machine
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ class ScoreRequest:
     """Expert knowledge in place of that of a family or goal."""
     directories: tuple[Path, ...]
     """The user's own directories of configurations, searched before the shipped one."""
+    machine: Machine = ALONE
+    """What missions may use."""
 
     @property
     def kept(self) -> StoreRequest:
@@ -66,11 +69,12 @@ def scored_missions(request: ScoreRequest) -> Sequence[Evaluation]:
         if request.knowledge is not None:
             raise ConfigurationError("--knowledge: expected a family or a goal, got an experiment")
         wanted = ExperimentRequest(name, request.seed, request.scenarios, directories=directories, store=request.kept)
-        return (ExperimentEvaluation(replace(wanted, scoring=True)),)
+        return (ExperimentEvaluation(replace(wanted, scoring=True, machine=request.machine)),)
     robot = load_family(name, directories).mission.network.robot
     of_family = FamilyRequest(name, (FIXED,), request.seed, request.scenarios, request.knowledge)
+    of_family = replace(of_family, machine=request.machine, scoring=True)
     return [
-        FamilyEvaluation(replace(of_family, goal=goal, directories=directories, store=request.kept, scoring=True))
+        FamilyEvaluation(replace(of_family, goal=goal, directories=directories, store=request.kept))
         for goal in coordinated_goals(find_file("robots", robot, directories))
     ]
 

@@ -12,6 +12,7 @@ from typing import Any
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
+from selector.knowledge import learned_from
 
 MANIFEST = "manifest.json"
 MOST_STEM = 200
@@ -112,6 +113,7 @@ def read_manifest(directory: Path) -> Json:
     content: Json = read_json(path)
     if not isinstance(content.get("identity"), dict):
         raise ConfigurationError(f"{path}: expected the manifest of an evaluation")
+    learned_from(content.get(LEARNED_BEFORE, {}), f"{path}: {LEARNED_BEFORE}")
     return content
 
 

@@ -11,6 +11,8 @@ from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of
 from clean_swarm_env.recording.reader import RecordedMission
 
 NUMBERS = Channel("numbers", ("robot",), (3,), 1000, 1, "m", "three numbers")
+HEAD = {"period": 0.2, "width": 10.0, "height": 10.0, "robots": 3, "items": 0, "minds": False}
+HEAD |= {"about": {}, "options": {}, "views": {}, "mission": {}}
 WHOLE = Channel("whole", (), (), 1, 1, "-", "one whole number")
 
 
@@ -36,7 +38,7 @@ def test_values_are_rounded_and_held_within_the_range():
 
 @pytest.fixture
 def path(tmp_path):
-    file = RecordingFile(tmp_path / "a.swarm", {"period": 0.2}, (NUMBERS, WHOLE))
+    file = RecordingFile(tmp_path / "a.swarm", HEAD, (NUMBERS, WHOLE))
     for part in range(3):
         file.add(
             10 * part,

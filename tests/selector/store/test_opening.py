@@ -95,11 +95,17 @@ def test_a_database_of_something_else_is_left_alone(tmp_path):
     [
         ("DELETE FROM clean_swarm_meta", "is corrupt: its table clean_swarm_meta does not say what it holds"),
         ("UPDATE clean_swarm_meta SET value = 'x' WHERE key = 'schema'", "is corrupt: its table clean_swarm_meta"),
-        ("UPDATE clean_swarm_learned SET total_high = 'x'", "is corrupt: unsupported operand"),
+        (
+            "UPDATE clean_swarm_learned SET total_high = 'x'",
+            "is corrupt: clean_swarm_learned.total_high: expected int, got 'x'",
+        ),
         ("UPDATE clean_swarm_learned SET squares_low = 3", "is corrupt: sum .* do not belong to 1 rewards"),
         ("UPDATE clean_swarm_learned SET updated = -1", "is corrupt: updated: expected a time from 1970 to 9999"),
         ("DROP TABLE clean_swarm_learned", "no such table: clean_swarm_learned"),
-        ("INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 1.0, '{', 'me', 0)", "is corrupt: Expecting"),
+        (
+            "INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 1.0, '{', 'me', 0)",
+            r"is corrupt: clean_swarm_expert: G\.a\.parameters: line 1: Expecting",
+        ),
         ("INSERT INTO clean_swarm_expert VALUES ('G', 'a', 0, 'A', 'high', '{}', 'me', 0)", "is corrupt: .*score"),
     ],
 )

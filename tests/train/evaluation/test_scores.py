@@ -19,7 +19,7 @@ from tests.paths import ROOT
 from tests.train import fake_mission
 from train import cli
 from train.evaluation import pipeline
-from train.running import runs
+from train.running import needs, runs
 
 NEAR, GRADIENT, FAR = "RepulsionFernandez-view0.5", "RepulsionGradient", "RepulsionFernandez"
 WRONG = {
@@ -65,7 +65,7 @@ def run(monkeypatch, capsys, tmp_path):
         own = ["--configs", "my"] if configs else []
         monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words), *own])
         with pytest.raises(SystemExit) as ended:
-            cli.main()
+            cli.run_app()
         out, err = capsys.readouterr()
         return int(ended.value.code or 0), out, err
 
@@ -77,6 +77,18 @@ def fake(monkeypatch):
     """Let missions of experiments take no time."""
     monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
     monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
+
+
+def test_force_scores_what_the_machine_is_too_small_for(run, monkeypatch):
+    monkeypatch.setattr(needs, "LONGEST", 0.0)
+    code, _, err = run("score", "rooms", "--store", "s.sqlite")
+    assert code == 2
+    assert "--force starts them anyway" in err
+    monkeypatch.setattr(pipeline, "evaluate", lambda evaluation, execution: asked.append(evaluation) or 0)
+    asked = []
+    assert run("score", "rooms", "--store", "s.sqlite", "--force")[0] == 0
+    assert all("--force" in evaluation.words for evaluation in asked)
+    assert asked
 
 
 def learn(run, *words, store="s.sqlite", strategy=UCB):
