@@ -9,9 +9,9 @@ import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning import warm_up
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.physics import tick
-from clean_swarm_env.world import warm_up
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from selforg.gradients.store import tables
