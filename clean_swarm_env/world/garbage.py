@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.physics.cells import distance
 from selforg.arrays import Floats, Ints
-from selforg.compiler.decorators import lean_kernel
 
 LYING, CARRIED, DONE, ABSENT = range(4)
 NOTHING = -1
@@ -75,15 +73,3 @@ class Garbage:
         self.cargo[row] = NOTHING
         self.recycled[row] = 0
         return True
-
-
-@lean_kernel
-def nearest_lying(x: float, y: float, positions: Floats, stage: Ints, extent: Floats) -> tuple[int, float]:
-    """Return the nearest lying item of one world and its distance [m]; (NOTHING, inf) if none lies."""
-    best, shortest = NOTHING, np.inf
-    for item in range(positions.shape[0]):
-        if stage[item] == LYING:
-            d = distance(x, y, positions[item, 0], positions[item, 1], extent)
-            if d < shortest:
-                best, shortest = item, d
-    return best, shortest

@@ -126,7 +126,7 @@ class Minds:
             history=pose_history(mission),
             hearing=mission.own_contents,
         )
-        self.reception.hear(self.poses)
+        self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         patrol, seen = mission.patrol, mission.garbage.view_distance
         newest = BufferSettings(seen, {"DEFAULT": "new"}, aggregation_distance=0.0)
@@ -228,7 +228,8 @@ class Minds:
 
     def receive_poses(self) -> None:
         """Deliver the poses that have just been spread, by the delivery of each mission."""
-        self.reception.listen()
+        if self._pose_delivery is not None:
+            self._pose_delivery.deliver()
 
     def sense(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""

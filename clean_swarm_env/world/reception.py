@@ -3,7 +3,7 @@
 With ideal delivery all robots of a world share one content, and nothing here is used. Otherwise every robot stores the
 pheromones that it received, and keeps the last pose of each other robot for `pose_memory`. Robots sense garbage and
 stations by themselves. What the mechanisms of coordinators spread always arrives. Who misses what is drawn in
-`selforg.gradients.delivery` and `pose_delivery`; the settings are `config.delivery`.
+`selforg.gradients.delivery` and `poses`; the settings are `config.delivery`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from selforg.arrays import Floats
 from selforg.gradients.delivery import Delivery
-from selforg.gradients.pose_delivery import PoseDelivery
-from selforg.gradients.poses import OwnPoses
+from selforg.gradients.poses import OwnPoses, PoseDelivery
 
 LOSSES = 0xFFFFFFFD
 """Spawn key of the streams that decide which messages of a world are lost; other streams have other keys."""
@@ -36,16 +35,14 @@ class Reception:
         self._reaches: Floats = np.full(worlds, np.inf)
         self._losses: Floats = np.zeros(worlds)
         self._generators = [np.random.default_rng(0)] * rows
-        self._poses: PoseDelivery | None = None
 
     def delivery(self) -> Delivery:
         """Return the delivery of what robots leave behind."""
         return Delivery(self._reaches, self._losses, 0.0, self._generators) if self.own_contents else Delivery()
 
-    def hear(self, poses: OwnPoses) -> None:
-        """Apply this delivery to the `poses`, too, from now on."""
-        if self.own_contents:
-            self._poses = PoseDelivery(poses, self._reaches, self._losses, self._generators)
+    def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
+        """Return the delivery of `poses`; None if robots share one content."""
+        return PoseDelivery(poses, self._reaches, self._losses, self._generators) if self.own_contents else None
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that begins anew."""
@@ -73,8 +70,3 @@ class Reception:
     def of_worlds(self) -> tuple[Floats, ...]:
         """Return range and losses: arrays (W,)."""
         return self._reaches, self._losses
-
-    def listen(self) -> None:
-        """Deliver the poses that have just been spread."""
-        if self._poses is not None:
-            self._poses.deliver()

@@ -19,10 +19,10 @@ from clean_swarm_env.world.cleaning_robot import (
     GARBAGE_SEEN,
     RECYCLED,
 )
-from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, nearest_lying
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
 from selforg.arrays import Flags
-from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.network.state import state as st
 from selforg.space import nearest_image
@@ -38,9 +38,7 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
     per_world, sight = f.robots.shape[0] // worlds, max(f.sight, f.at_item, f.pick_distance)
     for world in range(worlds):
         recycling, dump = f.stations[world, 0], f.stations[world, 1]
-        for item in range(items):
-            f.lying[item] = f.stage[world, item] == LYING
-        fill_cells(f.items[world], 0, f.lying, f.extent, f.cells, f.links)
+        list_lying(world, floor)
         for row in range(world * per_world, (world + 1) * per_world):
             x, y = f.robots[row, 0], f.robots[row, 1]
             f.nearest[row], near = NOTHING, np.inf
@@ -58,6 +56,15 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
             readings[row, AT_DUMP] = 1.0 if to_dump <= f.at_station else 0.0
             readings[row, DIST_RECYCLING] = to_recycling
             readings[row, DIST_DUMP] = to_dump
+
+
+@part
+def list_lying(world: int, floor: Words[FloorRecord]) -> None:
+    """Mark the items of a world that lie, and put them into the cells."""
+    f = open_floor(floor)
+    for item in range(f.stage.shape[1]):
+        f.lying[item] = f.stage[world, item] == LYING
+    fill_cells(f.items[world], 0, f.lying, f.extent, f.cells, f.links)
 
 
 @lean_kernel
@@ -99,7 +106,9 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
             if item != NOTHING and f.stage[world, item] == LYING:
                 near = distance(x, y, f.items[world, item, 0], f.items[world, item, 1], f.extent)
             elif item != NOTHING:
-                item, near = nearest_lying(x, y, f.items[world], f.stage[world], f.extent)
+                list_lying(world, floor)
+                reach = f.pick_distance
+                item, near = nearest_point(x, y, reach, f.items[world], f.lying, f.extent, f.cells, f.links)
             if item != NOTHING and near <= f.pick_distance:
                 f.cargo[row] = item
                 f.recycled[row] = f.leftover[world, item]

@@ -13,9 +13,8 @@ from selector.knowledge import Knowledge
 from selector.store import connection as connecting
 from selector.store import tables
 from selector.store.errors import StoreError, reported
-from selector.store.exact_sums import NO_REWARDS, Moments
+from selector.store.exact_sums import NO_REWARDS, Moments, RewardSums
 from selector.store.lineage import Origins, begin_anew, note_merged, read_origins
-from selector.store.reward_sums import RewardSums
 from selector.store.stored_knowledge import Key, LearnedEntry, StoredKnowledge, check, check_names, microseconds, stored
 from selforg.arrays import Flags, Floats, Ints
 

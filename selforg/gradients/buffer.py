@@ -47,7 +47,6 @@ class SoBuffer:
         self.sources = Codes(poses.rows, poses.names)
         self.keys = Codes()
         self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
-        self._channel_tables: dict[tuple[str, ...], Ints] = {}  # of the channels used so far
         self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
         self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None  # is told the arguments of `deposit`
 
@@ -174,21 +173,7 @@ class SoBuffer:
         """Return the number of `channel`, a new one if it was never used."""
         if channel not in self.channels:
             self.table.add_channel(self.settings.rule_of(channel))
-            self._channel_tables.clear()
         return self.channels.code(channel)
-
-    def channel_table(self, channels: tuple[str, ...]) -> Ints:
-        """Return what compiled code takes for `channels` (none: all): 1 if it sees shared poses, then the channels.
-
-        Channels are in the order of their names, because the order in which other teams used them first must not
-        change a sum. The array is the same one until a new channel is used.
-        """
-        if channels not in self._channel_tables:
-            names = sorted(set(channels))
-            poses = self.shared and (not names or self.poses.channel in names)
-            codes = [self.channels.code(name) for name in names or self.channels.names() if name in self.channels]
-            self._channel_tables[channels] = np.array([int(poses), *codes], dtype=np.int64)
-        return self._channel_tables[channels]
 
     def source_code(self, source: int | str) -> int:
         """Return the number of `source`: a row is its own number, names are numbered after the rows."""

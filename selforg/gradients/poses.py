@@ -1,4 +1,9 @@
-"""Own poses: every row's moving pose gradient, its own history, and who shares it with whom."""
+"""Own poses: every row's moving pose gradient, its own history, who shares it with whom, and who received it.
+
+When messages have a range and get lost, no pose is copied: the table of rows has a column for each member of the team,
+with the age, in the history of that member, of the last pose received from it. A row that looks at poses begins with
+that age.
+"""
 
 from collections.abc import Sequence
 
@@ -6,21 +11,21 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.compiler.records import Words
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.pose_cells import index_poses, make_pose_cells
+from selforg.gradients.store.gathering import index_poses, make_pose_cells
 from selforg.gradients.store.records import POSES, Poses, open_poses
-from selforg.space import Space, wrapped
+from selforg.space import Space, squared_length, wrapped
 
 
 class OwnPoses:
     """The pose gradients that rows carry, stored apart from all other gradients and shared by all buffers of a robot.
 
     Rows of one team see each other (ideal delivery); rows of different teams never do. A pose is repulsive by default:
-    the paper's robots spread `goal_radius` 0.5 m, `diffusion` 1.0 m. With `hearing` a row sees what it has received as
-    `selforg.gradients.pose_delivery` says, up to `history` poses old.
+    the paper's robots spread `goal_radius` 0.5 m, `diffusion` 1.0 m. With `hearing` a row sees what
+    `PoseDelivery` has brought it, up to `history` poses old.
 
     Example:
         >>> poses = OwnPoses(Euclidean(2), rows=2, teams=np.array([0, 0]))
@@ -190,6 +195,37 @@ class OwnPoses:
         return known
 
 
+class PoseDelivery:
+    """Delivers poses among the rows of `poses`; call `deliver` after each update of the poses.
+
+    Attributes:
+        reaches: (T,) farthest receiver in each team [m]; the owner may change it.
+        losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
+        generators: one for each row, for the losses of what it spreads; the owner may change it.
+
+    Raises:
+        ValueError: poses that were not made with `hearing`.
+
+    """
+
+    def __init__(
+        self, poses: OwnPoses, reaches: Floats, losses: Floats, generators: Sequence[np.random.Generator]
+    ) -> None:
+        if poses.row_table.shape[1] == c.ROW_HEARD:
+            raise ValueError("PoseDelivery: the poses must be made with hearing=True")
+        self.poses = poses
+        self.reaches, self.losses, self.generators = reaches, losses, generators
+        self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - c.ROW_HEARD))
+
+    def deliver(self) -> None:
+        """Deliver the newest pose of each row to the other rows in range, unless it gets lost."""
+        lossy = (self.losses > 0.0) & (self.losses < 1.0)
+        if lossy.any():
+            for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
+                self._draws[row] = self.generators[row].random(self._draws.shape[1])
+        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws)
+
+
 @lean_kernel
 def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: float, poses: Words[Poses]) -> int:
     """Push one pose per row onto its history: positions (N, D) [m], headings (N,) [rad], time [s].
@@ -224,3 +260,28 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
         p.rows[row, c.ROW_POSES] = min(known + 1, p.history)
     index_poses(poses)
     return -1
+
+
+@kernel
+def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats) -> None:
+    """Write for each pair of a team the age of the last pose received, -1 for none that is still remembered.
+
+    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
+    """
+    p = open_poses(poses)
+    for team in range(len(reaches)):
+        begin, count = int(p.first[team]), int(p.first[team + 1] - p.first[team])
+        for receiver in range(count):
+            row = int(p.members[begin + receiver])
+            for index in range(count):
+                other = int(p.members[begin + index])
+                age = int(p.rows[row, c.ROW_HEARD + index])
+                age = age + 1 if age >= 0 else -1
+                dx = p.own[other, 0, c.X] - p.own[row, 0, c.X]
+                dy = p.own[other, 0, c.Y] - p.own[row, 0, c.Y]
+                dz = p.own[other, 0, c.Z] - p.own[row, 0, c.Z]
+                lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
+                if not lost and squared_length(dx, dy, dz, p.extent) <= reaches[team] * reaches[team]:
+                    age = 0
+                remembered = p.rows[row, c.ROW_POSES] > 0 and age < p.rows[other, c.ROW_POSES]
+                p.rows[row, c.ROW_HEARD + index] = age if remembered else -1

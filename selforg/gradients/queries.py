@@ -26,9 +26,8 @@ from selforg.gradients.choosing import (
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.pair_room import PairRoom
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.gathering import gather, look_all_around
+from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
 from selforg.gradients.store.records import Margins, Poses, Sight, Store, open_poses, open_sight
-from selforg.gradients.store.view_angle import keep_ahead
 
 Rows: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
 

@@ -20,10 +20,8 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
 from selforg.gradients.store.records import Sight
-from selforg.mechanisms.kernels.movement_rule import MovementRule
-from selforg.mechanisms.kernels.moving import move_rows
-from selforg.mechanisms.kernels.rules import wander
-from selforg.mechanisms.kernels.steering import MOVEMENTS, STEERING, Movements, Steering
+from selforg.mechanisms.kernels.moving import MOVEMENTS, STEERING, Movements, Steering
+from selforg.mechanisms.kernels.rules import MovementRule, move_rows, wander
 from selforg.mechanisms.options import LookOptions, MoveOptions
 from selforg.randomness import DirectionStream
 

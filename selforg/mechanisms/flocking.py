@@ -12,7 +12,7 @@ from selforg.gradients.store.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
 from selforg.gradients.store.records import Sight
 from selforg.mechanisms.base import CompiledMechanism, at_least
 from selforg.mechanisms.kernels.flocking import BOID_COLUMNS, FLOCK, Flock, flock_rows
-from selforg.mechanisms.kernels.steering import Movements
+from selforg.mechanisms.kernels.moving import Movements
 from selforg.mechanisms.options import MoveOptions
 from selforg.mechanisms.registry import MECHANISMS
 

@@ -9,9 +9,8 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.records import Sight
 from selforg.mechanisms.base import LimitedMechanism
 from selforg.mechanisms.kernels.formula import UserFormula, make_walk
-from selforg.mechanisms.kernels.movement_rule import MovementRule
-from selforg.mechanisms.kernels.rules import ALL_IN_VIEW
-from selforg.mechanisms.kernels.steering import Movements
+from selforg.mechanisms.kernels.moving import Movements
+from selforg.mechanisms.kernels.rules import ALL_IN_VIEW, MovementRule
 from selforg.mechanisms.options import MoveOptions
 
 

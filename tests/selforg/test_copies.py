@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from selforg.gradients.delivery import Delivery
-from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.poses import PoseDelivery
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism

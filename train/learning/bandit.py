@@ -23,8 +23,7 @@ from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.learning.by_missions import MissionLearning
 from train.learning.by_rewards import RewardLearning
-from train.learning.credit import Paid
-from train.learning.protocol import Learning
+from train.learning.protocol import Learning, Paid
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.learning.validation import CheckpointHistory
 from train.running.pilots import PilotMaker, StrategyPilot, columns_of

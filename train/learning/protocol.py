@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from selector.strategies.strategy import DecisionStrategy
-from selforg.arrays import Ints
-from train.learning.credit import Paid
+from selforg.arrays import Floats, Ints
+
+
+class Paid(NamedTuple):
+    """K decisions whose rewards are complete."""
+
+    rows: Ints
+    options: Ints
+    rewards: Floats
+    contexts: Floats
+    chances: Floats
+
 
 Taker = Callable[[Paid, int], None]
 """Function that gets decisions with complete rewards, and the number of decisions made since the last call."""

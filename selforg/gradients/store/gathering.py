@@ -1,18 +1,19 @@
-"""Gathering: the gradients that one row sees, written into a table of pairs.
+"""Gathering: the gradients and poses that one row sees, written into a table of pairs.
 
 A gradient is in view when the distance of the centres is at most its reach plus a margin [m]. The margin depends on
-the sign of the gradient, because some formulas are zero beyond a shorter distance.
+the sign of the gradient, because some formulas are zero beyond a shorter distance. Poses of teams of more than CROWD
+robots lie in cells; in smaller teams all poses are looked at.
 """
 
 import numpy as np
 
-from selforg.compiler.decorators import inlined, part
+from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.prefetch import prefetch
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.candidates import approach, keep_moving, keep_near, measure, renew
 from selforg.gradients.store.linking import first_layer, space_of
-from selforg.gradients.store.pose_cells import CROWD
 from selforg.gradients.store.records import (
     MOST_CANDIDATES,
     Look,
@@ -24,9 +25,10 @@ from selforg.gradients.store.records import (
     open_sight,
     open_store,
 )
-from selforg.grid import bucket_of, near_cells
-from selforg.space import half_of, shortest
+from selforg.grid import CELL_COLUMNS, axis_cells, bucket_of, cell_of, near_cells
+from selforg.space import Space, half_of, shortest
 
+CROWD = 32  # robots of a team
 IN_CACHE = 4096  # gradients: so few lie in the cache anyway, and prefetching costs more than it saves
 
 
@@ -121,6 +123,46 @@ def look_ahead(layer: int, cells: int, store: Words[Store]) -> None:
             prefetch(s.near, slot)
 
 
+def make_pose_cells(space: Space, reach: float, sizes: Ints) -> Floats:
+    """Return the grid (1, CELL_COLUMNS) for poses of one `reach` [m], of teams of some `sizes` (T,).
+
+    A cell is wide enough for about one robot, because looking into empty cells costs more than looking at robots that
+    are too far away.
+    """
+    width = max(reach, 0.1) if np.isfinite(reach) else 1.0
+    width = max(width, float(np.prod(space.extent) / sizes.max()) ** (1.0 / space.dim))
+    cells = np.zeros((1, CELL_COLUMNS))
+    for axis, side in enumerate(space.padded_extent):
+        cells[0, 2 * axis : 2 * axis + 2] = axis_cells(side, width, 1024.0 if side <= 0.0 else np.inf)
+    return cells
+
+
+@lean_kernel
+def index_poses(poses: Words[Poses]) -> None:
+    """Write the largest reach of every team, and put the rows of large teams into cells."""
+    p = open_poses(poses)
+    crowded = False
+    for team in range(len(p.reach)):
+        p.reach[team] = 0.0
+        crowded |= p.first[team + 1] - p.first[team] > CROWD
+        for index in range(p.first[team], p.first[team + 1]):
+            row = p.members[index]
+            if p.rows[row, c.ROW_POSES] > 0:
+                p.reach[team] = max(p.reach[team], p.own[row, 0, c.DIFFUSION] + p.own[row, 0, c.GOAL_RADIUS])
+    if not crowded:
+        return
+    p.buckets[:] = -1
+    for row in range(len(p.rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
+        team = int(p.rows[row, c.ROW_TEAM])
+        if p.rows[row, c.ROW_POSES] == 0 or p.first[team + 1] - p.first[team] <= CROWD:
+            continue
+        cell = cell_of(p.own[row, 0, c.X], p.own[row, 0, c.Y], p.own[row, 0, c.Z], p.cells, 0)
+        bucket = bucket_of(team, cell, p.buckets)
+        p.links[row, 0] = p.buckets[bucket]
+        p.links[row, 1] = cell
+        p.buckets[bucket] = row
+
+
 @part
 def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
@@ -174,3 +216,26 @@ def beyond(squared: float, reach: float) -> bool:
     This spares most candidates of a window the square root, which decides exactly for the others.
     """
     return reach < 0.0 or squared > reach * reach * 1.000000001
+
+
+@lean_kernel
+def keep_ahead(row: int, found: int, angle_xy: float, angle_yz: float, sight: Words[Sight], poses: Words[Poses]) -> int:
+    """Keep of the first `found` pairs those within the view angles [rad] of the own heading; return how many."""
+    own, pairs = open_poses(poses).own, open_sight(sight).pairs
+    x, y, z = own[row, 0, c.POSE_HEADING], own[row, 0, c.POSE_HEADING + 1], own[row, 0, c.POSE_HEADING + 2]
+    kept = 0
+    for index in range(found):
+        xy = angle_between(x, y, pairs[index, c.PAIR_DX], pairs[index, c.PAIR_DY])
+        yz = angle_between(y, z, pairs[index, c.PAIR_DY], pairs[index, c.PAIR_DZ])
+        if xy <= angle_xy and yz <= angle_yz:
+            for column in range(c.PAIR_COLUMNS):
+                pairs[kept, column] = pairs[index, column]
+            kept += 1
+    return kept
+
+
+@part
+def angle_between(ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the angle [rad] in [0, pi] between two plane vectors; a zero vector points along the first axis."""
+    difference = float(abs(np.arctan2(ay, ax) - np.arctan2(by, bx)))
+    return min(difference, 2.0 * np.pi - difference)

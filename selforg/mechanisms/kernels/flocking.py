@@ -15,7 +15,7 @@ from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
 from selforg.mechanisms.kernels.flocking_terms import action, adjacency
-from selforg.mechanisms.kernels.steering import Movements, limit, open_movements
+from selforg.mechanisms.kernels.moving import Movements, limit, open_movements
 from selforg.randomness import take_direction
 from selforg.space import nearest_image
 

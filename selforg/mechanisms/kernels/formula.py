@@ -9,8 +9,16 @@ from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_sight
-from selforg.mechanisms.kernels.moving import NO_ROOM, move_row, write_answer
-from selforg.mechanisms.kernels.steering import Movements, Own, Steering, add, full_length
+from selforg.mechanisms.kernels.moving import (
+    NO_ROOM,
+    Movements,
+    Own,
+    Steering,
+    add,
+    full_length,
+    move_row,
+    write_answer,
+)
 
 UserFormula: TypeAlias = Callable[[float, float, float, float, float, float], float]
 """(distance, own goal radius, own reach, diffusion, goal radius [m], attraction -1, 0, +1) -> length of a contribution:
@@ -23,7 +31,7 @@ Walk: TypeAlias = Callable[..., int]
 def make_walk(formula: UserFormula) -> Walk:
     """Return a kernel that sums `formula`, a function compiled with `kernel`, over what rows see.
 
-    The kernel takes and returns what `moving.move_rows` does.
+    The kernel takes and returns what `rules.move_rows` does.
     """
 
     @part

@@ -1,12 +1,20 @@
 """The movement rules: what one row makes of the pairs it sees. Each rule stands here once, with all that belongs to it.
 
 To add a rule, write its function below, with the decorator `sums` if it sums one formula over all pairs, else with
-`combines`. The decorator returns the `MovementRule` that a mechanism names (`rule = follow_all`). For the arguments of
-formulas see `movement_rule.Formula`.
+`combines`. The decorator numbers the function and returns the `MovementRule` that a mechanism names
+(`rule = follow_all`). For the arguments of formulas see `Formula`.
+
+One kernel runs all rules and chooses by these numbers, because a kernel for each rule would have to be compiled for
+each.
 """
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from selforg.arrays import Ints
+from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.choosing import (
     CHOOSE_FARTHEST,
@@ -17,18 +25,21 @@ from selforg.gradients.choosing import (
     choose,
 )
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.records import Sight, open_sight
-from selforg.mechanisms.kernels.movement_rule import (
-    COMBINATIONS,
-    FORMULAS,
+from selforg.gradients.store.records import Poses, Sight, Store, open_sight
+from selforg.mechanisms.kernels.moving import (
+    NO_ROOM,
     NOT_AT_ALL,
     OWN_GOAL_RADIUS,
     VIEW_DISTANCE,
-    by_number,
-    combines,
-    sums,
+    Movements,
+    Own,
+    Steering,
+    add,
+    full_length,
+    move_row,
+    open_steering,
+    write_answer,
 )
-from selforg.mechanisms.kernels.steering import Own, Steering, add, full_length, open_steering
 from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_fernandez, repulsion_ge
 from selforg.randomness import take_direction
 
@@ -39,6 +50,60 @@ BY_REPULSIVE = (True, False, False)  # which gradients in view make a rule activ
 BY_ANY = (True, True, True)
 
 BALCH, GE = 0, 1  # potentials of chemotaxis
+
+Formula: TypeAlias = Callable[[float, float, float, float, float, float, float], float]
+"""(distance, diffusion, goal radius [m], attraction [-], own goal radius, own reach, view distance [m]) -> length [m or
+-] of a contribution: towards the gradient if positive; negative infinity is full repulsion."""
+Combination: TypeAlias = Callable[[int, int, Own, Words[Sight], Words[Steering]], bool]
+"""(row, number of pairs, own radii, sight, steering) -> whether any gradient contributes; adds to the sum."""
+
+FORMULAS: list[Formula] = []
+COMBINATIONS: list[Combination] = []
+
+
+class MovementRule(NamedTuple):
+    """What a movement rule is, for the kernel that runs all rules.
+
+    Attributes:
+        combination: number of the function that makes a vector of pairs.
+        formula: number of the formula that the combination sums; of chemotaxis: whose potentials.
+        looks: how far, for attractions -1, 0, +1: NOT_AT_ALL, OWN_GOAL_RADIUS or VIEW_DISTANCE.
+        wakes: whether a gradient in view, of attraction -1, 0, +1, makes the rule active though it adds nothing.
+        by_own_reach: full repulsion and the longest vector are the own reach, not the gradient's and the highest speed.
+        random: where the sum is zero the direction is random, at the highest speed.
+        ahead: only pairs within the view angles count.
+        chooses: rule of `selforg.gradients.choosing` by which one gradient is followed.
+
+    """
+
+    combination: int
+    formula: int = 0
+    looks: tuple[int, int, int] = (NOT_AT_ALL, NOT_AT_ALL, NOT_AT_ALL)
+    wakes: tuple[bool, bool, bool] = (False, False, False)
+    by_own_reach: bool = False
+    random: bool = False
+    ahead: bool = False
+    chooses: int = CHOOSE_NEAREST
+
+
+def combines(**fields: Any) -> Callable[[Combination], MovementRule]:  # noqa: ANN401  (the fields of MovementRule)
+    """Make a function from pairs to a vector a movement rule, as a decorator; `fields` are those of `MovementRule`."""
+
+    def entered(combination: Combination) -> MovementRule:
+        COMBINATIONS.append(part(combination))
+        return MovementRule(len(COMBINATIONS) - 1, **fields)
+
+    return entered
+
+
+def sums(combination: MovementRule, **fields: Any) -> Callable[[Formula], MovementRule]:  # noqa: ANN401  (likewise)
+    """Make a formula of one pair a movement rule, as a decorator; `combination` is the rule that sums formulas."""
+
+    def entered(formula: Formula) -> MovementRule:
+        FORMULAS.append(inlined(formula))
+        return combination._replace(formula=len(FORMULAS) - 1, **fields)
+
+    return entered
 
 
 @combines()
@@ -173,5 +238,55 @@ def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], steeri
 
 chemotaxis_ge = chemotaxis_balch._replace(formula=GE)
 
+
+def by_number(functions: list[Any]) -> Callable[..., Any]:
+    """Return a compiled function that takes a number and arguments, and calls the function of that number.
+
+    functions: two or more, which take the same arguments and return the same type.
+    """
+    *others, last = functions
+    before, here = by_number(others) if len(others) > 1 else without_number(others[0]), len(others)
+
+    @inlined
+    def called(number, *arguments):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN002, ANN202
+        return last(*arguments) if number == here else before(number, *arguments)
+
+    return called
+
+
+def without_number(function: Any) -> Callable[..., Any]:  # noqa: ANN401  (compiled code)
+    """Return a compiled function that takes a number and calls `function` with the other arguments."""
+
+    @inlined
+    def called(number, *arguments):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN002, ANN202
+        return function(*arguments)
+
+    return called
+
+
 run_formula = by_number(FORMULAS)
 combine = by_number(COMBINATIONS)
+
+
+@lean_kernel
+def move_rows(
+    now: float,
+    rows: Ints,
+    places: Ints,
+    movements: Words[Movements],
+    sight: Words[Sight],
+    steering: Words[Steering],
+    poses: Words[Poses],
+    store: Words[Store],
+) -> int:
+    """Write the movement of `rows` (R,) into the rows `places` (R,) of `movements`.
+
+    Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
+    """
+    for index in range(len(rows)):
+        row = int(rows[index])
+        moves = move_row(row, now, combine, sight, steering, poses, store)
+        if moves == NO_ROOM:
+            return index
+        write_answer(places[index], moves, movements, steering)
+    return len(rows)

@@ -1,11 +1,11 @@
 """Garbage and cargo against plain Python."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, Garbage, nearest_lying
+from clean_swarm_env.physics.cells import cells_along
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, MINDS
 from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided
 from selforg.network.state.state import STARTED
@@ -19,15 +19,21 @@ COLUMNS = np.array([PICK, RECYCLE, DUMP])
 def _handle(garbage, robots, started):
     """Let the behaviours act that have just `started` (R, B); return the items picked."""
     places, worlds = np.asarray(robots, float), np.arange(len(robots)) // garbage.robots
-    nearest = [
-        nearest_lying(*robot, garbage.positions[world], garbage.stage[world], EXTENT)[0]
-        for world, robot in zip(worlds, places, strict=True)
-    ]
-    floor = floor_record(garbage, places, EXTENT, nearest=np.array(nearest), pick_distance=0.6)
+    nearest = [_nearest_lying(garbage, *place)[0] for place in zip(worlds, places, strict=True)]
+    cells = np.empty(cells_along(garbage.stage.shape[1], 0.6, EXTENT), np.int64)
+    floor = floor_record(garbage, places, EXTENT, nearest=np.array(nearest), pick_distance=0.6, cells=cells)
     minds = minds_record(len(robots), behaviours=4, handling=COLUMNS)
     minds.marks[:, STARTED] = started
     count = handle_cargo_as_decided(FLOOR.pack(floor).words, MINDS.pack(minds).words)
     return floor.picked[:count].tolist()
+
+
+def _nearest_lying(garbage, world, place):
+    """Return the nearest item that lies, or NOTHING, and its distance on the torus."""
+    offsets = np.abs(garbage.positions[world] - place)
+    lying = garbage.stage[world] == LYING
+    distances = np.where(lying, np.hypot(*np.minimum(offsets, EXTENT - offsets).T), np.inf)
+    return (distances.argmin() if lying.any() else NOTHING), distances.min()
 
 
 def _starting(robots, **what):
@@ -45,16 +51,24 @@ def _garbage(items, robots=2, worlds=1):
 
 
 @settings(max_examples=50, deadline=None)
-@given(st.integers(0, 10_000))
-def test_the_nearest_lying_item_on_the_torus(seed):
+@given(st.integers(0, 10_000), st.sampled_from([6, 100]))
+def test_who_comes_too_late_picks_the_item_that_is_nearest_now(seed, items):
     rng = np.random.default_rng(seed)
-    items, stage = rng.random((6, 2)) * EXTENT, rng.integers(3, size=6)
-    x, y = rng.random(2) * EXTENT
-    item, near = nearest_lying(x, y, items, stage, EXTENT)
-    offsets = np.abs(items - [x, y])
-    distances = np.where(stage == LYING, np.hypot(*np.minimum(offsets, EXTENT - offsets).T), np.inf)
-    assert near == pytest.approx(distances.min())
-    assert item == (NOTHING if (stage != LYING).all() else distances.argmin())
+    garbage = _garbage(rng.random((items, 2)) * EXTENT)
+    garbage.stage[0] = rng.integers(3, size=items)
+    garbage.stage[0, 0] = LYING
+    first, second = garbage.positions[0, 0], garbage.positions[0, 0] + rng.uniform(-0.1, 0.1, 2)
+    wanted = _nearest_lying(garbage, 0, second % EXTENT)[0]
+    picked = _handle(garbage, [first, second % EXTENT], _starting(2, r0=PICK, r1=PICK))
+    assert picked[0] == [0, 0]
+    if wanted != 0:
+        assert picked[1] == [1, wanted]
+        return
+    late = picked[1][1] if len(picked) > 1 else NOTHING
+    if late != NOTHING:
+        garbage.stage[0, late] = LYING
+    nearest, near = _nearest_lying(garbage, 0, second % EXTENT)
+    assert late == (nearest if near <= 0.6 else NOTHING)
 
 
 def test_an_item_goes_through_its_stages():

@@ -4,8 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from selector.knowledge import Option
-from selector.store.exact_sums import NO_REWARDS, REWARD_LIMIT, on_grid, sums_by_cell
-from selector.store.reward_sums import RewardSums
+from selector.store.exact_sums import NO_REWARDS, REWARD_LIMIT, RewardSums, on_grid, sums_by_cell
 from selector.store.stored_knowledge import Key, LearnedEntry, Rated, StoredKnowledge
 
 rewards = st.floats(-REWARD_LIMIT, REWARD_LIMIT)

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from selector.store.exact_sums import CHUNK, COUNT_LIMIT, GRID_BITS, Moments, on_grid, sums_by_cell
-from selector.store.reward_sums import RewardSums
+from selector.store.exact_sums import CHUNK, COUNT_LIMIT, GRID_BITS, Moments, RewardSums, on_grid, sums_by_cell
 from tests.selector.store import strategies as some
 
 

@@ -16,8 +16,8 @@ from selector.strategies.policy import Network
 from selector.strategies.problem import Problem
 from tests.train.learning.trainings import job, written
 from train.learning import session
+from train.learning.by_rewards import Credit
 from train.learning.config import load_training
-from train.learning.credit import Credit
 from train.learning.curriculum import VALIDATION_SEED, Curriculum
 
 pytest.importorskip("stable_baselines3")

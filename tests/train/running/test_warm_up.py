@@ -112,7 +112,7 @@ def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
     assert short.beginning().mission.time_limit == 20.0
 
 
-@pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild"), (tick, "settle_and_go_on")])
+@pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild"), (tick, "land_and_go_on")])
 def test_the_warm_up_calls_kernels_that_no_first_second_needs(task, module, kernel, monkeypatch):
     called = []
     compiled = getattr(module, kernel)
