@@ -27,7 +27,7 @@ from selforg.network.state.state import EXPLAINED_LAYERS
 
 MOST_FRAMES: Final = 256
 """Frames that wait for being written; a killed run loses at most these."""
-MOST_BYTES: Final = 1 << 25
+WAITING_BYTES: Final = 1 << 25
 """Memory for these frames; worlds with many robots and minds keep fewer."""
 LEAST_FRAMES: Final = 16
 
@@ -85,7 +85,7 @@ class MissionRecorder:
         arrays += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         arrays += mind_arrays(worlds) if settings.minds else []
         frame = sum(s.array.size * np.dtype(s.kept or s.array.dtype).itemsize for s in arrays)
-        self.room = int(np.clip(MOST_BYTES // frame, LEAST_FRAMES, MOST_FRAMES))
+        self.room = int(np.clip(WAITING_BYTES // frame, LEAST_FRAMES, MOST_FRAMES))
         buffers = (np.zeros((self.room, *s.array.shape), s.kept or s.array.dtype) for s in arrays)
         self._arrays = list(zip(arrays, buffers, strict=True))
         self._always = [(buffer, s.array) for s, buffer in self._arrays if s.option is None]

@@ -34,7 +34,7 @@ Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1.0)
 Flag = Annotated[bool, Field(strict=True)]
 
 
-def named(name: str) -> str:
+def as_name(name: str) -> str:
     """Return a name; ValueError if it is none."""
     if not re.fullmatch(r"\w([\w\-. ]*\w)?", name) or len(name) > MOST_LETTERS:
         ends = "beginning and ending with a letter, a digit or _"
@@ -43,7 +43,7 @@ def named(name: str) -> str:
 
 
 def _no_relative_path(text: str) -> str:
-    return _no_controls(text) if os.path.isabs(text) else named(text)
+    return _no_controls(text) if os.path.isabs(text) else as_name(text)
 
 
 def _no_controls(text: str) -> str:
@@ -52,7 +52,7 @@ def _no_controls(text: str) -> str:
     return text
 
 
-Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(named)]
+Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(as_name)]
 """Name of anything: letters, digits and `-_. `, so that it can stand in the name of a file, a table and a message."""
 DocumentName = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
 """Name of another document, or its absolute path; a relative path would depend on where the program was started."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field
 
 from selector.documents.errors import DocumentError
-from selector.documents.fields import named
+from selector.documents.fields import as_name
 
 
 def is_import(text: str) -> bool:
@@ -18,7 +18,7 @@ def is_import(text: str) -> bool:
     return bool(colon) and name.isidentifier() and (module.endswith(".py") or module.replace(".", "_").isidentifier())
 
 
-NameOrImport = Annotated[str, Field(strict=True), AfterValidator(lambda text: text if is_import(text) else named(text))]
+NameOrImport = Annotated[str, Field(strict=True), AfterValidator(lambda text: text if is_import(text) else as_name(text))]
 """Name of what is registered, or of the user's own code."""
 
 
