@@ -35,7 +35,7 @@ def own(name: str) -> None:
     spec.loader.exec_module(sys.modules[name])
 
 
-def call(module: str, function: str) -> None:
-    """Call a function without arguments, of a module in a package of ours."""
+def call(module: str, function: str, *arguments: object) -> None:
+    """Call a function of a module in a package of ours."""
     own(module.partition(".")[0])
-    getattr(import_module(module), function)()
+    getattr(import_module(module), function)(*arguments)

@@ -20,7 +20,7 @@ own("train")
 from train.running.processes import each_done
 from tests.clean_swarm_env.worker_tasks import WhereTask
 if __name__ == "__main__":
-    print(sorted({str(where) for (where,) in each_done([WhereTask(), WhereTask()], 2)}))
+    print(sorted({str(where) for where in each_done([WhereTask(), WhereTask()], 2)}))
 """
 
 

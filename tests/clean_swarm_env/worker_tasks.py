@@ -9,7 +9,7 @@ class WhereTask:
 
     runs = 1
 
-    def run(self):
+    def each(self):
         import train
 
         return (train.__file__,)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,12 +30,13 @@ from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
+from train.running.finished_runs import natural_order
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
-from train.running.trials import TrialSettings, run_trials
+from train.running.trials import TrialSettings, each_trial
 
 TEST_SCENARIO = r"test-[1-9][0-9]{0,5}"
 """Form of the name of a scenario of the split "test"."""
@@ -126,17 +127,19 @@ class TrialTask:
         return self.scenario_of(self.numbers[0]).seed
 
     def run(self) -> list[RunRecord]:
-        """Run the scenarios in one batch."""
-        began = time.perf_counter()
+        """Run the scenarios in one batch, and return their runs in the order of the scenarios."""
+        return sorted(self.each(), key=lambda record: natural_order(record.scenario))
+
+    def each(self) -> Iterator[RunRecord]:
+        """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
+        before = time.perf_counter()
         scenarios = [self.scenario_of(number) for number in self.numbers]
         record = self.record and replace(self.record, about=self.naming)
         settings = TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories, record=record)
-        results = run_trials(scenarios, self.pilot, settings)
-        wall = round((time.perf_counter() - began) / len(scenarios), 3)
-        return [
-            RunRecord(self.family.name, scenario.id, self.seed, self.condition, result, wall)
-            for scenario, result in zip(scenarios, results, strict=True)
-        ]
+        for place, result in each_trial(scenarios, self.pilot, settings):
+            before, began = time.perf_counter(), before
+            wall = round(before - began, 3)
+            yield RunRecord(self.family.name, scenarios[place].id, self.seed, self.condition, result, wall)
 
     def knowing(self, learned: Mapping[str, Any]) -> TrialTask:
         """Return the runs that begin with what was learned of options, as a manifest holds it."""

@@ -161,15 +161,14 @@ def _run_missing(evaluation: Evaluation, results: Results, execution: Execution)
     in_turn = evaluation.learns_in_turn
     runs = _lessons(evaluation, results, settings) if in_turn else each_done(tasks, execution.workers)
     with _progress(evaluation.total, done) as advance, closing(runs) as each:
-        for records in each:
-            for record in records:
-                results.add(record)
-                advance()
+        for record in each:
+            results.add(record)
+            advance()
 
 
 def _lessons(
     evaluation: Evaluation, results: Results, settings: RecordSettings | None
-) -> Generator[list[RunRecord], None, None]:
+) -> Generator[RunRecord, None, None]:
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 
     The store gets the score of a run once the run is on the disk. A kill in between loses the score; none counts twice.
@@ -181,15 +180,15 @@ def _lessons(
         for condition, strategies in choosers.items():
             chosen = {goal: strategy.select(NO_CONTEXT) for goal, strategy in strategies.items()}
             options = {goal: strategies[goal].problem.options[number[0]] for goal, number in chosen.items()}
-            record, task = done.get((scenario, condition)), evaluation.task_with(scenario, condition, options)
-            found = [record] if record else (task.recorded(settings) if settings else task).run()
-            score = mission_score(evaluation.mission, found[0].result.cost_s)
+            kept, task = done.get((scenario, condition)), evaluation.task_with(scenario, condition, options)
+            record = kept or (task.recorded(settings) if settings else task).run()[0]
+            score = mission_score(evaluation.mission, record.result.cost_s)
             choice = {"scenario": scenario, "condition": condition, "options": options, "score": score}
             choices += json.dumps(choice) + "\n"
             results.folder.write(CHOSEN_OPTIONS, choices)
             trial = (scenario, *options.items())
-            if record is None:
-                yield found
+            if kept is None:
+                yield record
                 if trial not in given:  # the same mission under another condition would count twice
                     memory.give((goal, option, score) for goal, option in options.items())
             given.add(trial)

@@ -1,44 +1,115 @@
-"""Tasks in several processes; the runs of each task are returned as soon as it is done."""
+"""Tasks in several processes; each run is returned as soon as it is done, also where its task goes on."""
 
 import multiprocessing
 import os
 import signal
 import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection, wait
+from traceback import format_exc
 
 from clean_swarm_env.siblings import call
 from train.running.runs import RunRecord, Task
 
 
-def each_done(tasks: Sequence[Task], workers: int) -> Generator[list[RunRecord], None, None]:
-    """Yield the runs of each task when it is done, in any order, from up to `workers` processes.
+def each_done(tasks: Sequence[Task], workers: int) -> Generator[RunRecord, None, None]:
+    """Yield each run when it is done, in any order, from up to `workers` processes.
 
     Closing the iterator, or an error in a task, ends the other tasks at once. A single worker is this process itself.
+
+    Raises:
+        BrokenProcessPool: a worker was killed; all runs that were done have been yielded.
+
     """
     if min(workers, len(tasks)) <= 1:
         for task in tasks:
-            yield task.run()
+            yield from task.each()
         return
-    context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(
-        min(workers, len(tasks)), mp_context=context, initializer=call, initargs=(__name__, "start_worker")
-    )
-    finished = False
+    pool = _Workers()
     try:
-        with _ctrl_c_ignored():  # the first tasks start the workers, which inherit this
-            futures = [pool.submit(task.run) for task in tasks]
-        for future in as_completed(futures):
-            yield future.result()
-        finished = True
+        with _ctrl_c_ignored():  # workers inherit this
+            pool.start(min(workers, len(tasks)))
+        try:
+            yield from pool.done(iter(tasks))
+        except (BrokenProcessPool, KeyboardInterrupt):
+            yield from pool.sent()
+            raise
     finally:
-        if not finished:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for child in set(multiprocessing.active_children()) - others:
-                child.terminate()
-        pool.shutdown()
+        pool.end()
+
+
+class _Workers:
+    """Processes that get tasks and send back their runs, each over a pipe of its own: a kill breaks no other's."""
+
+    def __init__(self) -> None:
+        self._processes: dict[Connection, multiprocessing.process.BaseProcess] = {}
+        self._busy: set[Connection] = set()
+
+    def start(self, count: int) -> None:
+        """Start processes."""
+        context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
+        for _ in range(count):
+            ours, theirs = context.Pipe()
+            process = context.Process(target=call, args=(__name__, "work", theirs))
+            process.start()
+            theirs.close()  # now its end is the worker's alone, and closed when that ends
+            self._processes[ours] = process
+            self._busy.add(ours)
+
+    def done(self, tasks: Iterator[Task]) -> Iterator[RunRecord]:
+        """Do the tasks, at least one for each process, and yield their runs."""
+        for connection in self._processes:
+            self._give(connection, tasks)
+        while self._busy:
+            ready = wait(self._busy)
+            for connection in [one for one in self._busy if one in ready]:
+                with _killed_worker():
+                    answer = connection.recv()
+                if isinstance(answer, Exception):
+                    raise answer
+                if answer is None:
+                    self._give(connection, tasks)
+                else:
+                    yield answer
+
+    def sent(self) -> Iterator[RunRecord]:
+        """End the tasks, and yield the runs that were done but not yet received."""
+        for connection in self._busy:
+            self._processes[connection].terminate()
+            self._processes[connection].join()
+            with suppress(EOFError, OSError):
+                while connection.poll():
+                    answer = connection.recv()
+                    if answer is not None and not isinstance(answer, Exception):
+                        yield answer
+
+    def end(self) -> None:
+        """End the processes, and the tasks that are not done."""
+        for connection, process in self._processes.items():
+            if connection in self._busy:
+                process.terminate()
+            connection.close()
+        for process in self._processes.values():
+            process.join()
+
+    def _give(self, connection: Connection, tasks: Iterator[Task]) -> None:
+        task = next(tasks, None)
+        if task is None:
+            self._busy.discard(connection)
+            return
+        with _killed_worker():
+            connection.send(task)
+
+
+@contextmanager
+def _killed_worker() -> Iterator[None]:
+    """Turn the end of a pipe into BrokenProcessPool."""
+    try:
+        yield
+    except (EOFError, OSError) as error:
+        raise BrokenProcessPool("a worker process was killed") from error
 
 
 @contextmanager
@@ -54,11 +125,24 @@ def _ctrl_c_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def start_worker() -> None:
-    """Start a thread that ends this worker when its parent ends, because a killed parent cannot end its workers."""
+def work(connection: Connection) -> None:
+    """Do the tasks that come over a pipe: send each run when it is done, None after a task, or the error of a task.
+
+    A thread ends this worker when its parent ends, because a killed parent cannot end its workers.
+    """
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
+    with suppress(EOFError, OSError):  # the parent closed the pipe: there are no more tasks
+        while True:
+            task: Task = connection.recv()
+            try:
+                for record in task.each():
+                    connection.send(record)
+                connection.send(None)
+            except Exception as error:
+                error.add_note(format_exc())
+                connection.send(error)
 
 
 def _end_with(wait_for_parent: Callable[[], None]) -> None:

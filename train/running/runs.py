@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -119,8 +119,11 @@ class Task(Protocol):
     def runs(self) -> int:
         """Number of runs."""
 
+    def each(self) -> Iterator[RunRecord]:
+        """Do the runs, and yield each when it is done."""
+
     def run(self) -> list[RunRecord]:
-        """Do the runs."""
+        """Do the runs, and return them in the order of the task."""
 
     def beginning(self) -> "Task":
         """Return a task that does only the beginning of one run, which compiles the kernels that all runs call."""
@@ -165,6 +168,10 @@ class RunTask:
     def naming(self) -> dict[str, Any]:
         """Plain data about the run for the head of its recording."""
         return {"experiment": self.experiment, "scenario": self.scenario, "condition": self.condition}
+
+    def each(self) -> Iterator[RunRecord]:
+        """Run the mission."""
+        yield from self.run()
 
     def run(self) -> list[RunRecord]:
         """Run the mission."""

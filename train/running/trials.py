@@ -44,12 +44,18 @@ def run_trials(
     scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings | None = None
 ) -> list[MissionResult]:
     """Return the result of each scenario, in the order of the scenarios."""
-    results: dict[int, MissionResult] = {}
+    results = dict(each_trial(scenarios, maker, settings))
+    return [results[number] for number in range(len(scenarios))]
+
+
+def each_trial(
+    scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings | None = None
+) -> Iterator[tuple[int, MissionResult]]:
+    """Yield the place in `scenarios` and the result of each mission when it is done."""
     for numbers in grouped([scenario.mission for scenario in scenarios]):
         trials = _trials([scenarios[number] for number in numbers], maker, settings or TrialSettings())
         for place, result in trials:
-            results[numbers[place]] = result
-    return [results[number] for number in range(len(scenarios))]
+            yield numbers[place], result
 
 
 def _trials(
