@@ -19,33 +19,30 @@ class PairRoom:
 
     def __init__(self, buffer: SoBuffer, pairs: int = 256) -> None:
         self._buffer = buffer
-        self._codes: dict[tuple[tuple[str, ...], int], Ints] = {}  # by channels and how many the buffer knows
+        self._looked: tuple[tuple[str, ...], int] = (), -1  # the channels, and how many the buffer knew then
         self.pairs: Floats = np.empty((pairs, PAIR_COLUMNS))
         self._packed: Packed[Sight] = SIGHT.pack(Sight(np.zeros(1, dtype=np.int64), self.pairs))
 
     def sight(self, now: float, channels: tuple[str, ...]) -> Words[Sight]:
         """Return the table and `channels` (none: all) for a look at `now` [s], as compiled code takes them."""
-        buffer, record = self._buffer, self._packed.record
+        buffer = self._buffer
         if buffer.settings.whole_seconds:
             buffer.evaporate(now)
-        codes = self._codes_of(channels)
-        if record.channels is not codes:
-            self._packed = SIGHT.pack(Sight(codes, self.pairs))
+        look = channels, len(buffer.channels)
+        if look != self._looked:
+            self._looked, self._packed = look, SIGHT.pack(Sight(self._codes(channels), self.pairs))
         return self._packed.words
 
-    def _codes_of(self, channels: tuple[str, ...]) -> Ints:
+    def _codes(self, channels: tuple[str, ...]) -> Ints:
         """Return 1 if the shared poses are looked at, then the codes of `channels` (none: all).
 
         Channels are in the order of their names, because the order in which other teams used them first must not
-        change a sum. The array is the same one until a new channel is used.
+        change a sum.
         """
-        known, key = self._buffer.channels, (channels, len(self._buffer.channels))
-        if key not in self._codes:
-            names = sorted(set(channels))
-            poses = self._buffer.shared and (not names or self._buffer.poses.channel in names)
-            codes = [known.code(name) for name in names or known.names() if name in known]
-            self._codes[key] = np.array([int(poses), *codes], dtype=np.int64)
-        return self._codes[key]
+        buffer, known, names = self._buffer, self._buffer.channels, sorted(set(channels))
+        poses = buffer.shared and (not names or buffer.poses.channel in names)
+        codes = [known.code(name) for name in names or known.names() if name in known]
+        return np.array([int(poses), *codes], dtype=np.int64)
 
     def double(self) -> Words[Sight]:
         """Return the last sight with room for twice as many pairs; those that are there stay."""
