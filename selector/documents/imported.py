@@ -18,7 +18,9 @@ def is_import(text: str) -> bool:
     return bool(colon) and name.isidentifier() and (module.endswith(".py") or module.replace(".", "_").isidentifier())
 
 
-NameOrImport = Annotated[str, Field(strict=True), AfterValidator(lambda text: text if is_import(text) else as_name(text))]
+NameOrImport = Annotated[
+    str, Field(strict=True), AfterValidator(lambda text: text if is_import(text) else as_name(text))
+]
 """Name of what is registered, or of the user's own code."""
 
 

@@ -54,7 +54,7 @@ def told(monkeypatch, capsys, tmp_path):
     def call(*words):
         monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         return int(ended.value.code or 0), *capsys.readouterr()
 
     return call

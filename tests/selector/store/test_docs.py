@@ -36,6 +36,6 @@ def test_the_commands_run_in_their_order(monkeypatch, capsys):
     for words in commands:
         monkeypatch.setattr(sys, "argv", words)
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         assert ended.value.code in (0, None), (words, capsys.readouterr().err)
     assert capsys.readouterr().out.endswith("user.sqlite: forgot 0 entries, 0 expert options\n")

@@ -31,7 +31,7 @@ def run(monkeypatch, capsys, tmp_path):
     def call(*words: object) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         out, err = capsys.readouterr()
         return int(ended.value.code or 0), out, err
 

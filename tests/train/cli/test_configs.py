@@ -52,7 +52,7 @@ def told(capsys, monkeypatch):
     def call(*words):
         monkeypatch.setattr("sys.argv", ["clean-swarm", *map(str, words)])
         try:
-            cli.run_app()
+            cli.main()
             code = 0
         except SystemExit as end:
             code = end.code or 0

@@ -15,7 +15,7 @@ def told(capsys, monkeypatch, tmp_path):
     def call(*words):
         monkeypatch.setattr("sys.argv", ["clean-swarm", *map(str, words)])
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         return int(ended.value.code or 0), *capsys.readouterr()
 
     return call

@@ -44,7 +44,7 @@ def evaluate(monkeypatch, capsys, tmp_path, family):
     def call(*words):
         monkeypatch.setattr(sys, "argv", ["clean-swarm", "evaluate", "--family", str(family), *map(str, words)])
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         out, err = capsys.readouterr()
         return int(ended.value.code or 0), out, err
 

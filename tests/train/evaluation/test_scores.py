@@ -65,7 +65,7 @@ def run(monkeypatch, capsys, tmp_path):
         own = ["--configs", "my"] if configs else []
         monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words), *own])
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         out, err = capsys.readouterr()
         return int(ended.value.code or 0), out, err
 

@@ -24,7 +24,7 @@ def test_the_commands_run_in_their_order(monkeypatch, capsys, tmp_path):
     for words in commands:
         monkeypatch.setattr(sys, "argv", words)
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         assert ended.value.code in (0, None), (words, capsys.readouterr().err)
     choices = map(json.loads, (tmp_path / "first" / "choices.jsonl").read_text().splitlines())
     taken = [one["options"]["AvoidCollision"] for one in choices]

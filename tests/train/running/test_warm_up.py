@@ -11,7 +11,6 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning import warm_up
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.physics import tick
 from clean_swarm_env.world.mission import run_mission
 from selector.coordination.selection import BY_SCORE
 from selforg.gradients.store import tables
@@ -112,7 +111,7 @@ def test_a_mission_shorter_than_the_warm_up_keeps_its_limit(task):
     assert short.beginning().mission.time_limit == 20.0
 
 
-@pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild"), (tick, "land_and_go_on")])
+@pytest.mark.parametrize(("module", "kernel"), [(tables, "rebuild")])
 def test_the_warm_up_calls_kernels_that_no_first_second_needs(task, module, kernel, monkeypatch):
     called = []
     compiled = getattr(module, kernel)
