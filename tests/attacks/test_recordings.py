@@ -129,3 +129,12 @@ def test_a_part_that_is_missing_or_unpacks_without_end_is_refused(recorded, tmp_
     path = written(tmp_path / "cut.swarm", [(HEAD, head), (PART, part[:-1])])
     with pytest.raises(ValueError, match=r"cut\.swarm: frames from 0 on: damaged: the sizes of channels do not fit"):
         RecordedMission(path)
+
+
+def test_a_deposit_that_is_gone_at_once_is_read(recorded, tmp_path):
+    (_, head), (_, part), *_ = blocks_of(recorded)
+    end = 4 + struct.unpack_from("<I", part)[0]
+    kind = {"diffusion": 1.0, "evaporation_factor": 0.5, "evaporation_period": 0.0, "min_diffusion": 0.1}
+    directory = json.dumps(json.loads(part[4:end]) | {"deposits": [kind]}).encode()
+    content = struct.pack("<I", len(directory)) + directory + part[end:]
+    assert used(written(tmp_path / "static.swarm", [(HEAD, head), (PART, content)])).notes["deposits"] == [kind]
