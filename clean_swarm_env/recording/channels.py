@@ -127,6 +127,8 @@ def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order
     bits = np.frombuffer(content[at : at + -(-count // 8)], dtype=np.uint8)
     at += len(bits)
     changing = np.unpackbits(bits, count=count, bitorder="little").astype(np.bool_)
+    if changing.sum() != changed:
+        raise ValueError(f"expected {changed} columns that change, got marks of {changing.sum()}")
     end = at + changed * (frames - 1) * width
     planes = np.frombuffer(content[at:end], dtype=np.uint8).reshape(width, -1)
     steps = np.ascontiguousarray(planes.T).view(f"<i{width}").reshape(changed, frames - 1).T.astype(np.int32)

@@ -37,7 +37,8 @@ def traces_at(recording: RecordedMission, frame: int) -> Traces:
         left = np.full(len(made), facts["diffusion"])
         if facts["evaporation_factor"] < 1.0:
             ages = (frame - made) * recording.period
-            left *= facts["evaporation_factor"] ** np.floor(ages / facts["evaporation_period"] + AGE_ROUNDING)
+            with np.errstate(divide="ignore", over="ignore"):  # a period of 0: what is left is gone at once
+                left *= facts["evaporation_factor"] ** np.floor(ages / facts["evaporation_period"] + AGE_ROUNDING)
         there = left >= facts["min_diffusion"]
         made, robot, left = made[there], robot[there], left[there]
         places = np.stack([x[made, robot], y[made, robot]], axis=1)

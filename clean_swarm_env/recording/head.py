@@ -73,7 +73,7 @@ class _Deposit(_Object):
 
     diffusion: NonNegative
     evaporation_factor: Share
-    evaporation_period: Positive
+    evaporation_period: NonNegative
     min_diffusion: Number
 
 

@@ -114,7 +114,10 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
             raise ConfigurationError(f"{where}: damaged: the sizes of channels do not fit the content")
         found = []
         for channel, size in zip(columns, sizes, strict=True):
-            whole, used = unpacked_frames(rest, size, channel.order)
+            try:
+                whole, used = unpacked_frames(rest, size, channel.order)
+            except ValueError as error:
+                raise ConfigurationError(f"{where}: damaged: channel {channel.name}: {error}") from error
             rest = rest[used:]
             found.append(whole)
         self.frames += frames

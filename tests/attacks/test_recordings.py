@@ -16,6 +16,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.recording.tables import tables_of
 from clean_swarm_env.world.mission import MissionRun
+from selector.documents.errors import DocumentError
 from tests.attacks import hostile
 from tests.attacks.test_saved import damaged, often, read_or_refused
 from tests.train.replay.commands import run
@@ -128,4 +129,23 @@ def test_a_part_that_is_missing_or_unpacks_without_end_is_refused(recorded, tmp_
         RecordedMission(path)
     path = written(tmp_path / "cut.swarm", [(HEAD, head), (PART, part[:-1])])
     with pytest.raises(ValueError, match=r"cut\.swarm: frames from 0 on: damaged: the sizes of channels do not fit"):
+        RecordedMission(path)
+
+
+def test_a_deposit_that_is_gone_at_once_is_read(recorded, tmp_path):
+    (_, head), (_, part), *_ = blocks_of(recorded)
+    end = 4 + struct.unpack_from("<I", part)[0]
+    kind = {"diffusion": 1.0, "evaporation_factor": 0.5, "evaporation_period": 0.0, "min_diffusion": 0.1}
+    directory = json.dumps(json.loads(part[4:end]) | {"deposits": [kind]}).encode()
+    content = struct.pack("<I", len(directory)) + directory + part[end:]
+    assert used(written(tmp_path / "static.swarm", [(HEAD, head), (PART, content)])).notes["deposits"] == [kind]
+
+
+def test_marks_of_other_columns_than_the_directory_says_are_refused(recorded, tmp_path):
+    (_, head), (_, part), *_ = blocks_of(recorded)
+    end, columns = 4 + struct.unpack_from("<I", part)[0], json.loads(head)["channels"][0]["shape"][0]
+    odd = bytearray(part)
+    odd[end + 4 * columns] ^= 1  # the marks follow the first frame of the first channel
+    path = written(tmp_path / "marks.swarm", [(HEAD, head), (PART, bytes(odd))])
+    with pytest.raises(DocumentError, match=r"marks\.swarm: frames from 0 on: damaged: channel .*columns that change"):
         RecordedMission(path)
