@@ -196,7 +196,7 @@ def by_option(
     mission = experiment.mission.model_copy(update={"store": ""})
     knowledge = knowledge_of(mission, directories)
     served = {
-        f"{goal}: {option.name}": {goal: option.name}
+        f"{goal} - {option.name}": {goal: option.name}
         for goal in coordinated_goals(find_file("robots", mission.network.robot, directories))
         for option in knowledge.options(goal)
     }

@@ -76,7 +76,7 @@ def learned_scores(knowledge: Knowledge, title: str, time_limit: float | None = 
                 cost = _with_interval((1.0 - mean) * time_limit, None if half is None else half * time_limit, ".1f")
             counts = f"{problem.scores[k]:.4g} {'expert' if problem.scores[k] == option.score else 'learned'}"
             taken = "taken" if k == int(np.argmax(problem.scores)) else ""
-            name = f"{goal}: {option.name}"
+            name = f"{goal} - {option.name}"
             rows.append((name, f"{option.score:g}", f"{count:.0f}", score, cost, counts, taken))
     heads = ("expert", "rewards", "learned, 95 %", "cost s, 95 %", "counts", "by MaxScore")
     note = f"From {ENOUGH} rewards on their mean counts in place of the expert's score, before that the lower of both."

@@ -17,12 +17,13 @@ from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
+from selector.documents.fields import LARGEST_NUMBER
 from selector.strategies.registry import StrategySpec
 
 WARM_UP_LIMIT = 300.0
 """Time limit of a mission that runs only to compile kernels [s]: by then robots have met and stores have grown."""
 
-HIGHEST_SCORE = 1e300
+HIGHEST_SCORE = LARGEST_NUMBER
 """Score of an option that is to be taken, above all others."""
 
 RunKey = tuple[str, str]

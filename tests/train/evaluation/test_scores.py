@@ -316,13 +316,13 @@ def test_scores_of_an_experiment_are_those_of_all_its_options(run, fake):
     code, out, err = run("score", "chosen", "--store", "s.sqlite", "--scenarios", 6, "--workers", 1)
     assert code == 0, err
     assert {name: count for name, (count, _) in held(context="mission hall").items()} == {NEAR: 6, GRADIENT: 6, FAR: 6}
-    assert f"AvoidCollision: {GRADIENT}" in out
+    assert f"AvoidCollision - {GRADIENT}" in out
 
 
 def test_scores_of_a_goal_decide_what_serves_it(run):
     code, out, err = run("score", "ReachGoal", "--store", "s.sqlite", "--runs", ENOUGH)
     assert code == 0, err
-    assert "ReachGoal: ChemotaxisGe" in out
+    assert "ReachGoal - ChemotaxisGe" in out
     code, out, _ = run("run", "ReachGoal", "--runs", 2, "--json")
     assert json.loads(out)["option"] == "ChemotaxisBalch"
     code, out, _ = run("run", "ReachGoal", "--runs", 2, "--seed", 50, "--store", "s.sqlite", "--learn", "--json")
