@@ -11,7 +11,7 @@ from selector.documents.fields import Flag, NonNegative, Number, Positive, Share
 
 MOST_NUMBERS = 2**28
 """Numbers of a part, in all its frames: a gigabyte of memory; the parts that we write take a twentieth of it."""
-Size = Annotated[int, Field(strict=True, ge=0, le=MOST_NUMBERS)]
+Amount = Annotated[int, Field(strict=True, ge=0, le=MOST_NUMBERS)]
 Text = Annotated[str, Field(strict=True)]
 
 
@@ -27,7 +27,7 @@ class _Channel(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
     name: Text
     axes: tuple[Text, ...]
-    shape: tuple[Size, ...]
+    shape: tuple[Amount, ...]
     scale: Annotated[int, Field(strict=True, ge=1, le=10**9)]
     order: Literal[1, 2]
     unit: Text
@@ -49,8 +49,8 @@ class Head(_Object):
     """Time from frame to frame [s]."""
     width: Positive
     height: Positive
-    robots: Size
-    items: Size
+    robots: Amount
+    items: Amount
     minds: Flag
     """Whether it holds what the robots' networks decided."""
     about: dict[str, Any]
@@ -83,6 +83,6 @@ class Directory(_Object):
     first: Annotated[int, Field(strict=True, ge=0)]
     """Number of the first frame."""
     frames: Annotated[int, Field(strict=True, ge=1, le=MOST_NUMBERS)]
-    sizes: tuple[tuple[Size, Literal[1, 2, 4]], ...]
+    sizes: tuple[tuple[Amount, Literal[1, 2, 4]], ...]
     """For each channel how many columns change, and the width of a number."""
     deposits: Annotated[tuple[_Deposit, ...], Field(max_length=63)] = ()
