@@ -18,8 +18,9 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.pymunk_space import OFFSETS, PymunkSpace, find_copies, push_bodies, wrap_bodies
+from benchmarks.pymunk_space import PymunkSpace, find_copies, push_bodies, wrap_bodies
 from clean_swarm_env.physics.collisions import CollisionCounter
+from clean_swarm_env.physics.motion import COPY_OFFSETS
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 
@@ -64,7 +65,7 @@ class Floor:
         self._zone = settings.width if everywhere else 4.0 * settings.radius + SUBSTEPS * settings.timestep
         self._bodies = np.hstack([places, np.zeros_like(places)])  # (R, 4) x, y, vx, vy [m, m/s]
         self._forces = np.zeros_like(places)
-        self._copies = np.zeros((len(places), len(OFFSETS)), np.bool_)
+        self._copies = np.zeros((len(places), len(COPY_OFFSETS)), np.bool_)
         self._blocks = [
             slice(world * settings.robots, (world + 1) * settings.robots) for world in range(settings.worlds)
         ]

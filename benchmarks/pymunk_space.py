@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import ffi, lib
 
 from clean_swarm_env.physics.chipmunk_calls import COLLISION_SLOP
-from clean_swarm_env.physics.motion import SKIN
+from clean_swarm_env.physics.contact_space import COPIES
+from clean_swarm_env.physics.motion import COPY_OFFSETS, SKIN
 from clean_swarm_env.physics.settings import PhysicsSettings
 from selforg.arrays import Flags, Floats
 from selforg.compiler.decorators import kernel
 from selforg.space import wrapped
 
 ORIGINALS: Final = pymunk.ShapeFilter(categories=0b01, mask=0b11)
-COPIES: Final = pymunk.ShapeFilter(categories=0b10, mask=0b01)
-OFFSETS: Final = ((1, 0), (0, 1), (1, 1), (1, -1))  # of seam copies, in world sizes
 
 
 class PymunkSpace:
@@ -35,7 +34,7 @@ class PymunkSpace:
         self._space = pymunk.Space()
         self._space.collision_slop = COLLISION_SLOP
         self._discs = [pymunk.Body(1.0, inf) for _ in range(settings.robots)]
-        self._present = np.zeros((settings.robots, len(OFFSETS)), np.bool_)
+        self._present = np.zeros((settings.robots, len(COPY_OFFSETS)), np.bool_)
         self._shapes: dict[tuple[int, int], pymunk.Circle] = {}  # (row, number of the offset) -> copy, kept once made
         for disc in self._discs:
             circle = pymunk.Circle(disc, self._radius)
@@ -69,7 +68,7 @@ class PymunkSpace:
 
     def _copy(self, row: int, number: int) -> pymunk.Circle:
         if (row, number) not in self._shapes:
-            right, up = OFFSETS[number]
+            right, up = COPY_OFFSETS[number]
             circle = pymunk.Circle(self._discs[row], self._radius, (right * self._size[0], up * self._size[1]))
             circle.filter = COPIES
             self._shapes[row, number] = circle
@@ -105,7 +104,7 @@ def wrap_bodies(bodies: Floats, width: float, height: float) -> bool:
 
 @kernel
 def find_copies(bodies: Floats, width: float, height: float, zone: float, needed: Flags) -> None:
-    """Note which seam copies bodies (R, 4) within `zone` [m] of a seam need: (R, 4), see OFFSETS."""
+    """Note which seam copies bodies (R, 4) within `zone` [m] of a seam need: (R, 4), see COPY_OFFSETS."""
     for row in range(bodies.shape[0]):
         left, below, above = bodies[row, 0] < zone, bodies[row, 1] < zone, bodies[row, 1] > height - zone
         needed[row, 0], needed[row, 1] = left, below

@@ -19,7 +19,7 @@ from clean_swarm_env.world.mission import MissionRun
 from selector.documents.errors import DocumentError
 from tests.attacks import hostile
 from tests.attacks.test_saved import damaged, often, read_or_refused
-from tests.train.replay.commands import run
+from tests.train.commands import run
 from train.replay.page_file import page_of
 
 

@@ -1,7 +1,6 @@
 """`clean-swarm explain` and `record`: a run repeated with explained robots takes the same course and tells why."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, run_mission
 from tests.clean_swarm_env.courses import difference, snapshot
-from train import cli
+from tests.train.commands import run
 from train.evaluation.repeat import steps_of, task_of
 
 CONDITIONS = [
@@ -27,17 +26,8 @@ def evaluated(tmp_path_factory) -> Path:
     experiment = {"name": "short", "mission": {"base": "table1", "garbage": {"count": 2}}, "conditions": CONDITIONS}
     (directory / "short.yaml").write_text(json.dumps(experiment))
     words = ["evaluate", directory / "short.yaml", "--scenarios", 2, "--seed", 5, "--workers", 1]
-    assert _run([*words, "--output", directory / "run"]) == 0
+    assert run(*words, "--output", directory / "run") == 0
     return directory / "run"
-
-
-def _run(words) -> int:
-    patch = pytest.MonkeyPatch()
-    patch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    patch.undo()
-    return int(ended.value.code or 0)
 
 
 @pytest.fixture
@@ -47,7 +37,7 @@ def told(capsys, monkeypatch):
 
     def call(*words: object) -> tuple[int, str, str]:
         capsys.readouterr()
-        code = _run(words)
+        code = run(*words)
         return code, *capsys.readouterr()
 
     return call

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.recording.reader import RecordedMission
-from tests.train.replay.commands import run
+from tests.train.commands import run
 
 FAMILY = {
     "name": "small",

@@ -3,8 +3,8 @@
 import json
 
 from clean_swarm_env.recording.reader import RecordedMission
+from tests.train.commands import run
 from tests.train.learning.trainings import written
-from tests.train.replay.commands import run
 
 
 def test_missions_of_validations_are_recorded(tmp_path):

@@ -12,7 +12,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.recording.tables import tables_of
 from clean_swarm_env.world.mission import MissionRun
-from tests.train.replay.commands import run
+from tests.train.commands import run
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.recording.reader import RecordedMission
-from tests.train.replay.commands import run
+from tests.train.commands import run
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
 CHROMIUM = shutil.which("chromium")

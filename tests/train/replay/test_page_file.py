@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.train.replay.commands import run
+from tests.train.commands import run
 from train.replay.page_file import MODULES, joined
 
 FOLDER = files("train.replay") / "page"
