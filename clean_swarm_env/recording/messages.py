@@ -51,7 +51,7 @@ class MessageLog:
         worlds = self._worlds
         if self._counts:
             spread, n = worlds.minds.poses.known, worlds.robots
-            heard = worlds.minds.poses.row_table[:, c.ROW_HEARD :] == 0
+            heard = worlds.minds.poses.row_table[:, c.ROW_HEARD : c.ROW_HEARD + n] == 0
             missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
             missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
             self._missed[:] = missed.sum(axis=1) * worlds.team.working

@@ -87,6 +87,15 @@ class ServedTeam(Controller):
         self._robots = CoordinatedRobots(expert.model, host)
         self._robots.hold(np.full(arena.rows, expert.option))
         self._content = self._robots.coordinators[0].contents[expert.option]
+        self._steers = expert.model.configurations[expert.option].steers
+        self._errand: Controller | None = None
+
+    def with_errand(self, errand: Controller) -> Controller:
+        """Return the team on an errand, which an option that steers changes, and any other adds to."""
+        if not self._steers:
+            return super().with_errand(errand)
+        self._errand = errand
+        return self
 
     def decisions(self) -> tuple[Floats, Ints]:
         """Return values (R,) and states (R,) of the first decision mechanism of the option that is held."""
@@ -98,6 +107,4 @@ class ServedTeam(Controller):
     def _command(self, commands: Commands) -> None:
         for buffer in self._buffers.values():
             buffer.deliver(self.arena.now)
-        orders = self._robots.tick(self.arena.now)
-        commands.vectors[:], commands.commanded[:] = orders.vectors, orders.commanded
-        commands.in_place[:] = orders.in_place
+        commands.take(self._robots.tick(self.arena.now, self._errand.command() if self._errand else None))
