@@ -38,7 +38,7 @@ class ORCA(SteeringMechanism):
         self,
         buffer: SoBuffer | OwnPoses,
         *,
-        distance: float = 0.6,
+        distance: float = 0.65,
         horizon: float = 2.0,
         period: float = 0.2,
         **options: Unpack[LookOptions],

@@ -125,7 +125,7 @@ def border_of_the_obstacle(offset, radius, horizon):
     return np.concatenate([arc, *(lengths * leg for leg in legs)])
 
 
-def permitted(own, offset, velocity, radius=0.6, horizon=2.0, period=0.2):
+def permitted(own, offset, velocity, radius=0.65, horizon=2.0, period=0.2):
     """Return point and normal of the half-plane by searching the nearest point of the border."""
     border = border_of_the_obstacle(offset, radius, horizon if np.hypot(*offset) > radius else period)
     relative = own - velocity
@@ -180,7 +180,7 @@ def test_two_robots_that_meet_each_make_half_of_the_way():
     np.testing.assert_allclose(commands.vectors[0], -commands.vectors[1], atol=1e-9)
     relative = commands.vectors[0] - commands.vectors[1]
     passing = [np.hypot(*(np.array([1.6, 0.02]) - t * relative)) for t in np.linspace(0, 2.0, 2001)]
-    assert min(passing) == pytest.approx(0.6, abs=2e-3)
+    assert min(passing) == pytest.approx(0.65, abs=2e-3)
 
 
 def build(name, poses):
