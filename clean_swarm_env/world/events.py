@@ -97,10 +97,11 @@ class Agenda:
         tick, first = int(clock.ticks[world]), world * floor.robots
         if isinstance(event, Join):
             self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
-        elif isinstance(event, Remove):
-            team.remove(first + np.array(event.robots))
-        elif isinstance(event, Fail):
-            team.fail(first + np.array(event.robots))
+        elif isinstance(event, Remove | Fail):
+            rows = first + np.array(event.robots)
+            rows = rows[team.working[rows]]  # a person may have taken some away
+            if len(rows):
+                (team.remove if isinstance(event, Remove) else team.fail)(rows)
         elif isinstance(event, Land):
             for position in self._landings.uniform(size=(event.items, 2)) * floor.extent:
                 affected.land(world, position)
