@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import draw, evaluate, knowledge, repeat, run, score, train
+from train.cli import draw, evaluate, knowledge, play, repeat, run, score, train
 from train.cli.options import Configs, error_console, print_error
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -55,6 +55,7 @@ app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
+app.command("play")(play.play_command)
 app.command("export")(repeat.export_command)
 
 
