@@ -130,7 +130,7 @@ def test_strategies_are_those_that_fit(tmp_path):
     assert {"MaxScore", "rule", "policy:general", "learned:rules"} <= set(session.strategies())
     session.close()
     session = Session(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
-    assert session.strategies() == ["MaxScore"]
+    assert session.strategies() == ["MaxScore", "Random"]
     session.close()
 
 

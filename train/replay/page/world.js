@@ -161,6 +161,7 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame */
   drawStations(c, frame) {
+    if (!this.run.tracks.has("station_x")) return;
     const reach = this.run.head.mission.stations.reach, s = this.scale;
     /** @type {[string, string][]} */
     const kinds = [["R", "#009E73"], ["D", "#8C6BB1"]];
