@@ -9,6 +9,8 @@ from hypothesis import given
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.pixels import pixels_of
+from clean_swarm_env.drawing.recorded_picture import CHANNELS, RecordedCourse
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.file import BLOCK, HEAD, MAGIC, PART, blocks_of
 from clean_swarm_env.recording.mission_recording import record_mission
@@ -39,6 +41,8 @@ def used(path):
     assert tables_of(recording)
     if "deposit" in recording and {"x", "y"} <= set(recording):
         traces_at(recording, recording.frames - 1)
+    if CHANNELS.keys() <= set(recording):
+        assert pixels_of(RecordedCourse(recording).at(0.0), 200).shape[2] == 3
     return recording
 
 
@@ -114,7 +118,13 @@ def test_hostile_values_in_the_head_and_in_the_directory_of_a_part(recorded, tmp
 def test_a_foreign_recording_is_one_line_of_each_command(recorded, tmp_path, capsys, change, message):
     (_, head), *rest = blocks_of(recorded)
     path = written(tmp_path / "foreign.swarm", [(HEAD, json.dumps(json.loads(head) | change).encode()), *rest])
-    for words in (("replay", path, "--html", tmp_path / "a.html"), ("export", path, "--output", tmp_path / "tables")):
+    commands = (
+        ("replay", path, "--html", tmp_path / "a.html"),
+        ("export", path, "--output", tmp_path / "tables"),
+        ("picture", path, tmp_path / "a.svg", "--time", 1),
+        ("video", path, tmp_path / "a.webp"),
+    )
+    for words in commands:
         assert run(*words) == 2
         error = capsys.readouterr().err
         assert error.startswith(f"error: {path}: {message}")

@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import draw, evaluate, knowledge, play, repeat, run, score, train
+from train.cli import draw, evaluate, knowledge, picture, play, repeat, run, score, train, video
 from train.cli.options import Configs, error_console, print_error
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -56,6 +56,8 @@ app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
 app.command("play")(play.play_command)
+app.command("picture")(picture.picture_command)
+app.command("video")(video.video_command)
 app.command("export")(repeat.export_command)
 
 
