@@ -15,7 +15,6 @@ from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import GivenMission, config_from
 from clean_swarm_env.learning.interface import AnyBatch
-from clean_swarm_env.world.worlds import Worlds
 from selforg.registry import unknown
 
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
@@ -98,9 +97,3 @@ def check_render_mode(mode: object, known: Sequence[str], goal: str | None = Non
     if mode is not None and (mode not in known or goal is not None):
         others = f" or {' or '.join(map(repr, known))}" if goal is None else " with a goal"
         raise ValueError(f"render_mode: expected None{others}, got {mode!r}")
-
-
-def missions_of(batch: AnyBatch) -> Worlds:
-    """Return the worlds of a batch of missions, which can be drawn."""
-    assert isinstance(batch, Batch)  # `check_render_mode` has refused goals
-    return batch.worlds

@@ -92,7 +92,7 @@ class GoalBatch(AnyBatch):
         unknown = settings.keys() - GoalSettings.__optional_keys__
         if unknown:
             raise TypeError(f"goal {goal}: unexpected settings {sorted(unknown)}")
-        self.mission = None
+        self.mission, self.period, self.decision_period = None, CONTROL_PERIOD, TICKS_PER_STEP * CONTROL_PERIOD
         self.count, self._kind = whole_number(worlds, "worlds", 1), find(goal)
         self.setting = setting_of(self._kind, settings)
         self.action = config_from(GoalAction, action, "action")

@@ -13,6 +13,7 @@ from clean_swarm_env.goals.observer import kinds_of
 from clean_swarm_env.goals.play import Play
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Floats
+from selforg.elementary import unit_vectors
 
 POSE = ("x", "y", "heading_cos", "heading_sin")
 
@@ -50,7 +51,7 @@ class GoalState:
         """Return the state (W, G) of the worlds as they are."""
         play = self._owner.play
         scene, team = play.scene, play.team
-        parts = [self._places(scene.arena.positions), np.cos(scene.arena.headings), np.sin(scene.arena.headings)]
+        parts = [self._places(scene.arena.positions), *unit_vectors(scene.arena.headings)]
         parts += [team.memory[name].values for name in play.facts]
         if self._options:
             parts.append(np.eye(len(team.options))[team.held])

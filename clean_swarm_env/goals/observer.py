@@ -15,6 +15,7 @@ from clean_swarm_env.goals.settings import GoalObservation
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Flags, Floats
+from selforg.elementary import unit_vectors
 
 WAY = ("seen", "distance", "ahead", "left")
 
@@ -50,7 +51,7 @@ def longest(ground: Ground) -> float:
 
 def in_own_frame(vectors: Floats, headings: Floats) -> Floats:
     """Return vectors (R, 2) of the world's frame in the frames of robots with headings (R,): ahead and left."""
-    cosine, sine = np.cos(headings), np.sin(headings)
+    cosine, sine = unit_vectors(headings)
     x, y = vectors[:, 0], vectors[:, 1]
     return np.stack([cosine * x + sine * y, cosine * y - sine * x], axis=1)
 

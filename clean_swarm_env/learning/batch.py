@@ -143,6 +143,7 @@ class Batch(AnyBatch):
         self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)
         self.recorder = MissionRecorder(self.worlds, record) if record is not None else None
         self.rows, self.robots, self.count = self.worlds.rows, self.worlds.robots, worlds
+        self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(models, self.action)
         self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None

@@ -78,6 +78,7 @@ class AnyBatch(ABC):
 
     Attributes:
         rows, robots, count: R, N and W.
+        period, decision_period: lengths of a control period and of a decision period [s].
         action: what an action is.
         options: coordinated goal -> names of its options.
         choices: the options as actions.
@@ -90,6 +91,8 @@ class AnyBatch(ABC):
     rows: int
     robots: int
     count: int
+    period: float
+    decision_period: float
     action: ActionFace
     options: Mapping[str, tuple[str, ...]]
     choices: OptionActions
