@@ -47,7 +47,7 @@ class RewardConfig(Closed):
 
 
 OwnRewards = Callable[[Any], Floats]
-"""A function of a `Batch` at the end of a period that returns the rewards (R,)."""
+"""A function of a batch at the end of a period that returns the rewards (R,)."""
 
 
 def own_rewards(chosen: object) -> OwnRewards | None:
@@ -60,12 +60,12 @@ def own_rewards(chosen: object) -> OwnRewards | None:
     if not callable(function):
         return None
 
-    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (a Batch, which stands above this module)
+    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (an AnyBatch, which stands above this module)
         given = function(batch)
         paid = np.asarray(given, dtype=np.float64)
         if paid.shape != (batch.rows,) or not np.isfinite(paid).all():
             raise ValueError(f"reward: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
-        return np.where(batch.progress.took_part, paid, 0.0)
+        return np.where(batch.took_part, paid, 0.0)
 
     return rewards
 
