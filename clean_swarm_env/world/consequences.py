@@ -111,10 +111,11 @@ def hold_back(orders: Words[Orders], consequence: Words[Consequence]) -> None:
             o.vectors[row, 0] = o.vectors[row, 1] = 0.0
             o.commanded[row], o.in_place[row] = True, False
         elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
-            length = np.hypot(o.vectors[row, 0], o.vectors[row, 1])
+            x, y = o.vectors[row, 0], o.vectors[row, 1]
+            length = np.sqrt(x * x + y * y)
             if length > c.damaged_speed:
-                o.vectors[row, 0] *= c.damaged_speed / length
-                o.vectors[row, 1] *= c.damaged_speed / length
+                o.vectors[row, 0] = x * c.damaged_speed / length
+                o.vectors[row, 1] = y * c.damaged_speed / length
 
 
 @lean_kernel
