@@ -125,8 +125,9 @@ class Team:
         self._begin_anew(rows)
 
     def _begin_anew(self, rows: Ints) -> None:
-        """Stop the drives of `rows` (K,) and clear their networks and knowledge."""
+        """Stop the drives of `rows` (K,), make them as new, and clear their networks and knowledge."""
         self._floor.drive.reset(rows)
+        self._floor.consequences.reset(rows)
         self._minds.begin(rows)
         self.restore()
 

@@ -6,8 +6,9 @@ import { valueAt } from "./recording.js";
 
 /** Kinds of events, with their words, in the order of the timeline's lines. */
 export const EVENT_WORDS = {
-  found: "item found", recycled: "item recycled", dumped: "item dumped", contact: "contact", switch: "option switched",
-  replan: "new plan", joined: "robot joined", failed: "robot failed or left", hand: "done by hand",
+  found: "item found", recycled: "item recycled", dumped: "item dumped", contact: "contact",
+  stopped: "stopped by a collision", switch: "option switched", replan: "new plan", joined: "robot joined",
+  failed: "robot failed or left", hand: "done by hand",
 };
 
 /** Return all events, in the order of time. @param {Run} run @returns {RunEvent[]} */
@@ -24,8 +25,11 @@ export function eventsOf(run) {
       if (kind) events.push({ frame: Math.floor(at / robots), kind, robot: at % robots });
     }
   };
-  const working = run.tracks.get("working")?.data ?? new Int32Array(0);
-  watch("cargo", (was, is, at) => (was < 0 && is >= 0 ? "found" : was >= 0 && is < 0 && working[at] ? "dumped" : ""));
+  const stage = run.tracks.get("item_stage");
+  /** @param {number} item @param {number} at */
+  const done = (item, at) => stage && stage.data[Math.floor(at / robots) * stage.columns + item] === 2;
+  watch("cargo", (was, is, at) => (was < 0 && is >= 0 ? "found" : was >= 0 && is < 0 && done(was, at) ? "dumped" : ""));
+  watch("standing", (was, is) => (is > was ? "stopped" : ""));
   watch("recycled", (was, is) => (is > was ? "recycled" : ""));
   watch("contact", (_, is) => (is > 0 ? "contact" : ""));
   watch("working", (was, is) => (is > was ? "joined" : is < was ? "failed" : ""));
