@@ -152,7 +152,7 @@ class Worlds:
         floor, minds, now = self.floor, self.minds, self._clock.now
         self._agendas.apply_due()
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
-        minds.receive_poses()
+        minds.receive(now)
         if self._steered is None:
             minds.sense(floor.packed, now)
             minds.decide(self.team.at_work)
