@@ -159,7 +159,7 @@ class Worlds:
         self._agendas.apply_due()
         able = consequences.begin(self.team.at_work) if consequences.active else self.team.at_work
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
-        minds.receive_poses()
+        minds.receive(now)
         if self._steered is None:
             minds.sense(floor.packed, now)
             minds.decide(able)

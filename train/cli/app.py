@@ -110,12 +110,17 @@ def _common(
 @app.command("list")
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
-    from clean_swarm_env.config.load import load_experiment, load_family
+    from clean_swarm_env.config.load import load_experiment, load_family, load_robustness
     from selector.documents.find import KINDS, files_of
     from selector.documents.plain import plain
     from selector.strategies.registry import STRATEGIES
 
     for name in files_of("experiments", configs or ()):
+        robustness = load_robustness(name, configs or ())
+        if robustness is not None:
+            typer.echo(f"{plain(name)}: {plain(robustness.description)}")
+            typer.echo(f"  {robustness.scenarios} random scenarios; disturbances: {', '.join(robustness.disturbed)}")
+            continue
         experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
         typer.echo(f"{plain(name)}: {plain(experiment.description)}")

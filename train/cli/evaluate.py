@@ -68,11 +68,13 @@ def evaluate_command(
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
     check_whole({"--seed": (seed, 0, MOST_SEED), "--world-seeds": (world_seeds, 1, MOST_WORLD_SEEDS)})
+    from clean_swarm_env.config.load import load_robustness
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.entrants import never_taken, unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.evaluation.robustness import RobustnessEvaluation
     from train.knowledge_store import StoreRequest
     from train.running.needs import Machine
     from train.running.runs import usable_cpus
@@ -81,14 +83,23 @@ def evaluate_command(
         raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
     machine = Machine(workers or usable_cpus(), force)
+    robustness = load_robustness(experiment, directories) if family is None else None
     if family is None:
         _check_absent(
             "with --family",
             {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal, "--world-seeds": world_seeds > 1},
         )
+    if robustness is not None:
+        unused = {"--starts": starts, "--condition": condition, "--store": store, "--learn": learn}
+        _check_absent("with experiments without disturbances", unused)
+        asked = FamilyRequest(
+            experiment, robustness.strategies, seed, scenarios, directories=directories, machine=machine
+        )
+        evaluation: pipeline.Evaluation = RobustnessEvaluation(asked, robustness)
+    elif family is None:
         conditions = tuple(condition or ())
         request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept, machine=machine)
-        evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
+        evaluation = ExperimentEvaluation(request)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))

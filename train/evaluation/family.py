@@ -182,10 +182,10 @@ class FamilyEvaluation(Evaluation):
 
     growing = "strategies"
 
-    def __init__(self, request: FamilyRequest) -> None:
+    def __init__(self, request: FamilyRequest, family: FamilyConfig | None = None) -> None:
         self._request, self.words = request, request.words
         self.directories = tuple(path.resolve() for path in request.directories)
-        self.family = _family(request)
+        self.family = family or _family(request)
         with within(request.family):
             missions = (request.scenarios or self.family.scenarios) * request.worlds * len(request.strategies)
             check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
