@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
@@ -100,6 +100,7 @@ class TrialTask:
     """Limit of simulated time in addition to that of the mission [s]."""
     record: RecordSettings | None = None
     """Where the missions are recorded; none is unless given."""
+    split: Split = "test"
 
     @property
     def runs(self) -> int:
@@ -167,7 +168,7 @@ class TrialTask:
 
     def scenario_of(self, number: int) -> Scenario:
         """Return the scenario of a number."""
-        scenario = self.family.scenario(self.seed, number, "test")
+        scenario = self.family.scenario(self.seed, number, self.split)
         limit = min(scenario.mission.time_limit, self.time_limit)
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
