@@ -35,6 +35,7 @@ from clean_swarm_env.borders.spaces import (
     start_of,
     state_space,
 )
+from clean_swarm_env.borders.views import PICTURE, WINDOW, View
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import GivenMission, whole_number
 from clean_swarm_env.learning.global_state import GlobalState
@@ -51,7 +52,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         reward: weights of the reward's terms, or a function, see `Batch`.
-        render_mode: None, "rgb_array", or "human", which shows the world in a window of Matplotlib.
+        render_mode: None, "rgb_array", or "human", which shows every control period in a window.
         max_cycles: most steps of an episode, which is then truncated; None: as the mission has it.
         state: what `state` returns, the global state or all observations, one after the other.
         settings: further arguments of `Batch`, such as `observation`, `action`, `family` and `knowledge`.
@@ -71,7 +72,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
 
     metadata = {  # noqa: RUF012
         "name": "clean_swarm_v0",
-        "render_modes": ["human", "rgb_array"],
+        "render_modes": [WINDOW, PICTURE],
         "render_fps": 1,
         "is_parallelizable": True,
     }
@@ -86,13 +87,14 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         state: Literal["global", "observations"] = "global",
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, ("human", "rgb_array"))
+        check_render_mode(render_mode, (WINDOW, PICTURE))
         if state not in ("global", "observations"):
             raise ValueError(f"state: expected 'global' or 'observations', got {state!r}")
         self._batch = Batch(mission, reward=reward, begin_anew=False, **settings)
         self._cycles, self._left = None if max_cycles is None else whole_number(max_cycles, "max_cycles", 1), 0
         self.mission, self.options = self._batch.mission, self._batch.options
-        self.render_mode = render_mode
+        self.render_mode, self._view = render_mode, View(self._batch, render_mode)
+        self.metadata = {**self.metadata, "render_fps": self._view.fps}
         self.possible_agents = [f"robot_{row}" for row in range(self._batch.robots)]
         self.agents: list[str] = []
         self.observation_spaces = {agent: observation_space(self._batch) for agent in self.possible_agents}
@@ -120,13 +122,14 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         start = start_of(options, ("start", "options"))  # PettingZoo's own tests give {"options": 1}
         seen = self._batch.reset([seed], [start])
         self.agents, self._left = self.at_work(), self._cycles or 0
+        self._view.begin()
         return self._of(self.agents, seen.copy()), self._of(self.agents, robot_infos(self._batch))
 
     def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
         """Run one decision period; the period ends early when the mission does."""
         if not self.agents:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
-        step = self._batch.step(self._checked(actions))
+        step = self._view.step(self._checked(actions))
         self._left -= 1
         terminated = bool(step.terminated[0])
         truncated = bool(step.truncated[0]) or (self._left == 0 and not terminated)
@@ -169,20 +172,15 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
 
     def close(self) -> None:
-        """End the recording of a mission that is still going on."""
+        """Close the window, and end the recording of a mission that is still going on."""
+        self._view.close()
         self._batch.close()
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the world as a picture (height, width, 3), or show it in a window; None without a render mode."""
-        if self.render_mode is None:
-            return None
-        from clean_swarm_env.drawing.world_picture import portrait, show_picture  # slow to import and seldom wanted
-
-        picture = portrait(self._batch.worlds, 0)
-        if self.render_mode == "rgb_array":
-            return picture
-        show_picture(picture)
-        return None
+        picture = self._view.render()
+        assert not isinstance(picture, list)  # PettingZoo has no such mode
+        return picture
 
     def state(self) -> Observations:
         """Return the global state (G,), see `GlobalState`, or all observations (N * F,)."""

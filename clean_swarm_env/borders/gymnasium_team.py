@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.borders.spaces import check_render_mode, start_of
+from clean_swarm_env.borders.views import PICTURE, PICTURES, WINDOW, View
 from clean_swarm_env.learning.given import GivenMission, seeds_from
 from clean_swarm_env.learning.observation.observer import Observations
 
@@ -24,12 +25,13 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         one_for_all: whether one option serves all robots.
-        render_mode: None or "rgb_array".
+        render_mode: None; "rgb_array"; "human", which shows every control period in a window; or "rgb_array_list", by
+            which `render` returns 20 pictures for each second of the mission, those since the last call.
         settings: further arguments of `Batch`.
 
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012
+    metadata = {"render_modes": [WINDOW, PICTURE, PICTURES], "render_fps": 1}  # noqa: RUF012
 
     def __init__(
         self,
@@ -40,9 +42,11 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
-        whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED, "render_mode": render_mode}
+        whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED}
         self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **whole, **settings)
         self.batch = self._envs.batch
+        self._view = self._envs.view = View(self.batch, render_mode)
+        self.metadata = {**self.metadata, "render_fps": self._view.fps}
         self.render_mode = render_mode
         self.observation_space = self._envs.single_observation_space
         self.action_space = self._envs.single_action_space
@@ -56,6 +60,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         super().reset(seed=seeds_from([seed], 1)[0])
         observations, infos = self._envs.reset(seed=[seed], options=options)
         self._over = False
+        self._view.begin()
         return observations[0], _first(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
@@ -85,13 +90,13 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         return masks
 
     def close(self) -> None:
-        """End the recording of a mission that is still going on."""
+        """Close the window, and end the recording of a mission that is still going on."""
+        self._view.close()
         self.batch.close()
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return the world as a picture (height, width, 3), or None without a render mode."""
-        pictures = self._envs.render()
-        return None if pictures is None else pictures[0]
+    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:  # type: ignore[override]
+        """Return the world as a picture (height, width, 3), or pictures, or show it, as the render mode says."""
+        return self._view.render()
 
 
 def _first(infos: dict[str, Any]) -> dict[str, Any]:

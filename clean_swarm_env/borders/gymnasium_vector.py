@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.borders.infos import MASK, OWN, TEAM, Info, robot_infos
 from clean_swarm_env.borders.members import Member
 from clean_swarm_env.borders.spaces import action_space, check_render_mode, observation_space, start_of
+from clean_swarm_env.borders.views import PICTURE, View
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
@@ -46,10 +47,11 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
 
     Attributes:
         autoreset_mode: the mode, as a member of `AutoresetMode`.
+        view: what is shown of the worlds.
 
     """
 
-    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012
+    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": [PICTURE], "render_fps": 1}  # noqa: RUF012
 
     def __init__(
         self,
@@ -62,9 +64,10 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.render_mode = render_mode
         self.batch = Batch(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
+        self.view = View(self.batch, render_mode)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": self.view.fps}
         self._together = together or self.batch.robots
         self.num_envs = self.batch.rows // self._together
         self._per_world = self.batch.robots // self._together
@@ -99,7 +102,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         rows, waiting = self._rows_of(np.asarray(actions)), np.flatnonzero(self._over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
-        step = self.batch.step(rows)
+        step = self.view.step(rows)
         terminated, truncated = step.terminated & ~self._over, step.truncated & ~self._over
         if len(waiting):
             self.batch.begin(waiting)
@@ -134,9 +137,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         """Return a picture (height, width, 3) for each environment, or None without a render mode."""
         if self.render_mode is None:
             return None
-        from clean_swarm_env.drawing.world_picture import portrait  # drawing is slow to import and seldom wanted
-
-        pictures = [portrait(self.batch.worlds, world) for world in range(len(self._over))]
+        pictures = [self.view.picture(world) for world in range(len(self._over))]
         return tuple(pictures[env.world] for env in self.envs)
 
     def call(self, name: str, *arguments: Any, **settings: Any) -> tuple[Any, ...]:  # noqa: ANN401

@@ -105,6 +105,12 @@ class FamilyConfig(Closed):
             start = drawn_start(mission, for_start, str(index + 1))
         return Scenario(f"{split}-{index + 1}", own, mission, start)
 
+    def with_knowledge(self, name: str | None) -> Self:
+        """Return the family with the expert knowledge of a name in place of its own; None: its own."""
+        if name is None:
+            return self
+        return self.model_copy(update={"mission": self.mission.model_copy(update={"knowledge": name})})
+
     @property
     def largest(self) -> MissionConfig:
         """The mission with the most robots and items, on the first torus and without events."""

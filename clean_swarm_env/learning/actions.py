@@ -17,6 +17,7 @@ from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
+from selforg.elementary import sine_cosine
 from selforg.registry import unknown
 
 
@@ -129,6 +130,6 @@ def turn_to_world(actions: Floats, headings: Floats, max_speed: float, vectors: 
     for row in range(actions.shape[0]):
         ahead = max_speed * min(max(actions[row, 0], -1.0), 1.0)
         left = max_speed * min(max(actions[row, 1], -1.0), 1.0)
-        cosine, sine = np.cos(headings[row]), np.sin(headings[row])
+        sine, cosine = sine_cosine(headings[row])
         vectors[row, 0] = cosine * ahead - sine * left
         vectors[row, 1] = sine * ahead + cosine * left

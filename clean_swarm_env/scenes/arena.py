@@ -18,6 +18,7 @@ from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
 from selforg.components import Commands
+from selforg.elementary import directions
 from selforg.gradients.poses import OwnPoses
 from selforg.randomness import DirectionStream
 
@@ -107,7 +108,7 @@ class Arena:
         vectors, commanded = commands.vectors, commands.commanded
         if self.body.drive == "holonomic":
             turned = commanded & ~commands.in_place & (vectors != 0.0).any(axis=1)
-            self.headings[turned] = np.arctan2(vectors[turned, 1], vectors[turned, 0])
+            self.headings[turned] = directions(vectors[turned])
         self.drive.command(vectors, commanded, self.headings, self.now)
         self.drive.speed[commands.in_place] = 0.0
         for _ in range(SUBSTEPS):

@@ -44,6 +44,13 @@ def load_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
     return arrays, description
 
 
+def check_known(where: str, what: str, known: tuple[str, ...], used: tuple[str, ...]) -> None:
+    """Raise DocumentError, which begins with `where`, for names of `what` that are `used` and not `known`."""
+    extra = [name for name in used if name not in known]
+    if extra:
+        raise DocumentError(f"{where}: {what}: knows {', '.join(extra)}, which does not exist here")
+
+
 def check_same_names(where: str, what: str, wanted: tuple[str, ...], held: tuple[str, ...]) -> None:
     """Raise DocumentError, which begins with `where`, for names of `what` that only one side has."""
     missing, extra = [name for name in wanted if name not in held], [name for name in held if name not in wanted]

@@ -17,7 +17,7 @@ import safetensors
 import safetensors.numpy
 from pydantic import Field, model_validator
 
-from selector.documents.arrays import check_same_names
+from selector.documents.arrays import check_known, check_same_names
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.find import find_file
@@ -89,21 +89,28 @@ class TrainedPolicy:
     def ordered_for(self, problem: Problem, where: str) -> "TrainedPolicy":
         """Return the policy with inputs and outputs in the order of `problem`.
 
+        Options for which it was not trained get the least output: they are taken only where no other can serve.
+
         Raises:
-            DocumentError: the goal differs, or an option or observation exists on one side only.
+            DocumentError: the goal differs, the policy has an option that `problem` lacks, or an observation exists on
+                one side only.
 
         """
         spec = self.spec
         if spec.goal != problem.goal:
             raise DocumentError(f"{where}: goal: expected {problem.goal}, got {spec.goal}")
-        check_same_names(where, "options", problem.options, spec.options)
+        check_known(where, "options", problem.options, spec.options)
         check_same_names(where, "observations", problem.features, spec.observations)
         inputs = [spec.observations.index(name) for name in problem.features]
-        outputs = [spec.options.index(name) for name in problem.options]
+        trained = [k for k, name in enumerate(problem.options) if name in spec.options]
+        outputs = [spec.options.index(problem.options[k]) for k in trained]
         weights = dict(self.weights)
         first = f"{spec.layers()[0][0]}.weight"
         weights[first] = weights[first][:, inputs]
-        weights |= {name: weights[name][outputs] for name in ("options.weight", "options.bias")}
+        for name, unknown in (("options.weight", 0.0), ("options.bias", np.finfo(np.float32).min)):
+            widened = np.full((len(problem.options), *weights[name].shape[1:]), unknown, dtype=np.float32)
+            widened[trained] = weights[name][outputs]
+            weights[name] = widened
         ordered = spec.model_copy(
             update={
                 "options": problem.options,

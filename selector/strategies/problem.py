@@ -1,6 +1,6 @@
 """The input of a decision strategy: its problem, the decisions to make, and the rewards of earlier decisions."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -61,6 +61,11 @@ class Problem:
         """Return the problem of choosing among the options of a goal in expert knowledge."""
         names = tuple(option.name for option in knowledge.options(goal))
         return cls(goal, names, knowledge.scores(goal), features, knowledge.rewards(goal))
+
+    def only(self, options: tuple[str, ...]) -> "Problem":
+        """Return the problem of choosing among some of the options, in this order."""
+        kept = [self.options.index(name) for name in options]
+        return replace(self, options=options, scores=self.scores[kept], rewards=self.rewards[:, kept])
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.compiler.records import Words
+from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
@@ -253,8 +254,8 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
         for axis in range(dim):
             newest[c.X + axis] = wrapped(positions[row, axis], p.extent[axis])
         if with_headings:
-            newest[c.POSE_HEADING] = np.cos(headings[row])
-            newest[c.POSE_HEADING + 1] = np.sin(headings[row])
+            sine, cosine = sine_cosine(headings[row])
+            newest[c.POSE_HEADING], newest[c.POSE_HEADING + 1] = cosine, sine
         newest[c.DIFFUSION], newest[c.GOAL_RADIUS], newest[c.POSE_SIGN] = p.diffusion, p.goal_radius, p.attraction
         newest[c.POSE_STAMP] = now
         p.rows[row, c.ROW_POSES] = min(known + 1, p.history)

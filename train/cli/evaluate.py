@@ -44,7 +44,7 @@ def evaluate_command(
             help="With --family: fixed (every option; the default), rule, policy:NAME, policy:FILE (a directory, .zip "
             "of Stable-Baselines3, .pt of TorchScript or .onnx), learned:NAME, learned:FILE, STRATEGY, "
             "STRATEGY:parameter=value or module:Class of your own; + joins what several training seeds gave, LABEL=... "
-            "names it; can be repeated.",
+            "names it; can be repeated; Off and Random come beside.",
         ),
     ] = None,
     knowledge: Annotated[
@@ -66,7 +66,7 @@ def evaluate_command(
     check_whole({"--seed": (seed, 0, MOST_SEED)})
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
-    from train.evaluation.entrants import unlearned
+    from train.evaluation.entrants import never_taken, unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
     from train.knowledge_store import StoreRequest
@@ -91,6 +91,9 @@ def evaluate_command(
         evaluation = FamilyEvaluation(family_request)
         for label in () if learn or store else unlearned(evaluation.entrants):
             words = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
+            error_console().print(f"{label}: {words}", markup=False)
+        for label, missing in never_taken(evaluation.entrants, evaluation.options, directories).items():
+            words = f"never takes {', '.join(missing)}, which it was trained without"
             error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     execution = pipeline.Execution(machine.workers, output, resume, wide_console(), recorded)

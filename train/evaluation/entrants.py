@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.errors import validated
+from selector.documents.arrays import check_known
+from selector.documents.errors import shown, validated
 from selector.documents.find import find_file
 from selector.documents.imported import is_import
 from selector.strategies.learned_file import description_of, load_strategy
@@ -26,6 +27,8 @@ from train.running.model_pilots import LOADERS, ModelPilot
 from train.running.pilots import Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
 
 FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
+OFF, RANDOM = f"{FIXED}:Off", "Random"
+"""What every strategy has to beat: never to avoid, and any option in each decision period."""
 
 SITUATIONS = {
     "free_far": "RepulsionFernandez-view1.5",
@@ -98,18 +101,44 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     if member == RULE:
         return _by_hand(problem, len(teams))
     features: tuple[str, ...] = ()
+    known = problem
     if kind == LEARNED:
         file = find_file("strategies", name, directories)
         description = description_of(file)
-        spec, features = description.spec, description.features
+        check_known(shown(file), "options", problem.options, description.options)
+        spec, features, known = description.spec, description.features, problem.only(description.options)
     else:
         spec = spec_of(member)
     columns = columns_of(problem, features, f"strategy {spec.name}")
     keys = row_keys(np.random.SeedSequence(0), len(teams))
-    strategy = spec.build(replace(problem, features=features), keys, teams, directories)
+    strategy = spec.build(replace(known, features=features), keys, teams, directories)
     if kind == LEARNED:
         load_strategy(file, strategy)
-    return StrategyPilot(strategy, columns)
+    return StrategyPilot(strategy, columns, problem)
+
+
+def with_baselines(entrants: Sequence[Entrant], options: Sequence[str]) -> list[Entrant]:
+    """Return the entrants, and after them those of `OFF` and `RANDOM` that are not among them and exist."""
+    taken = {member for entrant in entrants for member in entrant.members}
+    exist = [RANDOM, *(f"{FIXED}:{option}" for option in options)]
+    return [*entrants, *(Entrant(name, (name,)) for name in (OFF, RANDOM) if name in exist and name not in taken)]
+
+
+def never_taken(
+    entrants: Sequence[Entrant], options: Sequence[str], directories: Sequence[Path] = ()
+) -> dict[str, list[str]]:
+    """Return the options that were not there when a strategy was trained, by the labels of such strategies."""
+    found = {}
+    for entrant in entrants:
+        kind, _, name = entrant.members[0].partition(":")
+        if kind == POLICY and Path(name).suffix not in LOADERS:
+            known = load_policy(find_policy(name, directories)).spec.options
+        elif kind == LEARNED:
+            known = description_of(find_file("strategies", name, directories)).options
+        else:
+            continue
+        found[entrant.label] = [option for option in options if option not in known]
+    return {label: missing for label, missing in found.items() if missing}
 
 
 def unlearned(entrants: Sequence[Entrant]) -> list[str]:

@@ -24,7 +24,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
-from train.evaluation.entrants import FIXED, Entrant, entrants_of, identified, member_pilot, spec_of
+from train.evaluation.entrants import FIXED, Entrant, entrants_of, identified, member_pilot, spec_of, with_baselines
 from train.evaluation.pipeline import Choosers, Evaluation
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_tables import family_tables
@@ -193,7 +193,10 @@ class FamilyEvaluation(Evaluation):
         first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
         batch = Batch(first, directories=request.directories)
         problem = DecidedGoal(batch, request.goal).problem
-        self.goal, self.entrants = problem.goal, entrants_of(request.strategies, problem.options)
+        self.goal, self.options = problem.goal, problem.options
+        self.entrants = entrants_of(request.strategies, problem.options)
+        if not (request.scoring or request.store.learn):
+            self.entrants = with_baselines(self.entrants, problem.options)
         _check_fits(self.entrants, problem, np.zeros(batch.rows, dtype=np.int64), request.directories)
         self.scenarios = [f"test-{n + 1}" for n in range(request.scenarios or self.family.scenarios)]
         self.total = len(self.scenarios) * sum(len(entrant.members) for entrant in self.entrants)
@@ -280,10 +283,7 @@ class FamilyEvaluation(Evaluation):
 
 
 def _family(request: FamilyRequest) -> FamilyConfig:
-    family = load_family(request.family, request.directories)
-    if request.knowledge is None:
-        return family
-    return family.model_copy(update={"mission": family.mission.model_copy(update={"knowledge": request.knowledge})})
+    return load_family(request.family, request.directories).with_knowledge(request.knowledge)
 
 
 def _check_fits(entrants: Sequence[Entrant], problem: Problem, teams: Ints, directories: tuple[Path, ...]) -> None:

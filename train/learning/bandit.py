@@ -116,7 +116,7 @@ class BanditTraining(Training):
         def pilot(problem: Problem, teams: Ints) -> StrategyPilot:
             own = self._built(self.settings.learned, replace(problem, features=self.settings.context), teams)
             own.load_learned({name: array[:1] for name, array in learned.items()})
-            return StrategyPilot(own, columns_of(problem, self.settings.context, "context"))
+            return StrategyPilot(own, columns_of(problem, self.settings.context, "context"), problem)
 
         return pilot
 

@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import Count, Scenarios, WorldCount
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
@@ -25,8 +27,14 @@ class TaskConfig(Closed):
 
     family: DocumentName
     """Name of the family, or path to its YAML file."""
+    knowledge: DocumentName | None = None
+    """Name of the expert knowledge with the options to learn; that of the family unless given."""
     worlds: WorldCount = 16
     """Worlds that run at the same time."""
+
+    def load(self, directories: Sequence[Path] = ()) -> FamilyConfig:
+        """Return the family with the knowledge of the task."""
+        return load_family(self.family, directories).with_knowledge(self.knowledge)
 
 
 class ValidationConfig(Closed):

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
 from clean_swarm_env.learning.joined import family_batches
@@ -37,7 +36,7 @@ class Curriculum:
 
     def __init__(self, config: TrainingConfig, seed: int, directories: tuple[Path, ...] = ()) -> None:
         self._seed = seed
-        families = [load_family(task.family, directories) for task in config.tasks]
+        families = [task.load(directories) for task in config.tasks]
         for family in families:
             if family.mission.store:
                 raise DocumentError(f"family {family.name}: mission.store: expected none in a training, see --store")

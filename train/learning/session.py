@@ -14,7 +14,6 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.warm_up import announce, compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
@@ -80,7 +79,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     config = load_training(request.config, request.learner, request.directories)
     for task in config.tasks:
         with within(f"{request.config}: tasks"):
-            largest = load_family(task.family, request.directories).largest
+            largest = task.load(request.directories).largest
             check_needs(Workload(largest, task.worlds, task.worlds), Machine(forced=request.forced))
     identity = {
         "learner": request.learner,
@@ -120,7 +119,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
 
 def _memory(request: TrainingRequest, config: TrainingConfig) -> Memory | None:
     """Return the memory of a training; StoreError if the store holds already what it would learn."""
-    mission = load_family(config.tasks[0].family, request.directories).mission
+    mission = config.tasks[0].load(request.directories).mission
     source = f"training {config.name}, seed {request.seed}"
     memory = request.store.memory(expert_knowledge(mission, request.directories), f"training {config.name}", source)
     if memory is not None and not request.resume:

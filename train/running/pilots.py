@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.arrays import check_same_names
+from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError
 from selector.strategies.choosing import shares
 from selector.strategies.policy import Network
@@ -42,11 +42,18 @@ PilotMaker = Callable[[Problem, Ints], Pilot]
 
 
 class StrategyPilot:
-    """A strategy that decides in every decision period, and does not learn."""
+    """A strategy that decides in every decision period, and does not learn.
 
-    def __init__(self, strategy: DecisionStrategy, columns: Ints) -> None:
-        """Let `strategy` decide; its context is `columns` (K,) of an observation."""
-        self.strategy, self._columns = strategy, columns
+    Args:
+        strategy: decides among all options of `problem`, or among those that it knows.
+        columns: (K,) components of an observation that are its context.
+        problem: goal and options.
+
+    """
+
+    def __init__(self, strategy: DecisionStrategy, columns: Ints, problem: Problem) -> None:
+        self.strategy, self._columns, self._options = strategy, columns, len(problem.options)
+        self._places: Ints = np.array([problem.options.index(name) for name in strategy.problem.options])
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Give rows new keys of random numbers."""
@@ -55,11 +62,15 @@ class StrategyPilot:
     def choose(self, observations: Observations) -> Ints:
         """Return the options (R,) that the strategy selects."""
         self._context = observations[:, self._columns].astype(np.float64)
-        return self.strategy.select(self._context)
+        options: Ints = self._places[self.strategy.select(self._context)]
+        return options
 
     def opinions(self) -> Floats:
-        """Return the scores, estimates or probabilities (R, O) of the strategy."""
-        return self.strategy.opinions(self._context)
+        """Return the scores, estimates or probabilities (R, O) of the strategy; the least for what it does not know."""
+        known = self.strategy.opinions(self._context)
+        thought = np.repeat(known.min(axis=1, keepdims=True), self._options, axis=1)
+        thought[:, self._places] = known
+        return thought
 
 
 class PolicyPilot:
@@ -67,7 +78,7 @@ class PolicyPilot:
 
     def __init__(self, policy: TrainedPolicy, problem: Problem) -> None:
         names = policy.spec.observations
-        check_same_names("policy", "options", problem.options, policy.spec.options)
+        check_known("policy", "options", problem.options, policy.spec.options)
         self._columns = columns_of(problem, names, "policy: observations")
         self._network = Network(policy.ordered_for(replace(problem, features=names), "policy"))
 

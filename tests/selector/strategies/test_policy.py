@@ -106,7 +106,7 @@ def test_what_is_written_is_read_again(tmp_path):
     ("problem", "message"),
     [
         (Problem("Other", OPTIONS, np.zeros(3), OBSERVATIONS), "goal: expected Other, got Goal"),
-        (Problem("Goal", ("a", "b", "d"), np.zeros(3), OBSERVATIONS), "options: does not know d; knows c, which"),
+        (Problem("Goal", ("a", "b", "d"), np.zeros(3), OBSERVATIONS), "options: knows c, which does not exist here"),
         (Problem("Goal", ("a", "b"), np.zeros(2), OBSERVATIONS), "options: knows c, which does not exist here"),
         (Problem("Goal", OPTIONS, np.zeros(3), (*OBSERVATIONS, "new")), "observations: does not know new"),
         (Problem("Goal", OPTIONS, np.zeros(3), OBSERVATIONS[2:]), "observations: knows x0, x1, which does not"),

@@ -79,7 +79,7 @@ def test_strategies_and_scenarios_can_be_added_later(evaluate, tmp_path):
     assert evaluate(*words, "--output", tmp_path / "whole")[1] == out.replace("grown", "whole")
     assert rows_of(tmp_path / "grown") == rows_of(tmp_path / "whole")
     manifest = json.loads((tmp_path / "grown" / "manifest.json").read_text())
-    assert set(manifest["identity"]["strategies"]) == {"Random", "rule"}
+    assert set(manifest["identity"]["strategies"]) == {"Random", "rule", "fixed:Off"}
 
 
 def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
@@ -107,8 +107,9 @@ def test_what_strategies_learned_is_taken_from_their_files(evaluate, tmp_path):
     words = ("--strategy", files, "--strategy", "fixed:RepulsionGradient", "--scenarios", "1")
     assert evaluate(*words, "--output", tmp_path / "results")[0] == 0
     rows = rows_of(tmp_path / "results")
-    assert {row.pop("condition") for row in rows} == {"learned#1", "learned#2", "fixed:RepulsionGradient"}
-    assert rows[0] == rows[1] == rows[2]
+    runs = {row.pop("condition"): row for row in rows}
+    assert set(runs) == {"learned#1", "learned#2", "fixed:RepulsionGradient", "fixed:Off", "Random"}
+    assert runs["learned#1"] == runs["learned#2"] == runs["fixed:RepulsionGradient"]
 
 
 def test_a_mission_takes_the_same_course_beside_any_others(family):
