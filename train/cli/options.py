@@ -17,7 +17,8 @@ Configs = Annotated[
     list[Path] | None,
     typer.Option(
         help="Directory of your own files, with experiments/, families/, knowledge/, mechanisms/, missions/, "
-        "policies/, robots/, starts/, strategies/, training/; searched before the shipped ones; can be repeated.",
+        "policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped ones; can be "
+        "repeated.",
     ),
 ]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario, place_of, scenario_name
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place_of, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
@@ -101,6 +101,7 @@ class TrialTask:
     """Limit of simulated time in addition to that of the mission [s]."""
     record: RecordSettings | None = None
     """Where the missions are recorded; none is unless given."""
+    split: Split = "test"
 
     @property
     def runs(self) -> int:
@@ -168,7 +169,7 @@ class TrialTask:
 
     def scenario_of(self, place: tuple[int, int]) -> Scenario:
         """Return the scenario of an index and a world."""
-        scenario = self.family.scenario(self.seed, place[0], "test", place[1])
+        scenario = self.family.scenario(self.seed, place[0], self.split, place[1])
         limit = min(scenario.mission.time_limit, self.time_limit)
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
