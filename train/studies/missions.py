@@ -67,7 +67,7 @@ class CandidateTask(TrialTask):
 
     def each(self) -> Iterator[CandidateRun]:
         """Run the scenarios in one batch, and yield each run when it is done."""
-        scenarios = [self.scenario_of(number) for number in self.numbers]
+        scenarios = [self.scenario_of(place) for place in self.places]
         watches: list[AvoidanceWatch] = []
 
         def pilot(problem: Problem, teams: Ints) -> AvoidanceWatch:
@@ -83,7 +83,7 @@ class CandidateTask(TrialTask):
             avoiding = watches[-1].share(scenario.seed)
             figures = (result.cost_s, result.duration_s / items, events / items, avoiding)
             run = (self.experiment, scenario.id, self.seed, self.condition, result, 0.0)
-            yield CandidateRun(*run, self.numbers[place], figures)
+            yield CandidateRun(*run, self.places[place][0], figures)
 
 
 class AvoidanceWatch:
@@ -152,7 +152,8 @@ class CandidateTasks:
         )
         family = self._family.model_copy(update={"mission": mission})
         named = (candidate.name, BY_SCORE_MEMBER, self._goal, self._directories)
-        return CandidateTask(family, self._seeds[stage], numbers, *named, split="train")
+        places = tuple((number, 0) for number in numbers)
+        return CandidateTask(family, self._seeds[stage], places, *named, split="train")
 
 
 class Field:
