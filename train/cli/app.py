@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import draw, evaluate, knowledge, repeat, run, score, train
+from train.cli import claims, draw, evaluate, headroom, knowledge, repeat, run, score, train
 from train.cli.options import Configs, error_console, print_error
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -51,6 +51,8 @@ app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
 app.command("run")(run.run_command)
 app.command("score")(score.score_command)
+app.command("claims")(claims.claims_command)
+app.command("headroom")(headroom.headroom_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
