@@ -151,17 +151,27 @@ class Scene(ABC):
         self.served = False
 
     @final
-    def run(self, make: Callable[[Scene], Controller] | None = None) -> Run:
-        """Run to the end with the controller that `make` returns for this scene, or with the baseline."""
+    def run(
+        self,
+        make: Callable[[Scene], Controller] | None = None,
+        watch: Callable[[Scene], Callable[[], None]] | None = None,
+    ) -> Run:
+        """Run to the end with the controller that `make` returns for this scene, or with the baseline.
+
+        `watch` is called once the controller is there; the function that it returns is called after each period.
+        """
         arena = self.arena
         self.served = make is not None
         self.controller = self._baseline() if make is None else make(self)
         controller = self._with_errand(self.controller)
+        seen = watch(self) if watch is not None else None
         tracks = [arena.positions.copy()]
         for _ in range(self.chosen.ticks):
             arena.announce()
             arena.move(controller.command())
             self._look()
+            if seen is not None:
+                seen()
             tracks.append(arena.positions.copy())
         return Run(self._result(), np.stack(tracks))
 

@@ -72,21 +72,34 @@ class ServedTeam(Controller):
 
     Attributes:
         memory: knowledge of every robot, shared by all options; at first that of the scene.
+        option: number of the option that serves the goal.
+        buffers: what the robots perceive and leave, by the names that configurations use.
 
     """
 
     def __init__(self, scene: Scene, expert: Expertise) -> None:
         super().__init__(scene.arena)
         arena = scene.arena
-        self._goal, self._buffers = expert.model.goal, scene.buffers()
+        self._goal, self.buffers = expert.model.goal, scene.buffers()
         self.memory = host_memory(expert.model.configurations, arena.rows)
         for name, values in scene.known.items():
             if name in self.memory.kinds:
                 self.memory[name].write(np.arange(arena.rows), values)
-        host = Host(arena.poses, self._buffers, arena.directions, arena.generators(DRAWS), self.memory)
+        host = Host(arena.poses, self.buffers, arena.directions, arena.generators(DRAWS), self.memory)
         self._robots = CoordinatedRobots(expert.model, host)
         self._robots.hold(np.full(arena.rows, expert.option))
-        self._content = self._robots.coordinators[0].contents[expert.option]
+        self._coordinator, self.option = self._robots.coordinators[0], expert.option
+        self._content = self._coordinator.contents[expert.option]
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of the options of the goal."""
+        return self._coordinator.model.options
+
+    @property
+    def views(self) -> tuple[float, ...]:
+        """View distances of the options [m]."""
+        return tuple(float(content.view_distance) for content in self._coordinator.contents)
 
     def decisions(self) -> tuple[Floats, Ints]:
         """Return values (R,) and states (R,) of the first decision mechanism of the option that is held."""
@@ -96,7 +109,7 @@ class ServedTeam(Controller):
         raise ConfigurationError(f"goal {self._goal}: expected an option with a decision mechanism")
 
     def _command(self, commands: Commands) -> None:
-        for buffer in self._buffers.values():
+        for buffer in self.buffers.values():
             buffer.deliver(self.arena.now)
         orders = self._robots.tick(self.arena.now)
         commands.vectors[:], commands.commanded[:] = orders.vectors, orders.commanded
