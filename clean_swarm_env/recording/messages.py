@@ -74,8 +74,8 @@ class MessageLog(DepositLog):
         """Count the poses that each row missed in this tick."""
         worlds = self._worlds
         if self._counts:
-            spread, n = worlds.minds.poses.known, worlds.robots
-            heard = worlds.minds.poses.row_table[:, c.ROW_HEARD :] == 0
+            rows, delay, n = worlds.minds.poses.row_table, worlds.minds.reception.delay_ticks, worlds.robots
+            spread, heard = rows[:, c.ROW_POSES] > delay, rows[:, c.ROW_HEARD :] == delay
             missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
             missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
             self._missed[:] = missed.sum(axis=1) * worlds.team.working

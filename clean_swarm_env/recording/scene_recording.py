@@ -5,7 +5,7 @@ On open land the recording holds the square in which the robots have been.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,30 +28,39 @@ CARRYING = "carrying"
 
 
 class SceneRecorder:
-    """Records the runs of a scene: `Scene.run(make, recorder.begin)`, then `write`.
+    """Records the runs of a scene that has begun: `run` it, then `write`.
 
     Args:
+        scene: the scene, with its controller.
         directory: where the files go; made if it is missing.
         option: the option that serves the goal, or what else the robots do.
 
     """
 
-    def __init__(self, directory: Path, option: str) -> None:
-        self._directory, self._option = directory, option
+    def __init__(self, scene: Scene, directory: Path, option: str) -> None:
+        self._scene, self._directory, self._option = scene, directory, option
         self._frames: list[list[AnyArray]] = []
-
-    def begin(self, scene: Scene) -> Callable[[], None]:
-        """Begin with the robots in their places; return the function to call after each control period."""
         arena, controller = scene.arena, scene.controller
-        self._scene = scene
         self._served = controller if isinstance(controller, ServedTeam) else None
         self._log = DepositLog(self._served.buffers if self._served is not None else {}, arena.rows)
         self._poses = arena.positions.copy(), arena.headings.copy()
-        return self._take
 
-    def write(self, seeds: Sequence[int], values: Mapping[str, Floats]) -> list[Path]:
-        """Write the run of each seed with its measures, `values`: name -> (W,); return the files."""
+    def take(self) -> None:
+        """Record the control period that has just been run."""
+        arena, served = self._scene.arena, self._served
+        cargo, held = np.full(arena.rows, NOTHING), np.zeros(arena.rows, dtype=np.int64)
+        if served is not None:
+            held = served.held.copy()
+            if CARRYING in served.memory.kinds:
+                cargo = np.where(served.memory[CARRYING].values == 1.0, 0, NOTHING)
+        self._frames.append([*self._poses, cargo, held, self._log.deposits.copy()])
+        self._log.begin()
+        self._poses = arena.positions.copy(), arena.headings.copy()
+
+    def write(self, seeds: Sequence[int]) -> list[Path]:
+        """Write the run of each seed with its measures as they stand; return the files."""
         self._log.close()
+        values = self._scene.measured()
         robots, paths = self._scene.arena.robots, []
         taken = [np.stack(frames) for frames in zip(*self._frames, strict=True)]  # each (T, R, ...)
         for world, seed in enumerate(seeds):
@@ -68,15 +77,6 @@ class SceneRecorder:
             paths.append(path)
         return paths
 
-    def _take(self) -> None:
-        arena, served = self._scene.arena, self._served
-        cargo = np.full(arena.rows, NOTHING)
-        if served is not None and CARRYING in served.memory.kinds:
-            cargo = np.where(served.memory[CARRYING].values == 1.0, 0, NOTHING)
-        self._frames.append([*self._poses, cargo, self._log.deposits.copy()])
-        self._log.begin()
-        self._poses = arena.positions.copy(), arena.headings.copy()
-
     def _square(self, positions: Floats) -> tuple[Floats, float]:
         """Return the lower left corner and the side [m] of what is shown: the torus, or where robots have been."""
         ground = self._scene.ground
@@ -86,7 +86,7 @@ class SceneRecorder:
         return low, float((high - low).max())
 
     def _contents(
-        self, positions: Floats, headings: Floats, cargo: AnyArray, deposits: AnyArray
+        self, positions: Floats, headings: Floats, cargo: AnyArray, held: AnyArray, deposits: AnyArray
     ) -> Iterator[tuple[Channel, AnyArray]]:
         """Yield the channels of a run and their values (T, ...)."""
         frames, count = headings.shape
@@ -99,7 +99,6 @@ class SceneRecorder:
                 yield channel, part(none)
         for name in ("item_stage", "item_leftover"):
             yield whole_channel(name, ("item", 0), "none in a scene"), nothing[:, :0]
-        held = nothing + (self._served.option if self._served is not None else 0)
         for name, values, about in (
             ("present", nothing + 1, "1 where the robot is there"),
             ("working", nothing + 1, "1 where the robot is at work"),

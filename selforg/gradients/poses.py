@@ -203,6 +203,7 @@ class PoseDelivery:
         reaches: (T,) farthest receiver in each team [m]; the owner may change it.
         losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
         generators: one for each row, for the losses of what it spreads; the owner may change it.
+        delay: age of a pose on its arrival [updates].
 
     Raises:
         ValueError: poses that were not made with `hearing`.
@@ -210,21 +211,31 @@ class PoseDelivery:
     """
 
     def __init__(
-        self, poses: OwnPoses, reaches: Floats, losses: Floats, generators: Sequence[np.random.Generator]
+        self,
+        poses: OwnPoses,
+        reaches: Floats,
+        losses: Floats,
+        generators: Sequence[np.random.Generator],
+        delay: int = 0,
     ) -> None:
         if poses.row_table.shape[1] == c.ROW_HEARD:
             raise ValueError("PoseDelivery: the poses must be made with hearing=True")
-        self.poses = poses
+        if not 0 <= delay < max(poses.history, 1):
+            raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
+        self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
         self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - c.ROW_HEARD))
 
     def deliver(self) -> None:
-        """Deliver the newest pose of each row to the other rows in range, unless it gets lost."""
+        """Deliver the pose of each row that arrives now to the other rows in range, unless it gets lost.
+
+        Losses are drawn, and ranges measured from where the pose was sent, on its arrival.
+        """
         lossy = (self.losses > 0.0) & (self.losses < 1.0)
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws)
+        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws, self.delay)
 
 
 @lean_kernel
@@ -264,10 +275,10 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
 
 
 @kernel
-def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats) -> None:
+def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
     """Write for each pair of a team the age of the last pose received, -1 for none that is still remembered.
 
-    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
+    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads, delay [updates].
     """
     p = open_poses(poses)
     for team in range(len(reaches)):
@@ -278,11 +289,11 @@ def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: F
                 other = int(p.members[begin + index])
                 age = int(p.rows[row, c.ROW_HEARD + index])
                 age = age + 1 if age >= 0 else -1
-                dx = p.own[other, 0, c.X] - p.own[row, 0, c.X]
-                dy = p.own[other, 0, c.Y] - p.own[row, 0, c.Y]
-                dz = p.own[other, 0, c.Z] - p.own[row, 0, c.Z]
+                dx = p.own[other, delay, c.X] - p.own[row, 0, c.X]
+                dy = p.own[other, delay, c.Y] - p.own[row, 0, c.Y]
+                dz = p.own[other, delay, c.Z] - p.own[row, 0, c.Z]
                 lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
                 if not lost and squared_length(dx, dy, dz, p.extent) <= reaches[team] * reaches[team]:
-                    age = 0
+                    age = delay
                 remembered = p.rows[row, c.ROW_POSES] > 0 and age < p.rows[other, c.ROW_POSES]
                 p.rows[row, c.ROW_HEARD + index] = age if remembered else -1

@@ -148,12 +148,15 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
 def _values(request: GoalRequest, name: str, make: Callable[[Scene], Controller] | None = None) -> Mapping[str, Floats]:
     """Run the scene with what `make` returns, or with the baseline; return the measures (W,), and record if asked."""
     scene = find(request.goal)(request.setting, request.seeds)
-    if request.record is None:
-        return scene.run(make).values
-    recorder = SceneRecorder(request.record, name)
-    values = scene.run(make, recorder.begin).values
-    recorder.write(request.seeds, values)
-    return values
+    scene.begin(make)
+    recorder = SceneRecorder(scene, request.record, name) if request.record is not None else None
+    while not scene.over:
+        scene.advance()
+        if recorder is not None:
+            recorder.take()
+    if recorder is not None:
+        recorder.write(request.seeds)
+    return scene.measured()
 
 
 def score_goal(request: GoalRequest, memory: Memory) -> None:
