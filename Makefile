@@ -3,7 +3,7 @@ BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
 	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
-.PHONY: check lint test golden soak bench
+.PHONY: check lint test golden examples soak bench
 
 check: lint test  ## all that CI asks for
 
@@ -18,6 +18,9 @@ test:
 
 golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden
+
+examples:  ## every example in an environment of its own, with its framework; FRAMEWORKS=tianshou for some
+	$(BIN)python -m tests.examples .frameworks $(FRAMEWORKS)
 
 soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
 	$(BIN)python -m tests.soak

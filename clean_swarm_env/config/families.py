@@ -5,6 +5,7 @@ scenario belongs to both splits. All scenarios of one family with the same torus
 batch of worlds can hold them.
 """
 
+import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,9 +21,12 @@ from clean_swarm_env.config.starts import drawn_start
 from clean_swarm_env.config.types import Items, Length, Point, Robots, Scenarios
 from selector.documents.errors import DocumentError, impossible, validated
 from selector.documents.fields import Closed, Label, Name
+from selector.documents.plain import short
 
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")
+SCENARIO_NAME: Final = r"(?:train|test)-([1-9][0-9]{0,5})(?:\.([1-9][0-9]{0,2}))?"
+"""Form of the name of a scenario: its number, and that of its world unless it is the first."""
 SCENARIO: Final = 0xFFFFFFFE
 """Spawn key of the draws of the scenario itself; the world draws from other keys of the same seed."""
 
@@ -89,11 +93,14 @@ class FamilyConfig(Closed):
         self._check_scenarios()
         return self
 
-    def scenario(self, seed: int, index: int, split: Split) -> Scenario:
-        """Return scenario `index` (from 0) of a split, the same for the same seed."""
-        if split not in SPLITS or seed < 0 or index < 0:
-            expected = f"a seed and an index from 0 up and a split of {SPLITS}"
-            raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {split!r}")
+    def scenario(self, seed: int, index: int, split: Split, world: int = 0) -> Scenario:
+        """Return scenario `index` (from 0) of a split, the same for the same seed.
+
+        Those of further worlds (from 1) have the same mission and start; what is random in the world itself differs.
+        """
+        if split not in SPLITS or min(seed, index, world) < 0:
+            expected = f"a seed, an index and a world from 0 up and a split of {SPLITS}"
+            raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {world}, {split!r}")
         own = seed_of(self.name, seed, index, split)
         sequence = np.random.SeedSequence(own, spawn_key=(SCENARIO,))
         for_mission, for_start = sequence.spawn(2)
@@ -102,7 +109,9 @@ class FamilyConfig(Closed):
             start = self.starts[index % len(self.starts)]
         else:
             start = drawn_start(mission, for_start, str(index + 1))
-        return Scenario(f"{split}-{index + 1}", own, mission, start)
+        if world:
+            own = _of_split(np.random.SeedSequence([own, world]), split)
+        return Scenario(scenario_name(split, index, world), own, mission, start)
 
     def with_knowledge(self, name: str | None) -> Self:
         """Return the family with the expert knowledge of a name in place of its own; None: its own."""
@@ -244,5 +253,21 @@ class RobustnessConfig(FamilyConfig):
 def seed_of(family: str, seed: int, index: int, split: Split) -> int:
     """Return the seed of a scenario, below 2^64: even in the split "train", odd in "test"."""
     words = [SPLITS.index(split), zlib.crc32(family.encode()), index, seed]
-    drawn = int(np.random.SeedSequence(words).generate_state(1, np.uint64)[0])
-    return drawn // 2 * 2 + SPLITS.index(split)
+    return _of_split(np.random.SeedSequence(words), split)
+
+
+def _of_split(sequence: np.random.SeedSequence, split: Split) -> int:
+    return int(sequence.generate_state(1, np.uint64)[0]) // 2 * 2 + SPLITS.index(split)
+
+
+def scenario_name(split: Split, index: int, world: int = 0) -> str:
+    """Return the name of scenario `index` (from 0) of a split in one of its worlds, as `test-3` or `test-3.2`."""
+    return f"{split}-{index + 1}.{world + 1}" if world else f"{split}-{index + 1}"
+
+
+def place_of(name: str) -> tuple[int, int]:
+    """Return index and world of the name of a scenario; DocumentError if it is none."""
+    found = re.fullmatch(SCENARIO_NAME, name)
+    if found is None:
+        raise DocumentError(f"expected a scenario such as test-3 or test-3.2, got {short(name)}")
+    return int(found[1]) - 1, int(found[2] or 1) - 1

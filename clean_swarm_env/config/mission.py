@@ -25,7 +25,7 @@ from clean_swarm_env.config.events import (
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds
-from clean_swarm_env.config.world import WorldConfig, robots_that_fit
+from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.knowledge import LearnedScores, learned_from
@@ -149,12 +149,16 @@ class MissionConfig(Closed):
     """The behaviour network."""
     delivery: DeliveryConfig = DeliveryConfig()
     """The delivery of messages among the robots."""
+    consequences: ConsequencesConfig = ConsequencesConfig()
+    """The consequences of collisions."""
     events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
     """The events of the mission."""
     time_limit: Seconds = 3000.0
     """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
     collision_cost: NonNegative = 2.0
     """Price of a collision event at the first distance in the cost of a mission [s]."""
+    contact_cost: NonNegative = 0.0
+    """Price of each second in which a pair is closer than the first distance, in the cost of a mission [s/s]."""
     collision_distances: Annotated[tuple[Length, ...], Field(min_length=1, max_length=10)] = (0.55, 1.0)
     """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
     decision_period: Seconds = 1.0

@@ -27,6 +27,7 @@ ITEM_COLOUR: Final = "#E69F00"
 STATIONS: Final = (("recycling", "#009E73"), ("dump", "#8C6BB1"))
 """Names and colours of stations."""
 TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
+MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
 FRAMES_PER_SECOND: Final = 20
 """Pictures of a video for each second of the mission."""
 FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was put elsewhere
@@ -113,7 +114,10 @@ def trail_strength(canvas: Canvas) -> Floats:
     In each cell the strongest pheromone counts. Its strength falls linearly from 1 at its centre to 0 at its diffusion
     radius, as Balch and Hybinette's repulsion does.
     """
-    strength = np.zeros((max(round(canvas.height / TRAIL_PITCH), 1), max(round(canvas.width / TRAIL_PITCH), 1)))
+    lines, columns = (
+        min(max(round(size / TRAIL_PITCH), 1), MOST_TRAIL_CELLS) for size in (canvas.height, canvas.width)
+    )
+    strength = np.zeros((lines, columns))
     places = np.ascontiguousarray(canvas.pheromones, dtype=np.float64)
     diffusions = np.ascontiguousarray(canvas.pheromone_diffusions, dtype=np.float64)
     lay_trail(places, diffusions, canvas.width, canvas.height, strength)

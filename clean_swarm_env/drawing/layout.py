@@ -93,7 +93,7 @@ def layout_of(canvas: Canvas, side: int = SIDE) -> Layout:
     700
     """
     scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
-    across, up = round(canvas.width * scale), round(canvas.height * scale)
+    across, up = (max(round(length * scale), 1) for length in (canvas.width, canvas.height))
     width = max(_even(across + 2 * MARGIN), _even(side / 2))
     title = ", ".join(filter(None, [f"{canvas.time:.1f} s", canvas.state]))
     legend, deep = _legend(canvas, width, TITLE + up + MARGIN)

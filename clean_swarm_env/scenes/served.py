@@ -14,6 +14,7 @@ from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.scene import Scene
 from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
+from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
 from selector.knowledge import Knowledge, load_knowledge
@@ -72,6 +73,7 @@ class ServedTeam(Controller):
 
     Attributes:
         memory: knowledge of every robot, shared by all options; at first that of the scene.
+        options: names of the options of the goal.
 
     """
 
@@ -85,14 +87,31 @@ class ServedTeam(Controller):
                 self.memory[name].write(np.arange(arena.rows), values)
         host = Host(arena.poses, self._buffers, arena.directions, arena.generators(DRAWS), self.memory)
         self._robots = CoordinatedRobots(expert.model, host)
-        self._robots.hold(np.full(arena.rows, expert.option))
-        self._content = self._robots.coordinators[0].contents[expert.option]
+        self.options = expert.model.options
+        self.hold(np.full(arena.rows, expert.option))
+
+    @property
+    def held(self) -> Ints:
+        """The option (R,) that each robot holds."""
+        return self._robots.coordinators[0].held
+
+    def hold(self, options: Ints) -> None:
+        """Give each robot the option (R,) that serves the goal from now on."""
+        self._robots.hold(options)
 
     def decisions(self) -> tuple[Floats, Ints]:
-        """Return values (R,) and states (R,) of the first decision mechanism of the option that is held."""
-        for mechanism in self._content.mechanisms.values():
+        """Return values (R,) and states (R,) of the first decision mechanism of the option that each robot holds."""
+        (coordinator,) = self._robots.coordinators
+        values, states = np.zeros(self.arena.rows), np.zeros(self.arena.rows, dtype=np.int64)
+        for option in coordinator.used:
+            rows, mechanism = self.held == option, self._deciding(coordinator.contents[option])
+            values[rows], states[rows] = mechanism.values[rows], mechanism.state_codes[rows]
+        return values, states
+
+    def _deciding(self, content: RunningConfiguration) -> DecisionMechanism:
+        for mechanism in content.mechanisms.values():
             if isinstance(mechanism, DecisionMechanism):
-                return mechanism.values, mechanism.state_codes
+                return mechanism
         raise ConfigurationError(f"goal {self._goal}: expected an option with a decision mechanism")
 
     def _command(self, commands: Commands) -> None:

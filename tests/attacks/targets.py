@@ -22,6 +22,8 @@ from hypothesis import strategies as st
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.pixels import pixels_of
+from clean_swarm_env.drawing.recorded_picture import CHANNELS, RecordedCourse
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.file import BLOCK, MAGIC, blocks_of
 from clean_swarm_env.recording.mission_recording import record_mission
@@ -250,6 +252,8 @@ def used(path):
     assert tables_of(recording)
     if "deposit" in recording and {"x", "y"} <= set(recording):
         traces_at(recording, recording.frames - 1)
+    if CHANNELS.keys() <= set(recording):
+        assert pixels_of(RecordedCourse(recording).at(0.0), 200).shape[2] == 3
     return recording
 
 

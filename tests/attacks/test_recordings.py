@@ -33,7 +33,13 @@ def test_a_recording_that_is_whole_is_read(recorded):
 def test_a_foreign_recording_is_one_line_of_each_command(recorded, tmp_path, capsys, change, message):
     (_, head), *rest = blocks_of(recorded)
     path = written(tmp_path / "foreign.swarm", [(HEAD, json.dumps(json.loads(head) | change).encode()), *rest])
-    for words in (("replay", path, "--html", tmp_path / "a.html"), ("export", path, "--output", tmp_path / "tables")):
+    commands = (
+        ("replay", path, "--html", tmp_path / "a.html"),
+        ("export", path, "--output", tmp_path / "tables"),
+        ("picture", path, tmp_path / "a.svg", "--time", 1),
+        ("video", path, tmp_path / "a.webp"),
+    )
+    for words in commands:
         assert run(*words) == 2
         error = capsys.readouterr().err
         assert error.startswith(f"error: {path}: {message}")

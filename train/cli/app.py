@@ -18,7 +18,22 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import draw, evaluate, knowledge, repeat, run, score, train
+from train.cli import (
+    claims,
+    configure,
+    draw,
+    evaluate,
+    headroom,
+    knowledge,
+    picture,
+    play,
+    repeat,
+    run,
+    score,
+    train,
+    tune,
+    video,
+)
 from train.cli.options import Configs, error_console, print_error
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -51,10 +66,17 @@ app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
 app.command("run")(run.run_command)
 app.command("score")(score.score_command)
+app.command("tune")(tune.tune_command)
+app.command("configure")(configure.configure_command)
+app.command("claims")(claims.claims_command)
+app.command("headroom")(headroom.headroom_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
+app.command("play")(play.play_command)
+app.command("picture")(picture.picture_command)
+app.command("video")(video.video_command)
 app.command("export")(repeat.export_command)
 
 

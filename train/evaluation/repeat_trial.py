@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
+from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, place_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import validated
+from selector.documents.errors import validated, within
 from selector.documents.plain import short
 from train.evaluation.entrants import Entrant, identified
-from train.evaluation.family import TEST_SCENARIO, TrialTask
+from train.evaluation.family import TrialTask
 from train.running.decided_goal import DecidedGoal
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST
@@ -43,10 +42,9 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
         if condition not in runs:
             raise ConfigurationError(f"{path}: identity.strategies: expected the run {condition!r} among them")
         family, member = runs[condition]
-        if not re.fullmatch(TEST_SCENARIO, scenario):
-            raise ConfigurationError(f"{directory / JOURNAL}: expected a scenario of {family.name}, got {scenario!r}")
-        number = int(scenario.rpartition("-")[2]) - 1
-        tasks.append(TrialTask(family, seed, (number,), condition, member, goal, directories))
+        with within(f"{directory / JOURNAL}"):
+            place = place_of(scenario)
+        tasks.append(TrialTask(family, seed, (place,), condition, member, goal, directories))
     if not tasks:
         raise ConfigurationError(f"{directory}: holds no finished run")
     return tasks
@@ -54,7 +52,7 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 
 def trial_steps(task: TrialTask) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
-    scenarios = iter((task.scenario_of(task.numbers[0]),))
+    scenarios = iter((task.scenario_of(task.places[0]),))
     batch = Batch(task.mission, source=lambda _: next(scenarios, None), directories=task.directories, explained=True)
     decided = DecidedGoal(batch, task.goal)
     pilot = task.pilot(decided.problem, np.zeros(batch.robots, dtype=np.int64))
