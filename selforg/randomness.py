@@ -6,6 +6,7 @@ import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel
+from selforg.elementary import unit_vectors
 
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 
@@ -41,8 +42,8 @@ class DirectionStream:
         """Return a stream that is not random: row i always gets the direction of i golden angles [rad]."""
         stream = cls((), dim, 1)
         stream._generators = [None] * rows
-        angles = GOLDEN_ANGLE * np.arange(rows)
-        stream.vectors = np.stack([np.cos(angles), np.sin(angles), np.zeros(rows)], axis=1)[:, None, :].copy()
+        cosines, sines = unit_vectors(GOLDEN_ANGLE * np.arange(rows))
+        stream.vectors = np.stack([cosines, sines, np.zeros(rows)], axis=1)[:, None, :].copy()
         stream.cursor = np.zeros(rows, dtype=np.int64)
         stream.low[0] = False
         return stream
@@ -86,10 +87,10 @@ def draw_directions(generator: np.random.Generator, count: int, dim: int) -> Flo
     They are drawn one after the other, so that the stream does not depend on how many are drawn at a time.
     """
     uniform = generator.random((count, dim - 1))  # (count, 1 or 2) in [0, 1)
-    angle = 2.0 * np.pi * uniform[:, 0]
+    cosines, sines = unit_vectors(2.0 * np.pi * uniform[:, 0])
     height = 2.0 * uniform[:, 1] - 1.0 if dim == 3 else np.zeros(count)
     radius = np.sqrt(1.0 - height * height)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+    return np.stack([radius * cosines, radius * sines, height], axis=1)
 
 
 @kernel

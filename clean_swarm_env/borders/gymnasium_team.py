@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.borders.spaces import check_render_mode, start_of
+from clean_swarm_env.borders.views import PICTURE, PICTURES, WINDOW, View
 from clean_swarm_env.learning.given import GivenMission, seeds_from
 from clean_swarm_env.learning.observation.observer import Observations
 
@@ -24,12 +26,13 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         one_for_all: whether one option serves all robots.
-        render_mode: None or "rgb_array".
-        settings: further arguments of `Batch`.
+        render_mode: None; "rgb_array"; "human", which shows every control period in a window; or "rgb_array_list", by
+            which `render` returns 20 pictures for each second of the mission, those since the last call.
+        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
 
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012
+    metadata = {"render_modes": [WINDOW, PICTURE, PICTURES], "render_fps": 1}  # noqa: RUF012
 
     def __init__(
         self,
@@ -39,10 +42,12 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         render_mode: str | None = None,
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, self.metadata["render_modes"])
-        whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED, "render_mode": render_mode}
+        check_render_mode(render_mode, self.metadata["render_modes"], settings.get("goal"))
+        whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED}
         self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **whole, **settings)
         self.batch = self._envs.batch
+        self._view = self._envs.view = View(self.batch, render_mode)
+        self.metadata = {**self.metadata, "render_fps": self._view.fps}
         self.render_mode = render_mode
         self.observation_space = self._envs.single_observation_space
         self.action_space = self._envs.single_action_space
@@ -56,13 +61,14 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         super().reset(seed=seeds_from([seed], 1)[0])
         observations, infos = self._envs.reset(seed=[seed], options=options)
         self._over = False
+        self._view.begin()
         return observations[0], _first(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
         """Run one decision period; the period ends early when the mission does."""
         if self._over:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
-        seen, rewards, terminated, truncated, infos = self._envs.step(np.asarray(action)[None])
+        seen, rewards, terminated, truncated, infos = self._envs.step(_alone(action))
         self._over = bool(terminated[0] or truncated[0])
         return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
 
@@ -73,7 +79,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     def set_state(self, state: bytes) -> Observations:
         """Go on from a state; return the observation. ValueError says what does not fit."""
         observation: Observations = self._envs.set_state(state)[0]
-        self._over = bool(self.batch.progress.outcome[0])
+        self._over = bool(self.batch.over[0])
         return observation
 
     def action_masks(self) -> NDArray[np.bool_]:
@@ -85,13 +91,20 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         return masks
 
     def close(self) -> None:
-        """End the recording of a mission that is still going on."""
+        """Close the window, and end the recording of a mission that is still going on."""
+        self._view.close()
         self.batch.close()
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return the world as a picture (height, width, 3), or None without a render mode."""
-        pictures = self._envs.render()
-        return None if pictures is None else pictures[0]
+    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:  # type: ignore[override]
+        """Return the world as a picture (height, width, 3), or pictures, or show it, as the render mode says."""
+        return self._view.render()
+
+
+def _alone(action: Any) -> Any:  # noqa: ANN401  (an action, of whatever space)
+    """Return the action of the only environment as those of all environments."""
+    if isinstance(action, Mapping):
+        return {name: _alone(part) for name, part in action.items()}
+    return np.asarray(action)[None]
 
 
 def _first(infos: dict[str, Any]) -> dict[str, Any]:

@@ -3,67 +3,50 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from numpy.typing import NDArray
 
-from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING, Canvas, draw_world
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from clean_swarm_env.world.minds import PHEROMONES
 from clean_swarm_env.world.worlds import Worlds
+from selforg.arrays import Floats
 from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.store import columns as c
 
 
 def canvas_of(worlds: Worlds, world: int) -> Canvas:
-    """Return the canvas of a world as it is now."""
+    """Return the canvas of a world as it is now; the options are those of the first coordinated goal."""
     garbage, mission = worlds.garbage, worlds.mission
     rows = worlds.rows_of(world)
     rows = rows[worlds.physics.present[rows]]
-    recycling, dump = (tuple(place) for place in worlds.stations[world].tolist())
     loaded = garbage.cargo[rows] != NOTHING
-    cargo = np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING)
+    lying = garbage.stage[world] == LYING
+    coordinator = worlds.coordinators[0] if worlds.coordinators else None
     trail, diffusions = _trail(worlds, world)
     return Canvas(
         worlds.physics.positions[rows].copy(),
         worlds.physics.headings[rows].copy(),
-        recycling,
-        dump,
         width=mission.world.width,
         height=mission.world.height,
+        time=float(worlds.ticks[world]) * worlds.period,
+        state=f"{garbage.done[world]} of {garbage.arrived[world]} items dumped",
         radius=mission.robots.radius,
-        goal_radius=mission.robots.pose_goal_radius,
-        diffusion=mission.robots.pose_diffusion,
+        cargo=np.where(loaded, np.where(garbage.recycled[rows] == 1, LEFTOVERS, GARBAGE), SEARCHING),
+        working=worlds.team.working[rows].astype(np.bool_),
+        options=coordinator.model.options if coordinator else (),
+        held=coordinator.held[rows].copy() if coordinator else None,
+        garbage=garbage.positions[world][lying],
+        leftover=garbage.leftover[world][lying] == 1,
+        stations=worlds.stations[world].copy(),
         station_radius=mission.stations.reach,
-        cargo=cargo,
-        garbage=garbage.positions[world][garbage.stage[world] == LYING],
         pheromones=trail,
         pheromone_diffusions=diffusions,
     )
 
 
-def _trail(worlds: Worlds, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _trail(worlds: Worlds, world: int) -> tuple[Floats, Floats]:
     """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones of a world."""
     everything = Filter((PHEROMONES,), moving=False, view_distance=np.inf)
-    trail = Queries(worlds.minds.pheromones).gradients(int(worlds.rows_of(world)[0]), worlds.now, everything)
-    places = np.array([gradient.position for gradient in trail], dtype=np.float64).reshape(-1, 2)
-    return places, np.array([gradient.diffusion for gradient in trail], dtype=np.float64)
-
-
-def portrait(worlds: Worlds, world: int) -> NDArray[np.uint8]:
-    """Return a picture (height, width, 3) of a world as it is now."""
-    figure = draw_world(canvas_of(worlds, world), title=f"{worlds.ticks[world] * worlds.period:.0f} s")
-    agg = FigureCanvasAgg(figure)
-    agg.draw()  # type: ignore[no-untyped-call]
-    pixels = np.asarray(agg.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
-    return pixels[:, :, :3].copy()
-
-
-def show_picture(picture: NDArray[np.uint8]) -> None:
-    """Show a picture in a window of Matplotlib, always the same one."""
-    from matplotlib import pyplot  # waits: it looks for a display
-
-    figure = pyplot.figure("Clean Swarm", figsize=(picture.shape[1] / 100, picture.shape[0] / 100), dpi=100)
-    figure.clear()
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.axis("off")
-    axes.imshow(picture)
-    pyplot.pause(0.001)
+    buffer = worlds.minds.pheromones
+    pairs = Queries(buffer).see(worlds.now, [int(worlds.rows_of(world)[0])], everything, without_pose=True).pairs
+    slots = pairs[:, c.PAIR_SLOT].astype(np.int64)
+    return buffer.table.record.near[slots][:, [c.X, c.Y]], pairs[:, c.PAIR_DIFFUSION].copy()

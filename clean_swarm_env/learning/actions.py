@@ -5,6 +5,7 @@ Shapes: R rows (robots), C coordinated goals, O options of all goals one after t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -13,10 +14,12 @@ from pydantic import Field
 
 from clean_swarm_env.learning.phases import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
+from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
+from selforg.elementary import sine_cosine
 from selforg.registry import unknown
 
 
@@ -43,8 +46,7 @@ class OptionActions:
 
     """
 
-    def __init__(self, worlds: Worlds, config: ActionConfig) -> None:
-        models = [coordinator.model for coordinator in worlds.coordinators]
+    def __init__(self, models: Sequence[CoordinatorModel], config: ActionConfig) -> None:
         self.counts = tuple(len(model.options) for model in models)
         self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
         names = [name for model in models for name in model.options]
@@ -105,11 +107,17 @@ class VelocityActions:
 
     def steer(self, actions: NDArray[Any]) -> None:
         """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
-        given, expected = np.asarray(actions), (self._worlds.rows, 2)
-        if given.shape != expected or not np.isfinite(given).all():
-            raise ValueError(f"actions: expected finite numbers of shape {expected}, got {given.shape}")
-        turn_to_world(given.astype(np.float64), self._worlds.physics.headings, self._max_speed, self._vectors)
+        given = checked_vectors(actions, self._worlds.rows)
+        turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
         self._worlds.steer(self._vectors)
+
+
+def checked_vectors(actions: NDArray[Any], rows: int) -> Floats:
+    """Return vectors (R, 2) as float64, or raise ValueError."""
+    given = np.asarray(actions)
+    if given.shape != (rows, 2) or not np.isfinite(given).all():
+        raise ValueError(f"actions: expected finite numbers of shape {(rows, 2)}, got {given.shape}")
+    return given.astype(np.float64)
 
 
 @lean_kernel
@@ -129,6 +137,6 @@ def turn_to_world(actions: Floats, headings: Floats, max_speed: float, vectors: 
     for row in range(actions.shape[0]):
         ahead = max_speed * min(max(actions[row, 0], -1.0), 1.0)
         left = max_speed * min(max(actions[row, 1], -1.0), 1.0)
-        cosine, sine = np.cos(headings[row]), np.sin(headings[row])
+        sine, cosine = sine_cosine(headings[row])
         vectors[row, 0] = cosine * ahead - sine * left
         vectors[row, 1] = sine * ahead + cosine * left

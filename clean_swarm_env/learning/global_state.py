@@ -12,6 +12,7 @@ from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
+from selforg.elementary import unit_vectors
 
 ROBOT = ("works", "x", "y", "heading_cos", "heading_sin", "carrying", "recycled")
 ITEM = ("lying", "carried", "done", "x", "y")
@@ -64,13 +65,12 @@ class GlobalState:
     def _robots(self) -> Floats:
         """Return the components (R, ...) of the robots."""
         physics, garbage = self._worlds.physics, self._worlds.garbage
-        headings, carrying = physics.headings, garbage.cargo != NOTHING
+        carrying = garbage.cargo != NOTHING
         own = np.column_stack(
             (
                 self._worlds.team.working,
                 self._places(physics.positions),
-                np.cos(headings),
-                np.sin(headings),
+                *unit_vectors(physics.headings),
                 carrying,
                 carrying & (garbage.recycled == 1),
                 *(_flags(c.held, len(c.model.options)) for c in self._coordinators),

@@ -10,6 +10,7 @@ from clean_swarm_env.physics.motion import wrapped_angle
 from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
+from selforg.elementary import direction
 
 TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
 
@@ -126,10 +127,10 @@ def steer_rows(
     for row in range(d.speed.shape[0]):
         if commanded[row]:
             x, y = vectors[row, 0], vectors[row, 1]
-            length = np.hypot(x, y)
+            length = np.sqrt(x * x + y * y)
             d.commanded_at[row] = now
             if length > 0.0:
-                error = wrapped_angle(np.arctan2(y, x) - headings[row])
+                error = wrapped_angle(direction(y, x) - headings[row])
                 d.turn_rate[row] = min(max(d.turn_gain * error, -d.max_turn_rate), d.max_turn_rate)
                 d.speed[row] = min(length, d.max_speed) if abs(error) < d.turn_in_place_beyond else 0.0
             else:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
+from selforg.elementary import sine_cosine
 from selforg.space import nearest_image, wrapped
 
 NOBODY_TOUCHES: Final = 0  # search for contacts: robots never touch
@@ -114,8 +115,8 @@ def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: Rob
     for row in range(world * robots, (world + 1) * robots):
         if not m.present[row]:
             continue
-        m.wanted[row, 0] = speed[row] * np.cos(m.headings[row])
-        m.wanted[row, 1] = speed[row] * np.sin(m.headings[row])
+        sine, cosine = sine_cosine(m.headings[row])
+        m.wanted[row, 0], m.wanted[row, 1] = speed[row] * cosine, speed[row] * sine
         m.headings[row] = wrapped_angle(m.headings[row] + turn_rate[row] * m.timestep)
         if free:
             m.bodies[row, 0], m.bodies[row, 1] = m.positions[row, 0], m.positions[row, 1]

@@ -18,6 +18,7 @@ from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
 from selforg.components import Commands
+from selforg.elementary import directions
 from selforg.gradients.poses import OwnPoses
 from selforg.randomness import DirectionStream
 
@@ -60,6 +61,7 @@ class Arena:
         poses: the pose gradients as of the last `announce`.
         directions: random directions of each row.
         collisions: counts of pairs closer than CLOSE.
+        entered: (R,) collision events since the start in which the robot took part.
         now: [s] since the start.
 
     """
@@ -73,6 +75,7 @@ class Arena:
         self.drive = DifferentialDrive(self.rows, DriveSettings(max_speed=body.max_speed))
         self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
         self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
+        self.entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self.poses = OwnPoses(
             ground.space, self.rows, self.world_of_row, diffusion=body.pose_diffusion, goal_radius=body.pose_goal_radius
         )
@@ -107,10 +110,11 @@ class Arena:
         vectors, commanded = commands.vectors, commands.commanded
         if self.body.drive == "holonomic":
             turned = commanded & ~commands.in_place & (vectors != 0.0).any(axis=1)
-            self.headings[turned] = np.arctan2(vectors[turned, 1], vectors[turned, 0])
+            self.headings[turned] = directions(vectors[turned])
         self.drive.command(vectors, commanded, self.headings, self.now)
         self.drive.speed[commands.in_place] = 0.0
         for _ in range(SUBSTEPS):
             self.physics.substep(self.drive.speed, self.drive.turn_rate)
             self.collisions.count(self.positions)
+            self.entered += self.collisions.entered
         self.ticks += 1

@@ -44,8 +44,8 @@ class Crossing(Scene):
 
     @property
     def _progress(self) -> Floats:
-        """Mean speed (W,) [m/s] in the wanted direction."""
-        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.arena.ticks * CONTROL_PERIOD)
+        """Advance (W,) in the wanted direction so far by the time of the whole run: at the end a mean speed [m/s]."""
+        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.chosen.ticks * CONTROL_PERIOD)
         return speed
 
     @property

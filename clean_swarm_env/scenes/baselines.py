@@ -10,6 +10,7 @@ import numpy as np
 from clean_swarm_env.scenes.arena import BASELINES, CONTROL_PERIOD, Arena
 from selforg.arrays import Floats
 from selforg.components import Commands
+from selforg.elementary import unit_vectors
 
 
 class Controller(ABC):
@@ -121,4 +122,4 @@ class Together(Controller):
 
 def along(angles: Floats, length: float) -> Floats:
     """Return vectors (K, 2) of a length along angles (K,) [rad]."""
-    return length * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return length * np.stack(unit_vectors(angles), axis=1)

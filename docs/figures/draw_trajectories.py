@@ -8,21 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, FancyBboxPatch
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.drawing.picture import (
-    GARBAGE,
-    INK,
-    LEFTOVERS,
-    PAPER,
-    SEARCHING,
-    Canvas,
-    appearances,
-    draw_ruler,
-    draw_station,
-)
+from clean_swarm_env.drawing.canvas import GARBAGE, INK, LEFTOVERS, PAPER, SEARCHING, Canvas, appearances
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
@@ -49,14 +40,17 @@ def draw_trajectories() -> Figure:
     axes.set(xlim=(0.0, last.width), ylim=(0.0, last.height), aspect="equal", xticks=[], yticks=[], facecolor=PAPER)
     for spine in axes.spines.values():
         spine.set(color=INK, linestyle=(0, (6, 4)), linewidth=1.0)
-    draw_station(axes, last, last.recycling, CARGO[GARBAGE], "recycling")
-    draw_station(axes, last, last.dump, CARGO[LEFTOVERS], "dump")
+    draw_station(axes, last, last.stations[0], CARGO[GARBAGE], "recycling")
+    draw_station(axes, last, last.stations[1], CARGO[LEFTOVERS], "dump")
     axes.plot(*scenes[0].garbage.T, **ITEM, zorder=4)
     draw_ways(axes, scenes)
-    draw_ends(axes, last, garbage_sight)
+    pose_reach = mission.robots.pose_goal_radius + mission.robots.pose_diffusion
+    draw_ends(axes, last, garbage_sight, pose_reach)
     draw_ruler(axes, last)
     axes.set_title(f"{OPTION}, the first {SECONDS:g} s of a mission; garbage where it lay", fontsize=11, color=INK)
-    figure.legend(handles=list(signs(garbage_sight, last)), loc="lower center", ncols=3, frameon=False, fontsize=9)
+    figure.legend(
+        handles=list(signs(garbage_sight, pose_reach)), loc="lower center", ncols=3, frameon=False, fontsize=9
+    )
     return figure
 
 
@@ -85,9 +79,8 @@ def draw_ways(axes: Axes, scenes: list[Canvas]) -> None:
         )
 
 
-def draw_ends(axes: Axes, scene: Canvas, garbage_sight: float) -> None:
+def draw_ends(axes: Axes, scene: Canvas, garbage_sight: float, reach: float) -> None:
     """Draw the robots where they end, how far they see garbage, and the reach of their pose gradients."""
-    reach = scene.goal_radius + scene.diffusion
     cargo = np.zeros(len(scene.positions), dtype=np.int64) if scene.cargo is None else scene.cargo
     for place, heading, load in zip(scene.positions, scene.headings, cargo, strict=True):
         colour = CARGO[int(load)]
@@ -99,13 +92,33 @@ def draw_ends(axes: Axes, scene: Canvas, garbage_sight: float) -> None:
             axes.plot([x, x + nose[0]], [y, y + nose[1]], color="white", linewidth=2.0, zorder=7)
 
 
-def signs(garbage_sight: float, scene: Canvas) -> Iterator[Line2D]:
+def signs(garbage_sight: float, reach: float) -> Iterator[Line2D]:
     """Yield the entries of the legend."""
     for load, colour in CARGO.items():
         yield Line2D([], [], color=colour, linewidth=2.5, label=f"way {NAMES[load]}")
     yield Line2D([], [], **ITEM, label="garbage at the start")
     yield Line2D([], [], color=INK, ls=(0, (2, 3)), lw=0.9, label=f"sees garbage, {garbage_sight:g} m")
-    reach = scene.goal_radius + scene.diffusion
     yield Line2D(
         [], [], ls="none", marker="o", ms=11, color="#8a8a8a", alpha=0.3, label=f"reach of its pose, {reach:g} m"
     )
+
+
+def draw_station(axes: Axes, scene: Canvas, place: NDArray[np.float64], colour: str, name: str) -> None:
+    """Draw a station as a rounded square with its name, and the circle in which a robot is there (dotted)."""
+    radius = scene.station_radius
+    for x, y in appearances(scene, place, radius):
+        half = 0.55 * radius
+        axes.add_patch(Circle((x, y), radius, facecolor=colour, edgecolor="none", alpha=0.12, zorder=1))
+        axes.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linestyle=":", linewidth=1.3, zorder=3))
+        box = FancyBboxPatch((x - half, y - half), 2 * half, 2 * half, boxstyle="round,pad=0,rounding_size=0.08")
+        box.set(facecolor=colour, edgecolor="white", linewidth=1.0, zorder=3)
+        axes.add_patch(box)
+        axes.text(x, y, name[0].upper(), color="white", fontsize=10, weight="bold", ha="center", va="center", zorder=3)
+        axes.text(x, y - radius - 0.06, name, color=colour, fontsize=8, ha="center", va="top", zorder=3)
+
+
+def draw_ruler(axes: Axes, scene: Canvas) -> None:
+    """Draw one metre in the lower left corner."""
+    left, low = 0.03 * scene.width, 0.025 * scene.height
+    axes.plot([left, left + 1.0], [low, low], color=INK, linewidth=2.0, solid_capstyle="butt", zorder=8)
+    axes.text(left + 0.5, low + 0.06, "1 m", color=INK, fontsize=8, ha="center", va="bottom", zorder=8)

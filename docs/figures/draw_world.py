@@ -4,10 +4,11 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.drawing.picture import draw_world
+from clean_swarm_env.drawing.pixels import pixels_of
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.worlds import Worlds
@@ -34,10 +35,7 @@ def main() -> None:
     """Draw and save."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
     seconds = float(sys.argv[2]) if len(sys.argv) > 2 else SECONDS
-    worlds = world_after(seconds, SEED)
-    done, items = worlds.garbage.done[0], worlds.mission.garbage.count
-    title = f"{seconds:.0f} s into a mission: {done} of {items} items are dumped"
-    draw_world(canvas_of(worlds, 0), title).savefig(file, dpi=110)
+    Image.fromarray(pixels_of(canvas_of(world_after(seconds, SEED), 0))).save(file, optimize=True)
 
 
 if __name__ == "__main__":

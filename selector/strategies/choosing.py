@@ -3,6 +3,7 @@
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.elementary import exponentials
 
 
 def best(values: Floats, allowed: Flags) -> Ints:
@@ -28,7 +29,7 @@ def even(allowed: Flags) -> Floats:
 
 def shares(preferences: Floats) -> Floats:
     """Return probabilities (K, O) whose logarithms are `preferences` (K, O), up to a constant for each row."""
-    weights = np.exp(preferences - preferences.max(axis=1, keepdims=True))
+    weights = exponentials(preferences - preferences.max(axis=1, keepdims=True))
     parts: Floats = weights / weights.sum(axis=1, keepdims=True)
     return parts
 

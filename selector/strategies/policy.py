@@ -11,6 +11,7 @@ from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import kernel
+from selforg.elementary import hyperbolic_tangent
 
 ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
 
@@ -93,6 +94,6 @@ def dense(inputs: Floats32, weights: Floats32, bias: Floats32, activation: int, 
                 outputs[k, h] += value * weights[i, h]
         for h in range(outputs.shape[1]):
             if activation == 1:
-                outputs[k, h] = np.tanh(outputs[k, h])
+                outputs[k, h] = np.float32(hyperbolic_tangent(outputs[k, h]))
             elif activation == 2:
                 outputs[k, h] = max(outputs[k, h], np.float32(0.0))

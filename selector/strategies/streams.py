@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
+from selforg.elementary import growth, logarithm, sine_cosine
 
 Keys = npt.NDArray[np.uint64]
 Word = np.uint64
@@ -65,8 +66,8 @@ def normals(draws: Floats, deviates: Floats) -> None:
     """Fill `deviates` (K, O) with standard normal deviates from uniform `draws` (K, 2 O), by Box and Muller."""
     for k in range(deviates.shape[0]):
         for o in range(deviates.shape[1]):
-            radius = np.sqrt(-2.0 * np.log(1.0 - draws[k, 2 * o]))
-            deviates[k, o] = radius * np.cos(2.0 * np.pi * draws[k, 2 * o + 1])
+            radius = np.sqrt(-2.0 * logarithm(1.0 - draws[k, 2 * o]))
+            deviates[k, o] = radius * sine_cosine(2.0 * np.pi * draws[k, 2 * o + 1])[1]
 
 
 @kernel
@@ -78,5 +79,5 @@ def student_t(draws: Floats, freedom: Floats, deviates: Floats) -> None:
     for k in range(deviates.shape[0]):
         for o in range(deviates.shape[1]):
             degrees = freedom[k, o]
-            radius = np.sqrt(degrees * np.expm1(-2.0 / degrees * np.log(1.0 - draws[k, 2 * o])))
-            deviates[k, o] = radius * np.cos(2.0 * np.pi * draws[k, 2 * o + 1])
+            radius = np.sqrt(degrees * growth(-2.0 / degrees * logarithm(1.0 - draws[k, 2 * o])))
+            deviates[k, o] = radius * sine_cosine(2.0 * np.pi * draws[k, 2 * o + 1])[1]

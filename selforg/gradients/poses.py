@@ -13,6 +13,7 @@ import numpy.typing as npt
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.compiler.records import Words
+from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
@@ -203,6 +204,7 @@ class PoseDelivery:
         reaches: (T,) farthest receiver in each team [m]; the owner may change it.
         losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
         generators: one for each row, for the losses of what it spreads; the owner may change it.
+        delay: age of a pose on its arrival [updates].
 
     Raises:
         ValueError: poses that were not made with `hearing`.
@@ -210,21 +212,31 @@ class PoseDelivery:
     """
 
     def __init__(
-        self, poses: OwnPoses, reaches: Floats, losses: Floats, generators: Sequence[np.random.Generator]
+        self,
+        poses: OwnPoses,
+        reaches: Floats,
+        losses: Floats,
+        generators: Sequence[np.random.Generator],
+        delay: int = 0,
     ) -> None:
         if poses.row_table.shape[1] == c.ROW_HEARD:
             raise ValueError("PoseDelivery: the poses must be made with hearing=True")
-        self.poses = poses
+        if not 0 <= delay < max(poses.history, 1):
+            raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
+        self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
         self._draws: Floats = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
-        """Deliver the newest pose of each row to the other rows in range, unless it gets lost."""
+        """Deliver the pose of each row that arrives now to the other rows in range, unless it gets lost.
+
+        Losses are drawn, and ranges measured from where the pose was sent, on its arrival.
+        """
         lossy = (self.losses > 0.0) & (self.losses < 1.0)
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws)
+        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws, self.delay)
 
 
 @lean_kernel
@@ -254,8 +266,8 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
         for axis in range(dim):
             newest[c.X + axis] = wrapped(positions[row, axis], p.extent[axis])
         if with_headings:
-            newest[c.POSE_HEADING] = np.cos(headings[row])
-            newest[c.POSE_HEADING + 1] = np.sin(headings[row])
+            sine, cosine = sine_cosine(headings[row])
+            newest[c.POSE_HEADING], newest[c.POSE_HEADING + 1] = cosine, sine
         newest[c.DIFFUSION], newest[c.GOAL_RADIUS] = p.radii[row, 0], p.radii[row, 1]
         newest[c.POSE_SIGN] = p.attraction
         newest[c.POSE_STAMP] = now
@@ -265,10 +277,10 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
 
 
 @kernel
-def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats) -> None:
+def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
     """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 
-    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
+    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads, delay [updates].
     """
     p = open_poses(poses)
     room = (p.rows.shape[1] - c.ROW_HEARD) // 2
@@ -280,12 +292,12 @@ def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: F
                 other = int(p.members[begin + index])
                 age, before = int(p.rows[row, c.ROW_HEARD + index]), int(p.rows[row, c.ROW_HEARD + room + index])
                 age, before = age + 1 if age >= 0 else -1, before + 1 if before >= 0 else -1
-                dx = p.own[other, 0, c.X] - p.own[row, 0, c.X]
-                dy = p.own[other, 0, c.Y] - p.own[row, 0, c.Y]
-                dz = p.own[other, 0, c.Z] - p.own[row, 0, c.Z]
+                dx = p.own[other, delay, c.X] - p.own[row, 0, c.X]
+                dy = p.own[other, delay, c.Y] - p.own[row, 0, c.Y]
+                dz = p.own[other, delay, c.Z] - p.own[row, 0, c.Z]
                 lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
                 if not lost and squared_length(dx, dy, dz, p.extent) <= reaches[team] * reaches[team]:
-                    age, before = 0, age
+                    age, before = delay, age
                 known = p.rows[other, c.ROW_POSES] if p.rows[row, c.ROW_POSES] > 0 else 0
                 p.rows[row, c.ROW_HEARD + index] = age if age < known else -1
                 p.rows[row, c.ROW_HEARD + room + index] = before if before < known else -1

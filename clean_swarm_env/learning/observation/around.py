@@ -13,6 +13,7 @@ import numpy as np
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Recording
+from selforg.elementary import sine_cosine
 from selforg.space import nearest_image
 
 
@@ -80,7 +81,7 @@ def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats
     length = float(np.sqrt(dx * dx + dy * dy))
     way[0], way[1], way[2] = min(length / scale, 1.0), 0.0, 0.0
     if length > 0.0:
-        cosine, sine = np.cos(around.headings[row]), np.sin(around.headings[row])
+        sine, cosine = sine_cosine(around.headings[row])
         way[1] = min(max((cosine * dx + sine * dy) / length, -1.0), 1.0)
         way[2] = min(max((cosine * dy - sine * dx) / length, -1.0), 1.0)
     return length

@@ -11,6 +11,7 @@ from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Obser
 from clean_swarm_env.world.garbage import NOTHING
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined
+from selforg.elementary import sine_cosine
 from selforg.space import nearest_image
 
 
@@ -47,7 +48,8 @@ class EncounterTerm(CompiledTerm):
         if other < 0:
             return
         turned = around.headings[other] - around.headings[row]
-        out[0], out[1], out[3] = np.cos(turned), np.sin(turned), around.cargo[other] != NOTHING
+        sine, cosine = sine_cosine(turned)
+        out[0], out[1], out[3] = cosine, sine, around.cargo[other] != NOTHING
         dx = nearest_image(around.positions[other, 0] - around.positions[row, 0], around.extent[0])
         dy = nearest_image(around.positions[other, 1] - around.positions[row, 1], around.extent[1])
         length = np.sqrt(dx * dx + dy * dy)

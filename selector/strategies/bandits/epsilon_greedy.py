@@ -8,6 +8,7 @@ from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions
 from selector.strategies.registry import STRATEGIES
 from selforg.arrays import Ints
+from selforg.elementary import exponentials
 
 
 class EpsilonGreedyParameters(PriorParameters):
@@ -33,7 +34,7 @@ class EpsilonGreedy(ValueTable):
 
     def _select(self, decisions: Decisions) -> Ints:
         rewards = self.counts.sum(axis=1)
-        epsilon = (self.parameters.epsilon * np.exp(-self.parameters.decay * rewards))[decisions.groups]
+        epsilon = (self.parameters.epsilon * exponentials(-self.parameters.decay * rewards))[decisions.groups]
         greedy = best(self.estimates()[decisions.groups], decisions.allowed)
         anything = even(decisions.allowed)
         option = np.where(decisions.draws[:, 0] < epsilon, drawn(anything, decisions.draws[:, 1]), greedy)

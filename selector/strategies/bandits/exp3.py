@@ -12,6 +12,7 @@ from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
+from selforg.elementary import exponentials
 
 
 class EXP3Parameters(Closed):
@@ -63,7 +64,7 @@ class EXP3(DecisionStrategy):
     def chances(self, decisions: Decisions) -> Floats:
         """Return the probability (K, O) of each option: (1 - gamma) * its share of the weights + gamma / O."""
         logarithms = np.where(decisions.allowed, self.log_weights[decisions.groups], -np.inf)
-        weights = np.exp(logarithms - logarithms.max(axis=1, keepdims=True))
+        weights = exponentials(logarithms - logarithms.max(axis=1, keepdims=True))
         shares = weights / weights.sum(axis=1, keepdims=True)
         gamma = self.parameters.gamma
         mixed: Floats = (1.0 - gamma) * shares + gamma * even(decisions.allowed)

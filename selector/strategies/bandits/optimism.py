@@ -10,6 +10,7 @@ from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
+from selforg.elementary import logarithms
 
 
 class RecentParameters(PriorParameters):
@@ -60,7 +61,7 @@ def most_promising(decisions: Decisions, means: Floats, pulls: Floats, width: fl
     """
     tried = pulls > 0.0
     total = pulls.sum(axis=1, keepdims=True)
-    certainty = np.log(np.maximum(total, 1.0)) / np.where(tried, pulls, 1.0)
+    certainty = logarithms(np.maximum(total, 1.0)) / np.where(tried, pulls, 1.0)
     bounds = means + width * np.sqrt(certainty)
     untried = decisions.allowed & ~tried[decisions.groups]
     favourite = best(np.broadcast_to(scores, untried.shape), untried)

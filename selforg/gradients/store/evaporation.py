@@ -9,6 +9,7 @@ import numpy as np
 
 from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Words
+from selforg.elementary import whole_power
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import remove
 from selforg.gradients.store.records import Store, open_store
@@ -67,7 +68,7 @@ def evaporated(diffusion: float, factor: float, periods: float) -> float:
     """Return what is left of a diffusion [m] after `periods`; an infinite one stays until a factor of 0 ends it."""
     if np.isinf(diffusion):
         return 0.0 if factor == 0.0 and periods > 0.0 else diffusion
-    return float(diffusion * factor**periods)
+    return float(diffusion * whole_power(factor, periods))
 
 
 @inlined

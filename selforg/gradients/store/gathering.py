@@ -11,6 +11,7 @@ from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.prefetch import prefetch
 from selforg.compiler.records import Words
+from selforg.elementary import direction
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.candidates import approach, keep_moving, keep_near, measure, renew
 from selforg.gradients.store.linking import first_layer, space_of
@@ -237,5 +238,5 @@ def keep_ahead(row: int, found: int, angle_xy: float, angle_yz: float, sight: Wo
 @part
 def angle_between(ax: float, ay: float, bx: float, by: float) -> float:
     """Return the angle [rad] in [0, pi] between two plane vectors; a zero vector points along the first axis."""
-    difference = float(abs(np.arctan2(ay, ax) - np.arctan2(by, bx)))
+    difference = abs(direction(ay, ax) - direction(by, bx))
     return min(difference, 2.0 * np.pi - difference)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from selforg.compiler.decorators import kernel
+from selforg.elementary import sine_cosine
 
 
 @kernel
@@ -17,7 +18,7 @@ def bump(z: float, h: float) -> float:
     if 0.0 <= z < h:
         return 1.0
     if h <= z <= 1.0:
-        return float(0.5 * (1.0 + np.cos(np.pi * (z - h) / (1.0 - h))))
+        return 0.5 * (1.0 + sine_cosine(np.pi * (z - h) / (1.0 - h))[1])
     return 0.0
 
 

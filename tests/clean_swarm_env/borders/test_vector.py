@@ -171,7 +171,9 @@ def test_wrong_use_is_an_error_that_says_what_was_expected():
     with pytest.raises(RuntimeError, match="call reset first"):
         env.step(np.zeros(5, dtype=np.int64))
     with pytest.raises(ValueError, match="render_mode: expected None or 'rgb_array', got 'human'"):
-        CleanSwarmTeam(SHORT, render_mode="human")
+        RobotVectorEnv(1, mission=SHORT, render_mode="human")
+    with pytest.raises(ValueError, match="expected None or 'human' or 'rgb_array' or 'rgb_array_list', got 'ansi'"):
+        CleanSwarmTeam(SHORT, render_mode="ansi")
 
 
 @long_course

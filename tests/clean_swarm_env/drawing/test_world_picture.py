@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import mission, worlds_at_start

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
 
-from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, SEARCHING
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING
 from docs.figures import draw_paper, draw_trajectories
 from docs.figures.draw_patterns import FRAMES, depth, direct, draw_patterns, placed_blocks
 from selforg.mechanisms.purposes import PATTERNS

@@ -1,15 +1,18 @@
-"""The picture: its marks, their places at a seam, and the errors for wrong arrays."""
+"""The canvas: places at a seam, the trail, moments between two, and the errors for wrong arrays."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from clean_swarm_env.drawing.picture import GARBAGE, LEFTOVERS, Canvas, appearances, draw_world, trail_strength
+from clean_swarm_env.drawing.canvas import Canvas, appearances, between, trail_strength
 
-STATIONS = {"recycling": (2.75, 5.5), "dump": (8.25, 5.5)}
+STATIONS = np.array([[2.75, 5.5], [8.25, 5.5]])
 
 
 def canvas(**changes):
-    return Canvas(**(STATIONS | {"positions": np.array([[5.0, 5.0], [0.1, 3.0]]), "headings": np.zeros(2)} | changes))
+    given = {"positions": np.array([[5.0, 5.0], [0.1, 3.0]]), "headings": np.zeros(2), "stations": STATIONS}
+    return Canvas(**(given | changes))
 
 
 @pytest.mark.parametrize(
@@ -49,25 +52,15 @@ def test_a_pheromone_wider_than_the_world_still_has_its_centre():
     assert raster.max() == pytest.approx(1.0)
 
 
-def test_a_full_scene_is_drawn_and_saved(tmp_path):
-    drawn = canvas(
-        cargo=np.array([GARBAGE, LEFTOVERS]),
-        garbage=np.array([[1.0, 1.0]]),
-        pheromones=np.array([[10.9, 3.0]]),
-        pheromone_diffusions=np.array([1.0]),
-    )
-    figure = draw_world(drawn, title="two robots")
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert {"carrying garbage", "carrying leftovers", "garbage", "pheromones"} <= set(labels)
-    figure.savefig(tmp_path / "world.png")
-    assert (tmp_path / "world.png").stat().st_size > 10_000
-    assert figure.axes[0].get_xlim() == (0.0, 11.0)
-
-
-def test_the_legend_names_only_what_the_scene_has():
-    labels = [text.get_text() for text in draw_world(canvas()).legends[0].get_texts()]
-    assert "pheromones" not in labels
-    assert "carrying garbage" not in labels
+def test_robots_move_the_shorter_way_between_two_moments_and_never_jump():
+    first = canvas(positions=np.array([[10.9, 5.0], [3.0, 3.0]]), headings=np.array([3.0, 0.0]), time=1.0)
+    second = replace(first, positions=np.array([[0.1, 5.0], [9.0, 9.0]]), headings=np.array([-3.0, 0.0]), time=1.2)
+    middle = between(first, second, 0.75)
+    assert middle.positions == pytest.approx(np.array([[0.05, 5.0], [3.0, 3.0]]))
+    assert middle.headings[0] == pytest.approx(3.0 + 0.75 * (2.0 * np.pi - 6.0))
+    assert middle.time == pytest.approx(1.15)
+    fewer = replace(second, positions=second.positions[:1], headings=second.headings[:1])
+    assert between(first, fewer, 0.5) is first
 
 
 @pytest.mark.parametrize(
@@ -76,6 +69,7 @@ def test_the_legend_names_only_what_the_scene_has():
         ({"headings": np.zeros(3)}, r"headings: expected shape \(2,\), got \(3,\)"),
         ({"positions": np.zeros((2, 3))}, r"positions: expected shape \(2, 2\), got \(2, 3\)"),
         ({"cargo": np.zeros(1, np.int64)}, r"cargo: expected shape \(2,\), got \(1,\)"),
+        ({"held": np.zeros(1, np.int64)}, r"held: expected shape \(2,\), got \(1,\)"),
         ({"pheromones": np.zeros((4, 2))}, r"pheromone_diffusions: expected shape \(4,\), got \(0,\)"),
     ],
 )

@@ -1,0 +1,156 @@
+"""What a picture of a world shows: robots with cargo and option, items, stations and the pheromone trail, on the torus.
+
+The colours are those of Okabe and Ito, which colour-blind readers can tell apart; they are those of the replay page.
+Shapes: N robots, G items, S stations, M pheromones.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.decorators import kernel
+
+SEARCHING: Final = 0  # values of `Canvas.cargo`: the robot carries nothing,
+GARBAGE: Final = 1  # an item to the recycling station,
+LEFTOVERS: Final = 2  # or its leftovers to the dump station
+
+INK, PAPER = "#2b2b2b", "#fbfaf7"
+OPTION_COLOURS: Final = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#8C6BB1", "#999999",
+)  # fmt: skip
+ITEM_COLOUR: Final = "#E69F00"
+STATIONS: Final = (("recycling", "#009E73"), ("dump", "#8C6BB1"))
+"""Names and colours of stations."""
+TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
+MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
+FRAMES_PER_SECOND: Final = 20
+"""Pictures of a video for each second of the mission."""
+FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was put elsewhere
+
+
+def no_places() -> Floats:
+    """Return no places: (0, 2)."""
+    return np.zeros((0, 2))
+
+
+class Area(NamedTuple):
+    """A place that means something to robots: its name, middle and radius [m]."""
+
+    name: str
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """The data of a picture. Arrays of another shape than stated raise ValueError."""
+
+    positions: Floats  # (N, 2) [m] of the robots
+    headings: Floats  # (N,) [rad]
+    width: float = 11.0  # [m]
+    height: float = 11.0  # [m]
+    time: float = 0.0  # [s] since the start
+    state: str = ""  # what there is to say of this moment
+    radius: float = 0.25  # [m] of a robot
+    cargo: Ints | None = None  # (N,) SEARCHING, GARBAGE or LEFTOVERS; None: all are searching
+    working: Flags | None = None  # (N,) whether the robot is at work; None: all are
+    options: tuple[str, ...] = ()  # names of the options of a goal
+    held: Ints | None = None  # (N,) which of them serves the goal in each robot; None: the first
+    garbage: Floats = field(default_factory=no_places)  # (G, 2) [m] of items that lie
+    leftover: Flags | None = None  # (G,) whether the item has been recycled; None: none has
+    stations: Floats = field(default_factory=no_places)  # (S, 2) [m], those of STATIONS in this order
+    station_radius: float = 0.5  # [m] within which a robot is at a station
+    areas: tuple[Area, ...] = ()  # what else lies in the world
+    pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
+    pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
+
+    def __post_init__(self) -> None:
+        robots, items, marks = len(self.positions), len(self.garbage), len(self.pheromones)
+        shapes = {
+            "positions": (robots, 2),
+            "headings": (robots,),
+            "cargo": (robots,),
+            "working": (robots,),
+            "held": (robots,),
+            "garbage": (items, 2),
+            "leftover": (items,),
+            "stations": (len(self.stations), 2),
+            "pheromones": (marks, 2),
+            "pheromone_diffusions": (marks,),
+        }
+        for name, shape in shapes.items():
+            given = getattr(self, name)
+            if given is not None and np.shape(given) != shape:
+                raise ValueError(f"{name}: expected shape {shape}, got {np.shape(given)}")
+
+
+def between(first: Canvas, second: Canvas, share: float) -> Canvas:
+    """Return the canvas at a share of the time from one moment to another: robots move, all else is as it was first."""
+    if len(first.positions) != len(second.positions):
+        return first
+    size = np.array([first.width, first.height])
+    moved, turned = _shorter(second.positions - first.positions, size), second.headings - first.headings
+    moved *= (np.hypot(*moved.T) < FARTHEST_STEP)[:, None]
+    return replace(
+        first,
+        positions=(first.positions + share * moved) % size,
+        headings=first.headings + share * _shorter(turned, np.array(2.0 * np.pi)),
+        time=first.time + share * (second.time - first.time),
+    )
+
+
+def _shorter(offsets: Floats, size: Floats) -> Floats:
+    """Return offsets on a circle the shorter way."""
+    return offsets - size * np.round(offsets / size)
+
+
+def appearances(canvas: Canvas, place: NDArray[np.float64], extent: float) -> Iterator[tuple[float, float]]:
+    """Yield the places [m] at which a thing of half size `extent` [m] shows on the map: several at a seam."""
+    for right, up in product((-1, 0, 1), repeat=2):
+        x, y = float(place[0]) + right * canvas.width, float(place[1]) + up * canvas.height
+        if -extent < x < canvas.width + extent and -extent < y < canvas.height + extent:
+            yield x, y
+
+
+def trail_strength(canvas: Canvas) -> Floats:
+    """Return the strength of the pheromones on a raster (rows upwards, columns to the right) of TRAIL_PITCH [m].
+
+    In each cell the strongest pheromone counts. Its strength falls linearly from 1 at its centre to 0 at its diffusion
+    radius, as Balch and Hybinette's repulsion does.
+    """
+    lines, columns = (
+        min(max(round(size / TRAIL_PITCH), 1), MOST_TRAIL_CELLS) for size in (canvas.height, canvas.width)
+    )
+    strength = np.zeros((lines, columns))
+    places = np.ascontiguousarray(canvas.pheromones, dtype=np.float64)
+    diffusions = np.ascontiguousarray(canvas.pheromone_diffusions, dtype=np.float64)
+    lay_trail(places, diffusions, canvas.width, canvas.height, strength)
+    return strength
+
+
+@kernel
+def lay_trail(places: Floats, diffusions: Floats, width: float, height: float, strength: Floats) -> None:
+    """Raise the `strength` (rows, columns) of the cells of a torus to that of each pheromone: `places` (M, 2) [m]."""
+    lines, columns = strength.shape
+    across, up = width / columns, height / lines
+    for k in range(len(diffusions)):
+        if diffusions[k] <= 0.0:
+            continue
+        right = min(int(np.ceil(diffusions[k] / across)), columns // 2)
+        above = min(int(np.ceil(diffusions[k] / up)), lines // 2)
+        column, line = int(np.floor(places[k, 0] / across)), int(np.floor(places[k, 1] / up))
+        for i in range(line - above, line + above + 1):
+            dy = (i + 0.5) * up - places[k, 1]
+            row = strength[i % lines]
+            for j in range(column - right, column + right + 1):
+                dx = (j + 0.5) * across - places[k, 0]
+                felt = 1.0 - np.sqrt(dx * dx + dy * dy) / diffusions[k]
+                cell = j - columns if j >= columns else (j + columns if j < 0 else j)
+                if felt > row[cell]:
+                    row[cell] = felt
