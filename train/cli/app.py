@@ -18,8 +18,22 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import configure, draw, evaluate, knowledge, picture, play, repeat, run, score, train, tune, video
+from train.cli import (
+    claims,
+    configure,
+    draw,
+    evaluate,
+    headroom,
+    knowledge,
+    play,
+    repeat,
+    run,
+    score,
+    train,
+    tune,
+)
 from train.cli.options import Configs, error_console, print_error
+from train.cli.showing import picture, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -53,6 +67,8 @@ app.command("run")(run.run_command)
 app.command("score")(score.score_command)
 app.command("tune")(tune.tune_command)
 app.command("configure")(configure.configure_command)
+app.command("claims")(claims.claims_command)
+app.command("headroom")(headroom.headroom_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
