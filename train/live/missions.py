@@ -22,13 +22,15 @@ from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.evaluation.entrants import LEARNED, POLICY, RULE, YARDSTICKS, identified, member_pilot
+from train.evaluation.entrants import FIXED, LEARNED, POLICY, RULE, identified, member_pilot
 from train.evaluation.repeat_trial import DIGEST
 from train.live.session import Session, check_files
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import Pilot
 from train.running.provenance import fingerprints
 
+OFFERED = ("MaxScore", "Random", f"{FIXED}:Off", RULE)
+"""Strategies that a user may choose where they fit, besides policies and learned strategies."""
 SPARE_ROBOTS, SPARE_ITEMS = 20, 40
 """Robots and items that can be added by hand."""
 
@@ -171,7 +173,7 @@ class MissionSession(Session):
         directories = self._play.directories
         named = [f"{POLICY}:{name}" for name in files_of("policies", directories)]
         named += [f"{LEARNED}:{name}" for name in files_of("strategies", directories)]
-        fitting = [member for member in ("MaxScore", *YARDSTICKS, RULE, *named) if self._fits(member)]
+        fitting = [member for member in (*OFFERED, *named) if self._fits(member)]
         return list(dict.fromkeys([self._play.member, *fitting]))
 
     def _fits(self, member: str) -> bool:
