@@ -75,7 +75,7 @@ class MessageLog(DepositLog):
         worlds = self._worlds
         if self._counts:
             rows, delay, n = worlds.minds.poses.row_table, worlds.minds.reception.delay_ticks, worlds.robots
-            spread, heard = rows[:, c.ROW_POSES] > delay, rows[:, c.ROW_HEARD :] == delay
+            spread, heard = rows[:, c.ROW_POSES] > delay, rows[:, c.ROW_HEARD : c.ROW_HEARD + n] == delay
             missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
             missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
             self._missed[:] = missed.sum(axis=1) * worlds.team.working

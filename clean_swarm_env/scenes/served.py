@@ -88,6 +88,8 @@ class ServedTeam(Controller):
                 self.memory[name].write(np.arange(arena.rows), values)
         host = Host(arena.poses, self.buffers, arena.directions, arena.generators(DRAWS), self.memory)
         self._robots = CoordinatedRobots(expert.model, host)
+        self._steers = expert.model.configurations[expert.option].steers
+        self._errand: Controller | None = None
         self.options = expert.model.options
         self.hold(np.full(arena.rows, expert.option))
 
@@ -104,6 +106,13 @@ class ServedTeam(Controller):
     def hold(self, options: Ints) -> None:
         """Give each robot the option (R,) that serves the goal from now on."""
         self._robots.hold(options)
+
+    def with_errand(self, errand: Controller) -> Controller:
+        """Return the team on an errand, which an option that steers changes, and any other adds to."""
+        if not self._steers:
+            return super().with_errand(errand)
+        self._errand = errand
+        return self
 
     def decisions(self) -> tuple[Floats, Ints]:
         """Return values (R,) and states (R,) of the first decision mechanism of the option that each robot holds."""
@@ -123,6 +132,4 @@ class ServedTeam(Controller):
     def _command(self, commands: Commands) -> None:
         for buffer in self.buffers.values():
             buffer.deliver(self.arena.now)
-        orders = self._robots.tick(self.arena.now)
-        commands.vectors[:], commands.commanded[:] = orders.vectors, orders.commanded
-        commands.in_place[:] = orders.in_place
+        commands.take(self._robots.tick(self.arena.now, self._errand.command() if self._errand else None))

@@ -26,6 +26,10 @@ SMALL = {
 """An experiment that takes seconds."""
 
 
+BESIDE = ("fixed:Off", "Random")
+"""Strategies that come beside those of the document."""
+
+
 def written(path, **changes):
     path.write_text(yaml.safe_dump(SMALL | changes))
     return path
@@ -57,7 +61,7 @@ def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tm
     assert run(*words, tmp_path / "whole") == 0
     assert run(*words, tmp_path / "cut") == 0
     journal = tmp_path / "cut" / "runs.jsonl"
-    assert len(journal.read_text().splitlines()) == 2 * 2 * 3
+    assert len(journal.read_text().splitlines()) == 2 * 3 * len((*SMALL["strategies"], *BESIDE))
     journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
     assert run(*words, tmp_path / "cut", "--resume") == 0
     whole, cut = ((tmp_path / name / "summary.json").read_text() for name in ("whole", "cut"))
@@ -74,10 +78,10 @@ def test_strategies_can_be_added_later(tmp_path):
     path = written(tmp_path / "small.yaml", scenarios=1, disturbances=SMALL["disturbances"][:1])
     words = ("evaluate", path, "--workers", 1, "--output", tmp_path / "grown")
     assert run(*words) == 0
-    written(path, scenarios=1, disturbances=SMALL["disturbances"][:1], strategies=[*SMALL["strategies"], "Random"])
+    written(path, scenarios=1, disturbances=SMALL["disturbances"][:1], strategies=[*SMALL["strategies"], "MaxScore"])
     assert run(*words, "--resume") == 0
     summary = json.loads((tmp_path / "grown" / "summary.json").read_text())
-    assert list(summary["disturbances"]["none"]) == [*SMALL["strategies"], "Random"]
+    assert list(summary["disturbances"]["none"]) == [*SMALL["strategies"], "MaxScore", *BESIDE]
 
 
 @pytest.mark.parametrize(
