@@ -20,7 +20,7 @@ COLOURS = 9
 
 
 @dataclass(frozen=True)
-class Scale:
+class Axis:
     """A scale from `low` to `high`, both positive if it is logarithmic."""
 
     low: float
@@ -28,7 +28,7 @@ class Scale:
     log: bool = False
 
     @classmethod
-    def over(cls, values: Sequence[float], *, zero: bool = False) -> Scale:
+    def over(cls, values: Sequence[float], *, zero: bool = False) -> Axis:
         """Return the scale of values, from 0 if `zero`; logarithmic if they are positive and far apart."""
         finite = [value for value in values if math.isfinite(value)] or [0.0]
         low, high = min(finite), max(finite)
@@ -62,7 +62,7 @@ class Scale:
 class Chart:
     """A chart of `width` and `height` [pixels] without its margins; marks are given by values of its scales."""
 
-    def __init__(self, x: Scale, y: Scale, size: tuple[int, int], left: int = 60) -> None:
+    def __init__(self, x: Axis, y: Axis, size: tuple[int, int], left: int = 60) -> None:
         self.x, self.y, (self.width, self.height), self.left = x, y, size, left
         self._parts: list[str] = []
 

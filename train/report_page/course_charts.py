@@ -9,7 +9,7 @@ import numpy as np
 
 from clean_swarm_env.recording.reader import RecordedMission
 from selforg.arrays import Flags, Floats, Ints
-from train.report_page.chart import COLOURS, Chart, Scale
+from train.report_page.chart import COLOURS, Axis, Chart
 from train.report_page.run_charts import LABELS, WIDTH, key
 
 COST = "/cost_s"
@@ -34,7 +34,7 @@ def learning_curves(histories: Sequence[tuple[str, Sequence[dict[str, Any]]]]) -
     points = [point for curve in curves.values() for point in curve]
     if not points:
         return ""
-    x, y = Scale.over([p[0] for p in points], zero=True), Scale.over([p[1] for p in points])
+    x, y = Axis.over([p[0] for p in points], zero=True), Axis.over([p[1] for p in points])
     chart = Chart(x, y, (WIDTH, 260))
     for c, (label, curve) in enumerate(curves.items()):
         chart.line([point[:2] for point in curve], f"c{c % COLOURS}", label)
@@ -56,7 +56,7 @@ def selection_over_time(recordings: Sequence[RecordedMission], goal: str) -> str
     counts = counts[counts.sum(axis=1) > 0]
     tops = np.cumsum(counts / counts.sum(axis=1, keepdims=True), axis=1)
     middles = (edges[: len(counts)] + edges[1 : len(counts) + 1]) / 2.0
-    chart = Chart(Scale(0.0, end or 1.0), Scale(0.0, 1.0), (WIDTH, 180))
+    chart = Chart(Axis(0.0, end or 1.0), Axis(0.0, 1.0), (WIDTH, 180))
     below = np.zeros(len(counts))
     for k, option in enumerate(options):
         upper = list(zip(middles.tolist(), tops[:, k].tolist(), strict=True))
@@ -77,7 +77,7 @@ def selection_by_situation(recordings: Sequence[RecordedMission], goal: str) -> 
             counts = np.array([(held[there] == k).sum() for k in range(len(options))], dtype=np.float64)
             shares[name] = shares.get(name, np.zeros(len(options))) + counts
     shares = {name: counts / counts.sum() for name, counts in shares.items() if counts.sum()}
-    chart = Chart(Scale(0.0, 1.0), Scale(-0.5, len(shares) - 0.5), (WIDTH, 26 * len(shares)), LABELS)
+    chart = Chart(Axis(0.0, 1.0), Axis(-0.5, len(shares) - 0.5), (WIDTH, 26 * len(shares)), LABELS)
     for row, (name, own) in enumerate(shares.items()):
         y, begin = len(shares) - 1.0 - row, 0.0
         chart.words(0.0, y, name, "end", (-8.0, 0.0))

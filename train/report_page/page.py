@@ -27,7 +27,7 @@ PAGE = """<!DOCTYPE html>
 {body}
 </body></html>
 """
-NEEDED = {"x", "y", "present", "working", "cargo", "recycled"}
+SELECTION_CHANNELS = {"x", "y", "present", "working", "cargo", "recycled"}
 """Channels that charts of selection need, beside the option that is held."""
 EXPLAINED = (
     "Dots are runs, boxes quartiles, large dots means with their 95 % intervals (Student). The pointer on a mark shows "
@@ -97,7 +97,7 @@ def _selection(recordings: Sequence[RecordedMission]) -> Iterator[str]:
     groups: dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]] = {}
     for recording in recordings:
         for goal, options in recording.head["options"].items():
-            if {f"held/{goal}", *NEEDED} <= set(recording):
+            if {f"held/{goal}", *SELECTION_CHANNELS} <= set(recording):
                 condition = str(recording.head["about"].get("condition", ""))
                 groups.setdefault((condition, goal, tuple(options)), []).append(recording)
     if not groups:

@@ -13,7 +13,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from train.analysis.statistics import summarise
-from train.report_page.chart import COLOURS, ROW, Chart, Scale
+from train.report_page.chart import COLOURS, ROW, Axis, Chart
 from train.running.runs import RunRecord
 
 FIGURES: Final[Mapping[str, Callable[[RunRecord], float]]] = {
@@ -38,7 +38,7 @@ def table_of(records: Sequence[RunRecord], conditions: Sequence[str], scenarios:
 def distributions(values: Floats, conditions: Sequence[str], scenarios: Sequence[str], title: str) -> str:
     """Return a row for each condition: every run, quartiles, and the mean with its 95 % interval."""
     known = values[np.isfinite(values)]
-    chart = Chart(Scale.over(known.tolist()), _rows(len(conditions)), (WIDTH, ROW * len(conditions)), LABELS)
+    chart = Chart(Axis.over(known.tolist()), _rows(len(conditions)), (WIDTH, ROW * len(conditions)), LABELS)
     for c, name in enumerate(conditions):
         y, own = len(conditions) - 1.0 - c, values[c]
         _label(chart, name, y)
@@ -57,7 +57,7 @@ def differences(values: Floats, conditions: Sequence[str], scenarios: Sequence[s
     if not others:
         return ""
     known = apart[others][np.isfinite(apart[others])]
-    chart = Chart(Scale.over([0.0, *known.tolist()], zero=True), _rows(len(others)), (WIDTH, ROW * len(others)), LABELS)
+    chart = Chart(Axis.over([0.0, *known.tolist()], zero=True), _rows(len(others)), (WIDTH, ROW * len(others)), LABELS)
     chart.line([(0.0, -0.5), (0.0, len(others) - 0.5)], "axis")
     for row, c in enumerate(others):
         y, own = len(others) - 1.0 - row, apart[c]
@@ -74,7 +74,7 @@ def profile(values: Floats, conditions: Sequence[str]) -> str:
     ratios = np.clip(values / np.nanmin(values, axis=0), 1.0, FARTHEST_RATIO)
     known = ratios[np.isfinite(ratios)]
     highest = max(float(known.max()), 2.0)
-    chart = Chart(Scale(1.0, highest * 1.05, log=True), Scale(0.0, 1.0), (WIDTH, 240))
+    chart = Chart(Axis(1.0, highest * 1.05, log=True), Axis(0.0, 1.0), (WIDTH, 240))
     for c, name in enumerate(conditions):
         own = np.sort(ratios[c][np.isfinite(ratios[c])])
         points, share = [(1.0, 0.0)], 0.0
@@ -111,8 +111,8 @@ def key(names: Sequence[str]) -> str:
     return f'<p class="key">{"".join(parts)}</p>'
 
 
-def _rows(count: int) -> Scale:
-    return Scale(-0.5, count - 0.5)
+def _rows(count: int) -> Axis:
+    return Axis(-0.5, count - 0.5)
 
 
 def _label(chart: Chart, name: str, y: float) -> None:

@@ -14,7 +14,7 @@ import yaml
 
 from tests.train.commands import run
 from train.analysis.statistics import summarise
-from train.report_page.chart import Chart, Scale
+from train.report_page.chart import Axis, Chart
 from train.report_page.page import html_of_markdown
 from train.report_page.run_charts import differences, profile, scenario_map
 
@@ -188,22 +188,22 @@ def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, scheme
 
 def test_scales_have_round_ticks_within_and_keep_the_order():
     for values in ([3.0, 7.0], [0.001, 900.0], [5.0], [-3.0, 4.0], [0.0, 0.0], [np.inf, 1.0]):
-        scale = Scale.over(values)
+        scale = Axis.over(values)
         ticks = scale.ticks()
         assert len(ticks) >= 2 or not scale.log
         assert all(scale.low <= tick <= scale.high for tick in ticks)
         shares = [scale.share(tick) for tick in ticks]
         assert shares == sorted(shares)
-    assert Scale.over([1.0, 100.0]).log
-    assert not Scale.over([1.0, 100.0], zero=True).log
-    assert Chart(Scale(0.0, 10.0), Scale(0.0, 1.0), (100, 50), left=20).place(5.0, 1.0) == (70.0, 6.0)
+    assert Axis.over([1.0, 100.0]).log
+    assert not Axis.over([1.0, 100.0], zero=True).log
+    assert Chart(Axis(0.0, 10.0), Axis(0.0, 1.0), (100, 50), left=20).place(5.0, 1.0) == (70.0, 6.0)
 
 
 def test_charts_of_known_costs():
     costs, names, scenarios = np.array([[10.0, 20.0], [15.0, 10.0], [np.nan, 40.0]]), ("a", "b", "c"), ("s1", "s2")
     told = re.findall("<title>(.*?)</title>", differences(costs, names, scenarios, "cost"))
     assert {"s1: -5", "s2: +10", "s2: +30"} <= set(told)
-    chart = Chart(Scale(1.0, 4.2, log=True), Scale(0.0, 1.0), (620, 240))
+    chart = Chart(Axis(1.0, 4.2, log=True), Axis(0.0, 1.0), (620, 240))
     assert "{:.1f},{:.1f}".format(*chart.place(1.5, 1.0)) in profile(costs, names)
     table = scenario_map(costs, names, scenarios, {"s1-b": "x.html?a&b"})
     assert '<a href="x.html?a&amp;b">15</a>' in table
