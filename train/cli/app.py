@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import draw, evaluate, knowledge, repeat, run, score, train
+from train.cli import dataset, draw, evaluate, knowledge, repeat, run, score, train
 from train.cli.options import Configs, error_console, print_error
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
@@ -52,6 +52,7 @@ app.add_typer(train.app, name="train")
 app.command("run")(run.run_command)
 app.command("score")(score.score_command)
 app.command("draw")(draw.draw_command)
+app.command("dataset")(dataset.dataset_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
@@ -108,9 +109,12 @@ def _common(
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
     from clean_swarm_env.config.load import load_experiment, load_family
+    from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
+    from clean_swarm_env.scenes import goals
     from selector.documents.find import KINDS, files_of
     from selector.documents.plain import plain
     from selector.strategies.registry import STRATEGIES
+    from selforg.mechanisms.registry import MECHANISMS
 
     for name in files_of("experiments", configs or ()):
         experiment = load_experiment(name, configs or ())
@@ -123,3 +127,6 @@ def list_everything(configs: Configs = None) -> None:
     for kind in sorted(KINDS.keys() - {"experiments", "families"}):
         typer.echo(f"{kind}: {plain(', '.join(files_of(kind, configs or ())))}")
     typer.echo(f"strategies by name: {', '.join(STRATEGIES.names())}")
+    typer.echo(f"mechanisms by name: {', '.join(MECHANISMS.names())}")
+    typer.echo(f"goals with a scene: {', '.join(goals())}")
+    typer.echo(f"terms of observations: {', '.join(DEFAULT_TERMS)}")
