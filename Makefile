@@ -22,13 +22,8 @@ golden:  ## numbers of the original implementation, beside this checkout
 examples:  ## every example in an environment of its own, with its framework; FRAMEWORKS=tianshou for some
 	$(BIN)python -m tests.examples .frameworks $(FRAMEWORKS)
 
-soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 2,000 killed processes, 1,100 copies, an hour of switching
-	$(BIN)python -m tests.selforg.gradients.fuzz
-	$(BIN)python -m tests.selforg.network.soak 10000
-	$(BIN)python -m tests.selector.store.soak
-	$(BIN)python -m tests.clean_swarm_env.soak_copies
-	$(BIN)python -m tests.clean_swarm_env.guarded_copies
-	$(BIN)python -m tests.selector.coordination.soak_switching
+soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
+	$(BIN)python -m tests.soak
 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status

@@ -10,7 +10,7 @@ from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.find import files_of
-from selector.documents.parameters import check_parameters_used, resolved
+from selector.documents.parameters import check_parameters_used, declared_parameters, resolved
 from selector.documents.reading import read_mapping
 from selector.knowledge import Knowledge, Option
 from selforg.registry import unknown
@@ -59,6 +59,11 @@ class Library:
         configuration = validated(ConfigurationSpec, content, where)
         RunningConfiguration(configuration, trial_host(configuration), where)
         return configuration
+
+    def parameters(self, key: str) -> dict[str, Any]:
+        """Return the parameters of a configuration that options may override, with their own values."""
+        self.configuration(key)
+        return dict(declared_parameters(self._documents[key]))
 
     def of_option(self, option: Option) -> ConfigurationSpec:
         """Return the configuration of an option with the parameters of the option."""

@@ -19,6 +19,7 @@ from selforg.compiler.decorators import lean_kernel
 from tests.clean_swarm_env.copies import advance, random_batch
 from tests.clean_swarm_env.test_copies import WAYS
 from tests.guard_pages import guard
+from tests.soaking import report, rounds
 
 FAULTS = ("none", "address", "behind")
 
@@ -64,9 +65,12 @@ def main(count: int, fault: str) -> None:
     if fault == "behind":
         array = np.zeros(3)
         write(array, array.size)
-    for number in range(count):
+    tried = 0
+    for number in rounds(count):
         check(number, fault)
-    print(f"{count} copies between guard pages: equal bits, no access outside")
+        tried += 1
+    print(f"{tried} copies between guard pages: equal bits, no access outside")
+    report(tried, tried)
 
 
 if __name__ == "__main__":

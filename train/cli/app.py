@@ -18,8 +18,23 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import dataset, draw, evaluate, knowledge, repeat, run, score, train
+from train.cli import (
+    claims,
+    configure,
+    dataset,
+    draw,
+    evaluate,
+    headroom,
+    knowledge,
+    play,
+    repeat,
+    run,
+    score,
+    train,
+    tune,
+)
 from train.cli.options import Configs, error_console, print_error
+from train.cli.showing import picture, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -51,11 +66,18 @@ app.add_typer(knowledge.app, name="knowledge")
 app.add_typer(train.app, name="train")
 app.command("run")(run.run_command)
 app.command("score")(score.score_command)
+app.command("tune")(tune.tune_command)
+app.command("configure")(configure.configure_command)
+app.command("claims")(claims.claims_command)
+app.command("headroom")(headroom.headroom_command)
 app.command("draw")(draw.draw_command)
 app.command("dataset")(dataset.dataset_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
+app.command("play")(play.play_command)
+app.command("picture")(picture.picture_command)
+app.command("video")(video.video_command)
 app.command("export")(repeat.export_command)
 
 
@@ -108,7 +130,7 @@ def _common(
 @app.command("list")
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
-    from clean_swarm_env.config.load import load_experiment, load_family
+    from clean_swarm_env.config.load import load_experiment, load_family, load_robustness
     from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
     from clean_swarm_env.scenes import goals
     from selector.documents.find import KINDS, files_of
@@ -117,6 +139,11 @@ def list_everything(configs: Configs = None) -> None:
     from selforg.mechanisms.registry import MECHANISMS
 
     for name in files_of("experiments", configs or ()):
+        robustness = load_robustness(name, configs or ())
+        if robustness is not None:
+            typer.echo(f"{plain(name)}: {plain(robustness.description)}")
+            typer.echo(f"  {robustness.scenarios} random scenarios; disturbances: {', '.join(robustness.disturbed)}")
+            continue
         experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
         typer.echo(f"{plain(name)}: {plain(experiment.description)}")

@@ -17,7 +17,8 @@ Configs = Annotated[
     list[Path] | None,
     typer.Option(
         help="Directory of your own files, with experiments/, families/, knowledge/, mechanisms/, missions/, "
-        "policies/, robots/, starts/, strategies/, training/; searched before the shipped ones; can be repeated.",
+        "policies/, robots/, starts/, strategies/, studies/, training/; searched before the shipped ones; can be "
+        "repeated.",
     ),
 ]
 
@@ -25,6 +26,7 @@ Configs = Annotated[
 MOST_SEED = 2**63 - 1
 MOST_SCENARIOS = 10_000
 MOST_WORKERS = 1000
+MOST_WORLD_SEEDS = 100
 
 Force = Annotated[
     bool, typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week.")

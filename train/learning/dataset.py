@@ -103,6 +103,7 @@ def _description(request: DatasetRequest, batch: Any, figures: list[dict[str, fl
     mean = {name: float(np.mean([mission[name] for mission in figures])) for name in figures[0]}
     options = "; ".join(f"{goal}: {', '.join(names)}" for goal, names in batch.options.items())
     last, period = request.seed + len(figures) - 1, batch.mission.decision_period
+    weights = ", ".join(f"{name} {weight:g}" for name, weight in batch.rewards.config.model_dump().items() if weight)
     done = f"{mean['duration_s']:.1f} s, {mean['garbage_done']:.1f} items, {mean['completed']:.0%} completed"
     return f"""\
 Cleaning robots on a torus, {len(figures)} missions of the family {request.family}, seeds {request.seed} to {last}.
@@ -110,7 +111,7 @@ Every {period:g} s {request.strategy} gives each of {batch.robots} robots an opt
 
 - Observations: robot after robot; of each {", ".join(batch.observer.names)}.
 - Actions: robot after robot the number of an option for each goal. {options}.
-- Rewards: mean over the robots; +1 for each item dumped, -0.01 a second, -0.1 for each own collision event.
+- Rewards: mean over the robots, with the weights {weights}.
 - Terminated: all garbage is dumped. Truncated: the time is over.
 - Infos: time, items and collisions of each period and of the mission so far.
 - Means of a mission: return {mean["return"]:.2f}, {done}."""

@@ -13,6 +13,9 @@ from traceback import format_exc
 from clean_swarm_env.siblings import call
 from train.running.runs import RunRecord, Task
 
+Round = Callable[[Sequence[Task]], Iterator[RunRecord]]
+"""A function that does tasks, and yields each run when it is done."""
+
 
 def each_done(tasks: Sequence[Task], workers: int) -> Generator[RunRecord, None, None]:
     """Yield each run when it is done, in any order, from up to `workers` processes.
@@ -23,19 +26,21 @@ def each_done(tasks: Sequence[Task], workers: int) -> Generator[RunRecord, None,
         BrokenProcessPool: a worker was killed; all runs that were done have been yielded.
 
     """
-    if min(workers, len(tasks)) <= 1:
-        for task in tasks:
-            yield from task.each()
+    with rounds(min(workers, len(tasks))) as done:
+        yield from done(tasks)
+
+
+@contextmanager
+def rounds(workers: int) -> Iterator[Round]:
+    """Yield a function that does some tasks as `each_done` does, in processes that stay for the tasks after them."""
+    if workers <= 1:
+        yield lambda tasks: (record for task in tasks for record in task.each())
         return
     pool = _Workers()
     try:
         with _ctrl_c_ignored():  # workers inherit this
-            pool.start(min(workers, len(tasks)))
-        try:
-            yield from pool.done(iter(tasks))
-        except (BrokenProcessPool, KeyboardInterrupt):
-            yield from pool.sent()
-            raise
+            pool.start(workers)
+        yield pool.round
     finally:
         pool.end()
 
@@ -56,10 +61,17 @@ class _Workers:
             process.start()
             theirs.close()  # now its end is the worker's alone, and closed when that ends
             self._processes[ours] = process
-            self._busy.add(ours)
 
-    def done(self, tasks: Iterator[Task]) -> Iterator[RunRecord]:
-        """Do the tasks, at least one for each process, and yield their runs."""
+    def round(self, tasks: Sequence[Task]) -> Iterator[RunRecord]:
+        """Do the tasks and yield their runs, also those that are done when it is interrupted or a worker is killed."""
+        try:
+            yield from self._done(iter(tasks))
+        except (BrokenProcessPool, KeyboardInterrupt):
+            yield from self._sent()
+            raise
+
+    def _done(self, tasks: Iterator[Task]) -> Iterator[RunRecord]:
+        self._busy.update(self._processes)
         for connection in self._processes:
             self._give(connection, tasks)
         while self._busy:
@@ -74,7 +86,7 @@ class _Workers:
                 else:
                     yield answer
 
-    def sent(self) -> Iterator[RunRecord]:
+    def _sent(self) -> Iterator[RunRecord]:
         """End the tasks, and yield the runs that were done but not yet received."""
         for connection in self._busy:
             self._processes[connection].terminate()

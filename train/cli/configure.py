@@ -1,0 +1,46 @@
+"""`clean-swarm configure`: a study of all numbers and flags of one option."""
+
+from typing import Annotated
+
+import typer
+
+from train.cli.options import Configs, Force, check_whole
+from train.cli.tune import (
+    GivenStore,
+    Output,
+    Resume,
+    Seed,
+    Storage,
+    Workers,
+    check_numbers,
+    run_given,
+)
+
+MOST_TRIALS = 100_000
+
+
+def configure_command(
+    option: Annotated[str, typer.Argument(help="Name of an option of the expert knowledge.", metavar="OPTION")],
+    family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],
+    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
+    method: Annotated[str, typer.Option(help="random, TPE, CMA-ES, NSGA-II or MAP-Elites.")] = "TPE",
+    trials: Annotated[int, typer.Option(help="Candidates of each method.")] = 60,
+    seed: Seed = 0,
+    output: Output = None,
+    resume: Resume = False,
+    workers: Workers = None,
+    storage: Storage = None,
+    store: GivenStore = None,
+    force: Force = False,
+    configs: Configs = None,
+) -> None:
+    """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
+    check_numbers(seed, workers)
+    check_whole({"--trials": (trials, 2, MOST_TRIALS)})
+    from train.studies.configured import configured_study
+
+    directories = tuple(configs or ())
+    study = configured_study(option, family, knowledge, {"method": method, "trials": trials}, directories)
+    command = ["configure", option, "--family", family, "--method", method, "--trials", str(trials)]
+    command += ["--knowledge", knowledge] if knowledge is not None else []
+    run_given(study, tuple(command), seed, output, resume, workers, storage, store, force, directories)

@@ -1,0 +1,131 @@
+"""The search of a study: batches of candidates are proposed, race on common training scenarios, and teach the method.
+
+What a candidate brings is estimated for all scenarios of the search, though most candidates stop early: by regression
+on what the unchanged options bring there (Cochran 1977, Sampling Techniques, chapter 7).
+
+Shapes: F figures of a mission, n scenarios that a candidate did.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from selforg.arrays import Floats
+from train.studies.config import Method, RaceConfig, StudyConfig
+from train.studies.missions import AVOIDING, COST, DURATION, EVENTS, LAST, SEARCH, Candidate, Field
+from train.studies.proposals import Told, proposer_of
+from train.studies.racing import front, race
+from train.studies.space import Space
+
+
+@dataclass(frozen=True)
+class StudyTrial:
+    """A candidate, and what the method was told of it."""
+
+    candidate: Candidate
+    told: Told
+    means: tuple[float, ...] = ()
+    """Estimated means of the figures, in the order of FIGURES; none where the library refused the values."""
+    scenarios: int = 0
+    """Number of scenarios on which the estimate rests."""
+
+
+@dataclass(frozen=True)
+class Arm:
+    """What one method found."""
+
+    method: Method
+    trials: tuple[StudyTrial, ...]
+    finalists: tuple[Candidate, ...]
+    """Candidates that no race dropped, best first."""
+
+
+class Search:
+    """The races of one study.
+
+    Args:
+        study: the study.
+        space: its space.
+        field: does the missions.
+        unchanged: the candidate in which nothing of the space is applied.
+
+    """
+
+    def __init__(self, study: StudyConfig, space: Space, field: Field, unchanged: Candidate) -> None:
+        self._study, self._space, self._field, self._unchanged = study, space, field, unchanged
+        self._counting = [DURATION, EVENTS] if study.objective == "front" else [COST]
+
+    def arm(self, method: Method, seed: int, on_batch: Callable[[Sequence[StudyTrial]], None]) -> Arm:
+        """Search by a method; `on_batch` gets all trials so far after each batch."""
+        study, proposer = self._study, proposer_of(method, self._study, self._space, seed)
+        trials: list[StudyTrial] = []
+        best: list[Candidate] = []
+        while len(trials) < study.trials:
+            asked = proposer.ask(min(study.batch, study.trials - len(trials)))
+            batch = [
+                Candidate(f"{method}-{len(trials) + k + 1}", self._space.goals_with(values), values)
+                for k, values in enumerate(asked)
+            ]
+            able = [candidate for candidate in batch if not self._space.mistake(candidate.goals)]
+            best = self._best(race([*best, *able], self._measure(SEARCH), study.race)) if able else best
+            told = [self._trial(candidate, candidate in able) for candidate in batch]
+            proposer.tell([trial.told for trial in told])
+            trials += told
+            on_batch(trials)
+        return Arm(method, tuple(trials), tuple(best))
+
+    def winners(self, arm: Arm) -> list[Candidate]:
+        """Return who wins the last race, on fresh scenarios: the cheapest, or those on the front."""
+        rules = self._study.race
+        blocks = -(-self._study.last.scenarios // rules.block)
+        measure = self._measure(LAST)
+        left = race(arm.finalists, measure, RaceConfig(block=rules.block, blocks=blocks, level=rules.level))
+        count = min(self._field.journal.done(LAST, candidate.name) for candidate in left)
+        order = front(measure(left, count).mean(axis=-1))
+        return [left[k] for k in (order if len(self._counting) > 1 else order[:1])]
+
+    def means(self, candidate: Candidate) -> Floats:
+        """Return the estimated means (F,) of a candidate on all scenarios of the search."""
+        count, rules = self._field.journal.done(SEARCH, candidate.name), self._study.race
+        own = self._field.figures(SEARCH, [candidate], count)[0]
+        reference = self._field.figures(SEARCH, [self._unchanged], rules.block * rules.blocks)[0]
+        return estimated(own, reference)
+
+    def _trial(self, candidate: Candidate, able: bool) -> StudyTrial:
+        if not able:
+            return StudyTrial(candidate, Told(()))
+        means = self.means(candidate)
+        values = tuple(means[self._counting].tolist())
+        told = Told(values, float(means[EVENTS]), float(means[AVOIDING]))
+        return StudyTrial(candidate, told, tuple(means.tolist()), self._field.journal.done(SEARCH, candidate.name))
+
+    def _best(self, left: Iterable[Candidate]) -> list[Candidate]:
+        """Return the best of the candidates that are left, at most as many as there are finalists."""
+        candidates, most = list(left), self._study.last.finalists
+        means = np.array([self.means(candidate)[self._counting] for candidate in candidates])
+        if len(self._counting) == 1:
+            return [candidates[k] for k in means[:, 0].argsort(kind="stable")[:most]]
+        order = front(means)
+        spread = np.unique(np.linspace(0, len(order) - 1, most).round().astype(np.int64))
+        return [candidates[k] for k in order[spread]]
+
+    def _measure(self, stage: str) -> Callable[[Sequence[Candidate], int], Floats]:
+        return lambda candidates, count: self._field.figures(stage, candidates, count)[:, self._counting]
+
+
+def estimated(own: Floats, reference: Floats) -> Floats:
+    """Return the means (F,) that `own` (F, n) would have on all scenarios of a `reference` (F, N).
+
+    >>> estimated(np.array([[2.0, 4.0]]), np.array([[1.0, 2.0, 3.0]])).round(6).tolist()
+    [4.0]
+
+    """
+    common = reference[:, : own.shape[1]]
+    about = common - common.mean(axis=1, keepdims=True)
+    spread = (about**2).sum(axis=1)
+    slope = np.divide((about * own).sum(axis=1), spread, out=np.zeros(len(own)), where=spread > 0.0)
+    means: Floats = own.mean(axis=1) + slope * (reference.mean(axis=1) - common.mean(axis=1))
+    return means

@@ -1,0 +1,223 @@
+"""The space of a study: which values of options vary, and the expert knowledge that follows from values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from clean_swarm_env.config.load import with_changes
+from selector.configurations.library import library_of
+from selector.documents.errors import DocumentError, validated, within
+from selector.knowledge import Knowledge, Option, knowledge_from
+from train.studies.config import Choices, Range, StudyConfig
+
+Content: TypeAlias = dict[str, Any]
+Value: TypeAlias = bool | int | float | str
+NULL_OPTION = "Off"
+"""Name of the option that does nothing for its goal."""
+DIGITS = 6
+"""Significant digits of a proposed number."""
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """One value that varies."""
+
+    path: tuple[str, ...]
+    """Goal, option and keys below it."""
+    values: Range | Choices
+
+    def at(self, share: float) -> Value:
+        """Return the value at a share of the way from the first to the last one, from 0 to 1."""
+        if isinstance(self.values, Choices):
+            return self.values.choices[min(int(share * len(self.values.choices)), len(self.values.choices) - 1)]
+        low, high = self.values.low, self.values.high
+        if self.values.log:
+            return self.plain(math.exp(math.log(low) + share * (math.log(high) - math.log(low))))
+        return self.plain(low + share * (high - low))
+
+    def plain(self, value: Value) -> Value:
+        """Return a proposed value as it stands in a document."""
+        if isinstance(self.values, Choices) or isinstance(value, str):
+            return value
+        near = min(max(float(f"{value:.{DIGITS}g}"), self.values.low), self.values.high)
+        return round(near) if self.values.whole else near
+
+
+class Space:
+    """The values that vary, and the options in which they stand.
+
+    Args:
+        study: the study.
+        knowledge: the expert knowledge that the study changes.
+        directories: the user's own directories of configurations.
+
+    Attributes:
+        names: name of each dimension, the path without what all paths have in common.
+        dimensions: the dimensions.
+
+    Raises:
+        DocumentError: a goal, an option or a bound does not fit the knowledge and the library.
+
+    """
+
+    def __init__(self, study: StudyConfig, knowledge: Knowledge, directories: tuple[Path, ...] = ()) -> None:
+        self._knowledge, self._library = knowledge, library_of(directories)
+        self._constants: dict[str, dict[str, Content]] = {}
+        self.dimensions: list[Dimension] = []
+        for goal, options in study.space.items():
+            own = {option.name: option.model_dump() for option in knowledge.options(goal)}
+            self._constants[goal] = {}
+            for name, given in options.items():
+                constants, found = _split(given, (goal, name))
+                base = own.get(name, {"name": name, "score": 0.0})
+                self._constants[goal][name] = with_changes(base, constants)
+                self.dimensions += found
+        if not self.dimensions:
+            raise DocumentError("space: expected at least one range or choice")
+        self._check(study)
+        common = 0 if len(study.space) > 1 else 1 if len(next(iter(study.space.values()))) > 1 else 2
+        self.names = tuple(".".join(one.path[common:]) for one in self.dimensions)
+
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """The goals whose options vary."""
+        return tuple(self._constants)
+
+    def goals_with(self, values: Sequence[Value]) -> dict[str, list[Content]]:
+        """Return the options of all goals, those of the space with `values` in the order of the dimensions."""
+        varied = self._constants
+        for dimension, value in zip(self.dimensions, values, strict=True):
+            varied = with_changes(varied, _nested(dimension.path, value))
+        return self._all_goals({goal: list(options.values()) for goal, options in varied.items()})
+
+    def unchanged(self) -> dict[str, list[Content]]:
+        """Return the options of all goals, those of the space with none of its ranges and choices applied."""
+        return self._all_goals({goal: list(options.values()) for goal, options in self._constants.items()})
+
+    def null(self) -> dict[str, list[Content]] | None:
+        """Return the options of all goals, of the space's goals only `NULL_OPTION`; None where a goal lacks it."""
+        off = {
+            goal: [option.model_dump() for option in self._knowledge.options(goal) if option.name == NULL_OPTION]
+            for goal in self.goals
+        }
+        return self._all_goals(off) if all(off.values()) else None
+
+    def mistake(self, goals: Mapping[str, Sequence[Content]]) -> str:
+        """Return why the library cannot build these options; empty if it can."""
+        try:
+            self._library.check(knowledge_from({"goals": {goal: goals[goal] for goal in self.goals}}, "space"))
+        except DocumentError as error:
+            return str(error)
+        return ""
+
+    def served(self, goals: Mapping[str, Sequence[Content]]) -> dict[str, Content]:
+        """Return for each goal of the space the option of the highest score, the first of equals."""
+        return {goal: max(goals[goal], key=lambda option: float(option["score"])) for goal in self.goals}
+
+    def _all_goals(self, varied: Mapping[str, list[Content]]) -> dict[str, list[Content]]:
+        return {
+            goal: varied.get(goal) or [option.model_dump() for option in self._knowledge.options(goal)]
+            for goal in self._knowledge.goals
+        }
+
+    def _check(self, study: StudyConfig) -> None:
+        """Raise DocumentError for an option that never serves, and for a bound that the library refuses."""
+        for goal, options in self._constants.items():
+            scored = {one.path[1] for one in self.dimensions if one.path[0] == goal and one.path[2:] == ("score",)}
+            if len(options) > 1 and not scored:
+                raise DocumentError(f"space.{goal}: expected a range of a score, by which one of the options serves")
+            for name, content in options.items():
+                validated(Option, content, f"space.{goal}.{name}")
+        where, middle = "space", [dimension.at(0.5) for dimension in self.dimensions]
+        for k, dimension in enumerate(self.dimensions):
+            for share in (0.0, 1.0):
+                value = dimension.at(share)
+                with within(f"{where}.{'.'.join(dimension.path)}: {value}"):
+                    if why := self.mistake(self.goals_with([*middle[:k], value, *middle[k + 1 :]])):
+                        raise DocumentError(why)
+
+
+def default_space(knowledge: Knowledge, option: str, directories: tuple[Path, ...] = ()) -> dict[str, Any]:
+    """Return a space of every number and flag of an option; numbers from a quarter to four times their value.
+
+    Numbers of at most a millionth stay as they are: they stand for zero. A bound that the library refuses comes nearer.
+
+    Raises:
+        DocumentError: no goal has this option, or nothing of it can vary.
+
+    """
+    found = [(goal, one) for goal in knowledge.goals for one in knowledge.options(goal) if one.name == option]
+    if not found:
+        known = sorted({one.name for goal in knowledge.goals for one in knowledge.options(goal)})
+        raise DocumentError(f"{knowledge.source}: no goal has the option {option!r} (known: {', '.join(known)})")
+    goal, given = found[0]
+    library = library_of(directories)
+    content = given.model_dump(exclude={"name", "configuration", "score"})
+    content["parameters"] = {**library.parameters(given.configuration), **given.parameters}
+
+    def fits(path: tuple[str, ...], value: Value) -> bool:
+        changed = with_changes(given.model_dump(), _nested(path, value))
+        try:
+            library.of_option(validated(Option, changed, option))
+        except DocumentError:
+            return False
+        return True
+
+    ranges: Content = {}
+    for path, value in _leaves(content, ()):
+        if isinstance(value, bool):
+            ranges = with_changes(ranges, _nested(path, {"choices": [False, True]}))
+            continue
+        whole = isinstance(value, int)
+        bounds = []
+        for factor in (0.25, 4.0):
+            tried = (value * factor ** (1.0 / 2**k) for k in range(3))
+            bounds.append(next((x for x in (float(round(t)) if whole else t for t in tried) if fits(path, x)), value))
+        if bounds[0] < bounds[1]:
+            low, high = (float(f"{bound:.{DIGITS}g}") for bound in bounds)
+            leaf = {"low": low, "high": high, "log": not whole, "whole": whole}
+            ranges = with_changes(ranges, _nested(path, leaf))
+    if not ranges:
+        raise DocumentError(f"{option}: expected an option with numbers or flags, got none that can vary")
+    return {goal: {option: ranges}}
+
+
+def _leaves(content: Content, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], bool | int | float]]:
+    """Yield the path and the value of every flag and every number above a millionth."""
+    for key, value in content.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, (*path, key))
+        elif isinstance(value, bool) or (isinstance(value, int | float) and value > 1e-6):
+            yield (*path, key), value
+
+
+def _split(given: Content, path: tuple[str, ...]) -> tuple[Content, list[Dimension]]:
+    """Return the constants of a mapping, and its ranges and choices."""
+    constants: Content = {}
+    dimensions: list[Dimension] = []
+    for key, value in given.items():
+        here = (*path, key)
+        where = f"space.{'.'.join(here)}"
+        if _is(value, "low"):
+            dimensions.append(Dimension(here, validated(Range, value, where)))
+        elif _is(value, "choices"):
+            dimensions.append(Dimension(here, validated(Choices, value, where)))
+        elif isinstance(value, dict):
+            constants[key], below = _split(value, here)
+            dimensions += below
+        else:
+            constants[key] = value
+    return constants, dimensions
+
+
+def _is(value: object, mark: str) -> bool:
+    return isinstance(value, dict) and mark in value
+
+
+def _nested(path: Sequence[str], value: object) -> Content:
+    """Return a mapping that holds only `value` at `path`."""
+    return {path[0]: _nested(path[1:], value) if len(path) > 1 else value}

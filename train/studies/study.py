@@ -1,0 +1,162 @@
+"""A study from the user's request to knowledge: search, last race, statement, report, export."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.warm_up import compiled_before
+from selector.documents.errors import within
+from train.evaluation.family import TASK_SCENARIOS
+from train.knowledge_store import NO_STORE, StoreRequest
+from train.reports.write_report import Publication, publish
+from train.running.decided_goal import DecidedGoal
+from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
+from train.running.needs import ALONE, Machine, Workload, check_needs
+from train.running.processes import rounds
+from train.running.provenance import fingerprints
+from train.running.run_folder import RunFolder, default_directory
+from train.running.warm_up import compile_first
+from train.studies.conclusion import UNCHANGED, conclude
+from train.studies.config import StudyConfig
+from train.studies.export import Export
+from train.studies.figure import draw_study
+from train.studies.installation import study_versions
+from train.studies.journal import MissionJournal
+from train.studies.missions import FIGURES, STAGES, Candidate, CandidateTasks, Field, TaskMaker
+from train.studies.report import study_summary_json, study_tables, trials_csv
+from train.studies.search import Search, StudyTrial
+from train.studies.space import Space
+from train.studies.trial_storage import TrialStorage, importances
+
+
+@dataclass(frozen=True)
+class StudyRequest:
+    """The request of the user."""
+
+    study: StudyConfig
+    command: tuple[str, ...]
+    """Words of the command that lead to the study."""
+    seed: int
+    output: Path | None = None
+    """Directory of the results; a new one below results/ unless given."""
+    resume: bool = False
+    storage: str | None = None
+    """URL of the storage of trials; an SQLite file in the directory unless given."""
+    store: StoreRequest = NO_STORE
+    """The knowledge store that gets the result."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations, searched before the shipped one."""
+    machine: Machine = ALONE
+    """What the study may use."""
+
+    @property
+    def words(self) -> list[str]:
+        """The command for this request, without its directory."""
+        words = ["clean-swarm", *self.command, "--seed", str(self.seed)]
+        words += ["--storage", self.storage] if self.storage is not None else []
+        words += [word for word in self.store.words if word != "--learn"]
+        words += ["--force"] if self.machine.forced else []
+        return words + [word for path in self.directories for word in ("--configs", str(path))]
+
+
+def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = None) -> int:
+    """Do or continue a study, write its results and print its tables; return the exit code.
+
+    Args:
+        request: the request of the user.
+        console: shows the tables; the standard error shows the progress.
+        make: makes the tasks of candidates; missions of the family unless given.
+
+    """
+    study, directories = request.study, tuple(path.resolve() for path in request.directories)
+    family, space = _checked(request)
+    identity = {
+        "study": study.model_dump(mode="json"),
+        "family": family.model_dump(mode="json"),
+        "seed": request.seed,
+        "versions": study_versions(),
+        "files": fingerprints(directories),
+    }
+    directory = request.output or default_directory(f"{study.name}-seed{request.seed}", resume=request.resume)
+    folder = RunFolder(directory, {"identity": identity}, resume=request.resume)
+    storage = TrialStorage(request.storage or f"sqlite:///{(folder.path / 'trials.sqlite').resolve()}")
+    journal = MissionJournal(folder, len(FIGURES))
+    make = make or CandidateTasks(family, request.seed, space.goals[0], folder, directories)
+    unchanged = Candidate(UNCHANGED, space.unchanged())
+    if not compiled_before():
+        compile_first(make(STAGES[0], unchanged, (0,)))
+    try:
+        with rounds(request.machine.workers) as done, _progress(study) as on_trials:
+            field = Field(make, journal, done)
+            search = Search(study, space, field, unchanged)
+            arms = []
+            for method in study.methods:
+
+                def on_batch(trials: Sequence[StudyTrial], method: str = method) -> None:
+                    storage.keep(f"{study.name} {method} {request.seed}", trials, space, len(trials[0].told.values))
+                    on_trials(method, len(trials), journal.missions)
+
+                arms.append(search.arm(method, request.seed, on_batch))
+            conclusion = conclude(study, space, search, arms, field)
+    except (KeyboardInterrupt, BrokenProcessPool) as end:
+        broken = isinstance(end, BrokenProcessPool)
+        command = shlex.join([*request.words, "--output", str(folder.path), "--resume"])
+        what = "a worker process was killed" if broken else "interrupted"
+        errors = Console(stderr=True, highlight=False, soft_wrap=True)
+        errors.print(f"{what}: {journal.missions} missions are kept; to go on:\n  {command}", markup=False)
+        return FAILED if broken else INTERRUPTED
+    export = Export(study, request.seed, family, space, conclusion)
+    folder.write(f"knowledge/{study.name}.yaml", export.text())
+    folder.write("trials.csv", trials_csv(arms, space))
+    importance = importances([trial for arm in arms for trial in arm.trials], space)
+    heading = f"# {study.name}\n\n{study.description}\nFamily {family.name}, seed {request.seed}.\n\n"
+    publication = Publication(
+        heading,
+        study_tables(conclusion, space, importance),
+        study_summary_json(conclusion, space, arms, importance),
+        draw_study(arms, conclusion, importance, study.archive),
+    )
+    publish(publication, folder, console)
+    export.give(request.store)
+    return FINISHED
+
+
+def _checked(request: StudyRequest) -> tuple[FamilyConfig, Space]:
+    """Return the family and the space; an error of one line for everything that does not exist or fit."""
+    study, directories = request.study, request.directories
+    family = load_family(study.family, directories)
+    update = {"store": "", **({"knowledge": study.knowledge} if study.knowledge else {})}
+    family = family.model_copy(update={"mission": family.mission.model_copy(update=update)})
+    with within(study.name):
+        space = Space(study, knowledge_of(family.mission, directories), directories)
+        for goal in space.goals:
+            DecidedGoal(Batch(family.scenario(0, 0, "train").mission, directories=directories), goal)
+        most = study.trials * len(study.methods) * study.race.block * study.race.blocks
+        check_needs(Workload(family.largest, most, TASK_SCENARIOS), request.machine)
+    return family, space
+
+
+@contextmanager
+def _progress(study: StudyConfig) -> Iterator[Callable[[str, int, int], None]]:
+    """Show a progress bar on the standard error; the function returned takes method, trials and missions."""
+    columns = (
+        TextColumn("{task.description} trials"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[n]}"),
+    )
+    with Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task(study.method, total=study.trials, n="")
+        yield lambda method, trials, n: bar.update(task, description=method, completed=trials, n=f"{n:,} missions")
