@@ -27,8 +27,8 @@ from train.running.model_pilots import LOADERS, ModelPilot
 from train.running.pilots import Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
 
 FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
-YARDSTICKS = (f"{FIXED}:Off", "Random")
-"""Strategies beside which every other is shown: never to avoid, and any option in each decision period."""
+NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
+"""What every strategy has to beat: never to avoid, and any option in each decision period."""
 
 SITUATIONS = {
     "free_far": "RepulsionFernandez-view1.5",
@@ -118,10 +118,13 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
 
 
 def with_baselines(entrants: Sequence[Entrant], options: Sequence[str]) -> list[Entrant]:
-    """Return the entrants, and after them those of the `YARDSTICKS` that are not among them and whose option exists."""
+    """Return the entrants, and after them those of `NEVER_AVOIDING` and `RANDOM` that are not among them and exist."""
     taken = {member for entrant in entrants for member in entrant.members}
-    found = [name for name in YARDSTICKS if name.removeprefix(f"{FIXED}:") in (*options, "Random")]
-    return [*entrants, *(Entrant(name, (name,)) for name in found if name not in taken)]
+    exist = [RANDOM, *(f"{FIXED}:{option}" for option in options)]
+    return [
+        *entrants,
+        *(Entrant(name, (name,)) for name in (NEVER_AVOIDING, RANDOM) if name in exist and name not in taken),
+    ]
 
 
 def never_taken(
