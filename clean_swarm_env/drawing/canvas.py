@@ -7,7 +7,7 @@ Shapes: N robots, G items, S stations, M pheromones.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,15 @@ def no_places() -> Floats:
     return np.zeros((0, 2))
 
 
+class Area(NamedTuple):
+    """A place that means something to robots: its name, middle and radius [m]."""
+
+    name: str
+    x: float
+    y: float
+    radius: float
+
+
 @dataclass(frozen=True)
 class Canvas:
     """The data of a picture. Arrays of another shape than stated raise ValueError."""
@@ -57,6 +66,7 @@ class Canvas:
     leftover: Flags | None = None  # (G,) whether the item has been recycled; None: none has
     stations: Floats = field(default_factory=no_places)  # (S, 2) [m], those of STATIONS in this order
     station_radius: float = 0.5  # [m] within which a robot is at a station
+    areas: tuple[Area, ...] = ()  # what else lies in the world
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
     pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
 

@@ -8,14 +8,14 @@ import numpy as np
 from pydantic import BaseModel
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas, between, no_places
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
 from clean_swarm_env.recording.channels import AnyArray
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.world.minds import PHEROMONES
 from selector.documents.errors import validated
-from selector.documents.fields import NonNegative, Positive
+from selector.documents.fields import NonNegative, Number, Positive
 
 ROBOT, ITEM, STATION = "robot", "item", "station"
 CHANNELS = {
@@ -35,6 +35,10 @@ CHANNELS = {
     "station_y": STATION,
 }
 """Channels of which a picture is made, and what each has a number for."""
+TRAILS = (PHEROMONES, "trail")
+"""Channels of the gradients that are drawn: those of missions and of the scene Foraging."""
+LEAST_AREA = 0.2
+"""Least radius of an area [m]."""
 FRAME_ROUNDING = 1e-6
 """A time this little beside a frame is that of the frame [periods]."""
 
@@ -45,6 +49,20 @@ class _Robots(BaseModel):
 
 class _Stations(BaseModel):
     reach: NonNegative
+
+
+class _Around(BaseModel):
+    """Gradients that are there from the start on, in a scene."""
+
+    channel: str
+    places: tuple[tuple[Number, Number], ...]
+    goal_radius: tuple[NonNegative, ...]
+
+
+class _Scene(BaseModel):
+    """What a picture takes from the head of a scene."""
+
+    around: tuple[_Around, ...] = ()
 
 
 class _Sizes(BaseModel):
@@ -66,6 +84,12 @@ class RecordedCourse:
         head = recording.head
         self._recording = recording
         self._sizes = validated(_Sizes, head["mission"], f"{recording.path}: head.mission")
+        around = validated(_Scene, head, f"{recording.path}: head").around
+        self._areas = tuple(
+            Area(lying.channel, x, y, max(radius, LEAST_AREA))
+            for lying in around
+            for (x, y), radius in zip(lying.places, lying.goal_radius, strict=False)
+        )
         self._options = {goal: names for goal, names in head["options"].items() if f"held/{goal}" in recording}
         counts = {ROBOT: head["robots"], ITEM: head["items"]}
         kinds = CHANNELS | {f"held/{goal}": ROBOT for goal in self._options}
@@ -104,7 +128,7 @@ class RecordedCourse:
         goal = next(iter(self._options), None)
         traces = traces_at(self._recording, frame)
         kinds = self._recording.notes.get("deposits", [])
-        trail = np.isin(traces.kind, [k for k, kind in enumerate(kinds) if kind.get("channel") == PHEROMONES])
+        trail = np.isin(traces.kind, [k for k, kind in enumerate(kinds) if kind.get("channel") in TRAILS])
         counted = f"{self._dumped[frame]} of {self._arrived[frame]} items dumped" if head["items"] else ""
         return Canvas(
             np.stack([now["x"], now["y"]], axis=1)[there],
@@ -122,6 +146,7 @@ class RecordedCourse:
             leftover=now["item_leftover"][lying] == 1,
             stations=np.stack([now["station_x"], now["station_y"]], axis=1),
             station_radius=self._sizes.stations.reach,
+            areas=self._areas,
             pheromones=traces.positions[trail],
             pheromone_diffusions=traces.diffusion[trail],
         )

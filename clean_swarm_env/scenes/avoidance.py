@@ -7,7 +7,7 @@ robots would push against each other for ever, which would count as one collisio
 import numpy as np
 
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
-from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill, Together
+from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill
 from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
@@ -32,7 +32,7 @@ class Crossing(Scene):
         self._advance = np.zeros(self.arena.rows)
 
     def _with_errand(self, controller: Controller) -> Controller:
-        return Together(controller, GoStraight(self.arena, self._directions))
+        return controller.with_errand(GoStraight(self.arena, self._directions))
 
     def _baseline(self) -> Controller:
         return StandStill(self.arena)  # without the mechanism only the errand is left

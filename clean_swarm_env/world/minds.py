@@ -49,6 +49,9 @@ class Inner(Protocol):
     def act(self, now: float, commands: Commands) -> None:
         """Decide and act where the robots' network runs this behaviour."""
 
+    def steer(self, now: float, commands: Commands) -> None:
+        """Change commands, once all movements of the robots are known."""
+
     def leave(self, now: float) -> None:
         """Spread and deposit what other robots perceive from the next tick on."""
 
@@ -249,13 +252,15 @@ class Minds:
         self.network.step(rows)
 
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
-        """Write a movement vector for every robot in which a behaviour that moves runs."""
+        """Write a movement vector for every robot in which a behaviour that moves runs, and steer those that do."""
         begin_orders(floor.words, self.packed.words)
         commands = self.commands
         for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
             inner.act(now, commands)
+        for inner in self._inner:
+            inner.steer(now, commands)
 
     def _moved(self) -> Iterator[tuple[MovementMechanism, Ints]]:
         """Return the mechanisms of this tick, and the rows that they move."""

@@ -25,16 +25,15 @@ from train.cli import (
     evaluate,
     headroom,
     knowledge,
-    picture,
     play,
     repeat,
     run,
     score,
     train,
     tune,
-    video,
 )
 from train.cli.options import Configs, error_console, print_error
+from train.cli.showing import picture, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

@@ -70,7 +70,8 @@ def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
 
 def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
     option = int(coordinator.held[robot])
-    inner = _inner_step(coordinator, coordinator.contents[option].network, robot)
+    network = coordinator.contents[option].network
+    inner = _step_of(network, robot) if coordinator.beside[option] else _inner_step(coordinator, network, robot)
     return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
 
 

@@ -21,7 +21,7 @@ from clean_swarm_env.world.mission import MissionResult
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.analysis.claims import Claim, claims_of
-from train.evaluation.entrants import OFF, RANDOM, member_pilot
+from train.evaluation.entrants import NEVER_AVOIDING, RANDOM, member_pilot
 from train.learning.by_missions import TeamsPilot
 from train.reports.text_table import Grid, flat
 from train.running.decided_goal import DecidedGoal
@@ -134,8 +134,8 @@ def headroom_of(request: HeadroomRequest) -> Headroom:
     judged = search.excess(scenarios, np.stack([np.full(len(rule), single), rule]))
     excesses = {SINGLE: judged[0], RULE_FOUND: judged[1]}
     options = search.problem.options
-    for member in (OFF, RANDOM):
-        if member == RANDOM or OFF.partition(":")[2] in options:
+    for member in (NEVER_AVOIDING, RANDOM):
+        if member == RANDOM or NEVER_AVOIDING.partition(":")[2] in options:
             excesses[member] = search.excess_of(scenarios, member)
     tables = {label: own[None, :, None] for label, own in excesses.items()}
     others = [label for label in excesses if label != SINGLE]
