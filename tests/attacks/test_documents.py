@@ -12,7 +12,7 @@ from selector.strategies.registry import spec_from_text
 from tests.attacks import hostile
 from tests.attacks.readers import READERS, refused_in_one_line
 
-KINDS = ["experiments", "families", "knowledge", "mechanisms", "missions", "robots", "training"]
+KINDS = ["experiments", "families", "knowledge", "mechanisms", "missions", "robots", "studies", "training"]
 STARTS = {
     "torus_m": [11, 11],
     "recycling": [2, 1],

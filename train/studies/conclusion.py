@@ -74,5 +74,4 @@ def conclude(study: StudyConfig, space: Space, search: Search, arms: Sequence[Ar
 
 def _cost(field: Field, candidate: Candidate) -> float:
     """Return the mean cost of a candidate in the last race [s]."""
-    count = field.journal.done(LAST, candidate.name)
-    return float(field.journal.figures(LAST, candidate.name, count)[COST].mean())
+    return float(field.figures(LAST, [candidate], field.asked(LAST, candidate))[0, COST].mean())

@@ -161,15 +161,23 @@ class Field:
     def __init__(self, make: TaskMaker, journal: MissionJournal, done: Round) -> None:
         """Keep what makes tasks, what keeps figures, and what does tasks."""
         self.journal, self._make, self._done = journal, make, done
+        self._asked: dict[tuple[str, str], int] = {}
+
+    def asked(self, stage: str, candidate: Candidate) -> int:
+        """Return the number of scenarios whose figures were asked for; the journal of a resumed study may have more."""
+        return self._asked[stage, candidate.name]
 
     def figures(self, stage: str, candidates: Sequence[Candidate], count: int) -> Floats:
         """Return the figures (C, figures, count) of C candidates on the first scenarios of a stage."""
         tasks = []
         for candidate in candidates:
+            self._asked[stage, candidate.name] = max(count, self._asked.get((stage, candidate.name), 0))
             missing = self.journal.missing(stage, candidate.name, count)
             for first in range(0, len(missing), TASK_SCENARIOS):
                 tasks.append(self._make(stage, candidate, missing[first : first + TASK_SCENARIOS]))
         for run in self._done(tasks) if tasks else ():
             assert isinstance(run, CandidateRun)
             self.journal.add(stage, run.condition, run.number, run.figures)
+        if tasks:
+            self.journal.sync()
         return np.array([self.journal.figures(stage, candidate.name, count) for candidate in candidates])

@@ -83,13 +83,13 @@ class Search:
         blocks = -(-self._study.last.scenarios // rules.block)
         measure = self._measure(LAST)
         left = race(arm.finalists, measure, RaceConfig(block=rules.block, blocks=blocks, level=rules.level))
-        count = min(self._field.journal.done(LAST, candidate.name) for candidate in left)
+        count = min(self._field.asked(LAST, candidate) for candidate in left)
         order = front(measure(left, count).mean(axis=-1))
         return [left[k] for k in (order if len(self._counting) > 1 else order[:1])]
 
     def means(self, candidate: Candidate) -> Floats:
         """Return the estimated means (F,) of a candidate on all scenarios of the search."""
-        count, rules = self._field.journal.done(SEARCH, candidate.name), self._study.race
+        count, rules = self._field.asked(SEARCH, candidate), self._study.race
         own = self._field.figures(SEARCH, [candidate], count)[0]
         reference = self._field.figures(SEARCH, [self._unchanged], rules.block * rules.blocks)[0]
         return estimated(own, reference)
@@ -100,7 +100,7 @@ class Search:
         means = self.means(candidate)
         values = tuple(means[self._counting].tolist())
         told = Told(values, float(means[EVENTS]), float(means[AVOIDING]))
-        return StudyTrial(candidate, told, tuple(means.tolist()), self._field.journal.done(SEARCH, candidate.name))
+        return StudyTrial(candidate, told, tuple(means.tolist()), self._field.asked(SEARCH, candidate))
 
     def _best(self, left: Iterable[Candidate]) -> list[Candidate]:
         """Return the best of the candidates that are left, at most as many as there are finalists."""
