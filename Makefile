@@ -3,7 +3,7 @@ BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
 	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
-.PHONY: check lint test golden soak bench
+.PHONY: check lint test golden examples soak bench
 
 check: lint test  ## all that CI asks for
 
@@ -19,12 +19,11 @@ test:
 golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden
 
-soak:  ## long random tests: 10^5 message sequences, 10^4 networks of 50 steps, 2,000 killed processes, 1,000 copies, an hour of switching
-	$(BIN)python -m tests.selforg.gradients.fuzz
-	$(BIN)python -m tests.selforg.network.soak 10000
-	$(BIN)python -m tests.selector.store.soak
-	$(BIN)python -m tests.clean_swarm_env.soak_copies
-	$(BIN)python -m tests.selector.coordination.soak_switching
+examples:  ## every example in an environment of its own, with its framework; FRAMEWORKS=tianshou for some
+	$(BIN)python -m tests.examples .frameworks $(FRAMEWORKS)
+
+soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
+	$(BIN)python -m tests.soak
 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status

@@ -49,7 +49,9 @@ def alone(scenario: Scenario, mode: str, folder: Path) -> Callable[[], float]:
 
 def together(mode: str, folder: Path) -> Callable[[], float]:
     """Return a contestant that gives the CPU seconds of ten missions under the policy `general`."""
-    task = TrialTask(load_family("crowded"), 0, tuple(range(10)), "policy", "policy:general", "AvoidCollision", ())
+    task = TrialTask(
+        load_family("crowded"), 0, tuple((k, 0) for k in range(10)), "policy", "policy:general", "AvoidCollision", ()
+    )
     wanted = task if mode == MODES[0] else task.recorded(RecordSettings(folder / mode, minds=mode == MODES[2]))
 
     def spent() -> float:

@@ -10,8 +10,9 @@
 
 An action is the option that serves AvoidCollision in that robot for the next decision period; with several coordinated
 goals it is one option for each. The robot's network decides the rest. With `action={"mode": "velocity"}` an action is a
-movement vector. `learning.observation` describes the observations, `learning.reward` the rewards, `borders.infos` the
-infos, `learning.global_state` the global state. `wrappers` keeps the agents of a changing team the same.
+movement vector. `learning.observation` describes the observations, `learning.reward` the rewards, `learning.figures`
+the infos, `learning.global_state` the global state. `wrappers` keeps the agents of a changing team the same.
+`goal="Foraging"` gives the robots of a scene a goal of self-organisation in place of a mission, see `goals`.
 """
 
 from __future__ import annotations
@@ -29,16 +30,17 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from clean_swarm_env.borders.infos import robot_infos
 from clean_swarm_env.borders.spaces import (
+    CORRECTION,
+    OPTION,
     action_space,
+    batch_of,
     check_render_mode,
     observation_space,
     start_of,
     state_space,
 )
 from clean_swarm_env.borders.views import PICTURE, WINDOW, View
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import GivenMission, whole_number
-from clean_swarm_env.learning.global_state import GlobalState
 from clean_swarm_env.learning.observation.observer import Observations
 
 AgentAction = int | NDArray[np.int64] | NDArray[np.float32]
@@ -55,7 +57,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         render_mode: None, "rgb_array", or "human", which shows every control period in a window.
         max_cycles: most steps of an episode, which is then truncated; None: as the mission has it.
         state: what `state` returns, the global state or all observations, one after the other.
-        settings: further arguments of `Batch`, such as `observation`, `action`, `family` and `knowledge`.
+        settings: further arguments of `Batch`, such as `observation`, `action`, `family` and `knowledge`; or `goal` and
+            those of `GoalBatch`.
 
     Without `options={"start": StartConfiguration}` each reset draws a new start; episode k after `reset(seed=S)` is
     always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit. The
@@ -87,10 +90,10 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         state: Literal["global", "observations"] = "global",
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, (WINDOW, PICTURE))
+        check_render_mode(render_mode, (WINDOW, PICTURE), settings.get("goal"))
         if state not in ("global", "observations"):
             raise ValueError(f"state: expected 'global' or 'observations', got {state!r}")
-        self._batch = Batch(mission, reward=reward, begin_anew=False, **settings)
+        self._batch = batch_of(mission, reward=reward, begin_anew=False, **settings)
         self._cycles, self._left = None if max_cycles is None else whole_number(max_cycles, "max_cycles", 1), 0
         self.mission, self.options = self._batch.mission, self._batch.options
         self.render_mode, self._view = render_mode, View(self._batch, render_mode)
@@ -99,7 +102,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         self.agents: list[str] = []
         self.observation_spaces = {agent: observation_space(self._batch) for agent in self.possible_agents}
         self.action_spaces = {agent: action_space(self._batch) for agent in self.possible_agents}
-        self._state = GlobalState(self._batch.worlds, self._batch.progress, options=self._batch.action.mode == "option")
+        self._state = self._batch.global_state()
         self.observation_names, self.state_names = self._batch.observer.names, self._state.names
         self._sees_all = state == "global"
         whole = state_space(self.state_names)
@@ -134,7 +137,9 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         terminated = bool(step.terminated[0])
         truncated = bool(step.truncated[0]) or (self._left == 0 and not terminated)
         before, after = self.agents, self.at_work()
-        gone, joined = set(before).difference(after), set(after).difference(before)
+        changed = before != after
+        gone = set(before).difference(after) if changed else ()
+        joined = set(after).difference(before) if changed else ()
         there = [agent for agent in self.possible_agents if agent in before or agent in joined] if joined else before
         gained = self._of(there, step.rewards.tolist()) | dict.fromkeys(joined, 0.0)
         result = (
@@ -157,8 +162,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         The counts of the last period are no part of it. ValueError says what does not fit.
         """
         seen = self._batch.set_state(state).copy()
-        progress, steps = self._batch.progress, self._batch.steps(0)
-        over = bool(progress.outcome[0]) or steps == self._cycles
+        steps = self._batch.steps(0)
+        over = bool(self._batch.over[0]) or steps == self._cycles
         self.agents, self._left = [] if over else self.at_work(), (self._cycles or 0) - steps
         return self._of(self.at_work(), seen), self._of(self.at_work(), robot_infos(self._batch))
 
@@ -168,7 +173,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
 
     def at_work(self) -> list[str]:
         """Return the agents whose robots are at work, also when the episode is over."""
-        working = self._batch.worlds.team.working.tolist()
+        working = self._batch.working.tolist()
         return [agent for agent, works in zip(self.possible_agents, working, strict=True) if works]
 
     def close(self) -> None:
@@ -207,6 +212,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {brief(action)}")
+        if self._batch.action.mode == "both":
+            return np.array([[actions[a][OPTION], *actions[a][CORRECTION]] for a in self.possible_agents])  # type: ignore[index,call-overload]
         default: NDArray[Any] = self._batch.choices.default if self._batch.action.mode == "option" else np.zeros(2)
         first = default.reshape(np.shape(actions[self.agents[0]]))  # the action of robots that join during the period
         return np.array([actions.get(agent, first) for agent in self.possible_agents])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -27,7 +28,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         one_for_all: whether one option serves all robots.
         render_mode: None; "rgb_array"; "human", which shows every control period in a window; or "rgb_array_list", by
             which `render` returns 20 pictures for each second of the mission, those since the last call.
-        settings: further arguments of `Batch`.
+        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
 
     """
 
@@ -41,7 +42,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         render_mode: str | None = None,
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, self.metadata["render_modes"])
+        check_render_mode(render_mode, self.metadata["render_modes"], settings.get("goal"))
         whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED}
         self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **whole, **settings)
         self.batch = self._envs.batch
@@ -67,7 +68,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         """Run one decision period; the period ends early when the mission does."""
         if self._over:
             raise RuntimeError("step: the episode is over (or has not begun), call reset first")
-        seen, rewards, terminated, truncated, infos = self._envs.step(np.asarray(action)[None])
+        seen, rewards, terminated, truncated, infos = self._envs.step(_alone(action))
         self._over = bool(terminated[0] or truncated[0])
         return seen[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
 
@@ -78,7 +79,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     def set_state(self, state: bytes) -> Observations:
         """Go on from a state; return the observation. ValueError says what does not fit."""
         observation: Observations = self._envs.set_state(state)[0]
-        self._over = bool(self.batch.progress.outcome[0])
+        self._over = bool(self.batch.over[0])
         return observation
 
     def action_masks(self) -> NDArray[np.bool_]:
@@ -97,6 +98,13 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
     def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:  # type: ignore[override]
         """Return the world as a picture (height, width, 3), or pictures, or show it, as the render mode says."""
         return self._view.render()
+
+
+def _alone(action: Any) -> Any:  # noqa: ANN401  (an action, of whatever space)
+    """Return the action of the only environment as those of all environments."""
+    if isinstance(action, Mapping):
+        return {name: _alone(part) for name, part in action.items()}
+    return np.asarray(action)[None]
 
 
 def _first(infos: dict[str, Any]) -> dict[str, Any]:

@@ -24,14 +24,19 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from clean_swarm_env.borders.infos import MASK, OWN, TEAM, Info, robot_infos
+from clean_swarm_env.borders.infos import MASK, Info, team_infos
 from clean_swarm_env.borders.members import Member
-from clean_swarm_env.borders.spaces import action_space, check_render_mode, observation_space, start_of
+from clean_swarm_env.borders.spaces import (
+    action_space,
+    batch_of,
+    check_render_mode,
+    observation_space,
+    rows_of,
+    start_of,
+)
 from clean_swarm_env.borders.views import PICTURE, View
-from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.world.mission_end import RUNNING
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -43,7 +48,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         worlds: W.
         autoreset_mode: what happens when the mission of a world is over.
         render_mode: None or "rgb_array".
-        settings: further arguments of `Batch`.
+        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
 
     Attributes:
         autoreset_mode: the mode, as a member of `AutoresetMode`.
@@ -62,10 +67,10 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         render_mode: str | None = None,
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, self.metadata["render_modes"])
+        check_render_mode(render_mode, self.metadata["render_modes"], settings.get("goal"))
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = render_mode
-        self.batch = Batch(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
+        self.batch = batch_of(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
         self.view = View(self.batch, render_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": self.view.fps}
         self._together = together or self.batch.robots
@@ -99,7 +104,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
 
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, Info]:
         """Run one decision period."""
-        rows, waiting = self._rows_of(np.asarray(actions)), np.flatnonzero(self._over)
+        rows, waiting = self._rows_of(actions), np.flatnonzero(self._over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise RuntimeError(f"step: the missions of worlds {waiting.tolist()} are over, call reset first")
         step = self.view.step(rows)
@@ -126,7 +131,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds`, or all, go on from a state, see `Batch.set_state`; return all observations."""
         observations = self._joined(self.batch.set_state(state, worlds))
-        self._over = (self.batch.progress.outcome != RUNNING) & (self.autoreset_mode != AutoresetMode.SAME_STEP)
+        self._over = self.batch.over & (self.autoreset_mode != AutoresetMode.SAME_STEP)
         return observations
 
     def close_extras(self, **_: object) -> None:
@@ -175,24 +180,19 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
             raise ValueError("options['reset_mask']: expected all robots of a world or none")
         return np.flatnonzero(worlds[:, 0])
 
-    def _rows_of(self, actions: NDArray[Any]) -> NDArray[Any]:
+    def _rows_of(self, actions: Any) -> NDArray[Any]:  # noqa: ANN401  (what a user gave)
         """Return the actions (R, ...) of rows."""
-        if actions.shape != self.action_space.shape:
-            raise ValueError(f"actions: expected shape {self.action_space.shape}, got {actions.shape}")
-        return actions.reshape(self.batch.rows, -1)
+        return rows_of(actions, self.action_space, self.batch.rows)
 
     def _joined(self, observations: Observations) -> Observations:
         return observations.reshape(self.num_envs, -1).copy()
 
     def _infos(self) -> Info:
-        """Return the infos as arrays: (E,) for the keys of `TEAM`, (E,) or (E, N) for `OWN`, (E, ...) for the mask."""
-        rows = robot_infos(self.batch)
-        firsts = rows[:: self._together]
-        infos: Info = {name: np.array([info[name] for info in firsts]) for name in TEAM}
-        for name in OWN:
-            own = np.array([info[name] for info in rows])
-            infos[name] = own if self._together == 1 else own.reshape(self.num_envs, -1)
-        if self.batch.action.mode == "option":
+        """Return the infos as arrays: (E,) for a team's, (E,) or (E, N) for a robot's own, (E, ...) for the mask."""
+        infos: Info = {name: np.repeat(values, self._per_world) for name, values in team_infos(self.batch).items()}
+        for name, own in self.batch.own_figures().items():
+            infos[name] = np.array(own) if self._together == 1 else np.reshape(own, (self.num_envs, -1))
+        if self.batch.action.mode != "velocity":
             infos[MASK] = self.batch.masks().astype(np.int8).reshape(self.num_envs, -1)
         infos.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(infos)})
         return infos
@@ -245,9 +245,7 @@ class TeamVectorEnv(BatchVectorEnv):
         masks = self.batch.masks().reshape(self.num_envs, self.batch.robots, -1)
         return np.any(masks, axis=1, out=None) if self._one_for_all else masks.reshape(self.num_envs, -1)
 
-    def _rows_of(self, actions: NDArray[Any]) -> NDArray[Any]:
+    def _rows_of(self, actions: Any) -> NDArray[Any]:  # noqa: ANN401  (what a user gave)
         if not self._one_for_all:
             return super()._rows_of(actions)
-        if actions.shape != self.action_space.shape:
-            raise ValueError(f"actions: expected shape {self.action_space.shape}, got {actions.shape}")
-        return np.repeat(actions.reshape(self.num_envs, -1), self.batch.robots, axis=0)
+        return np.repeat(rows_of(actions, self.action_space, self.num_envs), self.batch.robots, axis=0)

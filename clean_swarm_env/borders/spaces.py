@@ -11,31 +11,65 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import config_from
+from clean_swarm_env.learning.given import GivenMission, config_from
+from clean_swarm_env.learning.interface import AnyBatch
 from selforg.registry import unknown
 
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
+OPTION, CORRECTION = "option", "correction"
+"""Keys of an action that is both an option and a vector."""
 
 
-def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:
+def batch_of(
+    mission: GivenMission | None = None,
+    worlds: int = 1,
+    *,
+    goal: str | None = None,
+    **settings: Any,  # noqa: ANN401  (those of Batch or GoalBatch)
+) -> AnyBatch:
+    """Return a batch of worlds with a mission or a family, or with a goal of self-organisation."""
+    if goal is None:
+        return Batch(mission, worlds, **settings)
+    if mission is not None:
+        raise ValueError("goal: expected a mission or a goal, got both")
+    return GoalBatch(goal, worlds, **settings)
+
+
+def observation_space(batch: AnyBatch, robots: int = 1) -> spaces.Box:
     """Return the space of the observations of `robots` robots, one after the other."""
     bounds = np.tile(batch.observer.bounds, robots)
     return spaces.Box(-bounds, bounds, dtype=np.float32)
 
 
-def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
+def action_space(batch: AnyBatch, robots: int = 1) -> spaces.Space[Any]:
     """Return the space of the actions of `robots` robots, one after the other.
 
-    A single option is Discrete, several options are MultiDiscrete, vectors are a Box.
+    A single option is Discrete, several options are MultiDiscrete, vectors are a Box. Both are a Dict: `option`, and
+    `correction` of its movement.
     """
+    vectors = spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
     if batch.action.mode == "velocity":
-        return spaces.Box(-1.0, 1.0, (2 * robots,), np.float32)
+        return vectors
     counts = list(batch.choices.counts) * robots
-    return spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
+    options = spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
+    return options if batch.action.mode == "option" else spaces.Dict({OPTION: options, CORRECTION: vectors})
 
 
-def masks_of(batch: Batch) -> Iterable[Mask]:
+def rows_of(actions: Any, space: spaces.Space[Any], rows: int) -> NDArray[Any]:  # noqa: ANN401  (what a user gave)
+    """Return actions of a space as rows (R, ...), an option before its correction; ValueError for other shapes."""
+    if isinstance(space, spaces.Dict):
+        if not isinstance(actions, Mapping) or actions.keys() != space.keys():
+            raise ValueError(f"actions: expected a dictionary with {sorted(space.keys())}, got {brief(actions)}")
+        return np.column_stack([rows_of(actions[name], space[name], rows) for name in (OPTION, CORRECTION)])
+    given = np.asarray(actions)
+    if given.shape != space.shape:
+        raise ValueError(f"actions: expected shape {space.shape}, got {given.shape}")
+    return given.reshape(rows, -1)
+
+
+def masks_of(batch: AnyBatch) -> Iterable[Mask]:
     """Return the options that can serve next in each row, in the form that `sample` of one robot's space takes."""
     whole = batch.masks().astype(np.int8)
     counts = batch.choices.counts
@@ -58,7 +92,8 @@ def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",
     return None if start is None else config_from(StartConfiguration, start, "options['start']")
 
 
-def check_render_mode(mode: object, known: Sequence[str]) -> None:
-    """Raise ValueError for a render mode other than None and those `known`."""
-    if mode is not None and mode not in known:
-        raise ValueError(f"render_mode: expected None or {' or '.join(map(repr, known))}, got {mode!r}")
+def check_render_mode(mode: object, known: Sequence[str], goal: str | None = None) -> None:
+    """Raise ValueError for a render mode other than None and those `known`; with a goal there are no pictures."""
+    if mode is not None and (mode not in known or goal is not None):
+        others = f" or {' or '.join(map(repr, known))}" if goal is None else " with a goal"
+        raise ValueError(f"render_mode: expected None{others}, got {mode!r}")

@@ -6,7 +6,7 @@
     mix = RobotVecEnv(batches=[*family_batches("crowded", 8), *family_batches("unseen", 24)])
 
 Every robot of every world is an environment; the rows of several batches come one after the other. A world whose
-mission is over begins anew in the same step. Infos hold in every step what `clean_swarm_env.borders.infos` names
+mission is over begins anew in the same step. Infos hold in every step what `clean_swarm_env.learning.figures` names
 (`VecMonitor` keeps figures of missions by `info_keywords`), and at the end of a mission:
 
 - `terminal_observation` and `TimeLimit.truncated` (the time was over and garbage was left),
@@ -29,9 +29,9 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 
 from clean_swarm_env.borders.infos import Info, robot_infos
 from clean_swarm_env.borders.members import Member
-from clean_swarm_env.borders.spaces import action_space, observation_space, start_of
-from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
+from clean_swarm_env.borders.spaces import action_space, batch_of, observation_space, start_of
 from clean_swarm_env.learning.given import seeds_from
+from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.world_state import from_bytes, to_bytes
@@ -44,7 +44,7 @@ class RobotVecEnv(VecEnv):
     Args:
         worlds: W, for worlds of one mission or family.
         batches: batches that are used in place of `worlds` and `settings`; see `clean_swarm_env.learning.joined`.
-        settings: further arguments of `Batch`.
+        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
 
     Attributes:
         batches: the batches, one unless others are given.
@@ -56,16 +56,16 @@ class RobotVecEnv(VecEnv):
         self,
         worlds: int = 1,
         *,
-        batches: Sequence[Batch] = (),
+        batches: Sequence[AnyBatch] = (),
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
         if batches and (settings or worlds != 1):
             raise ValueError(
                 f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
             )
-        self._joined = Joined(batches or [Batch(worlds=worlds, **settings)])
+        self._joined = Joined(batches or [batch_of(worlds=worlds, **settings)])
         self.batches = self._joined.batches
-        self.finished: tuple[Finished, ...] = ()
+        self.finished: tuple[Ended, ...] = ()
         own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
         worlds_of = self._joined.world_of.tolist()
         self._robots = [
@@ -112,7 +112,7 @@ class RobotVecEnv(VecEnv):
         over = (step.terminated | step.truncated)[self._joined.world_of]
         return step.observations, step.rewards.astype(np.float32), over, infos
 
-    def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
+    def _add_end(self, infos: list[Info], end: Ended, step: BatchStep) -> None:
         """Add the figures of a mission to the infos, and set the sums of its world to 0."""
         elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():

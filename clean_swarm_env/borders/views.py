@@ -10,7 +10,8 @@ from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Canvas, between
 from clean_swarm_env.drawing.pixels import Pixels, pixels_of
 from clean_swarm_env.drawing.window import Window
 from clean_swarm_env.drawing.world_picture import canvas_of
-from clean_swarm_env.learning.batch import Batch, BatchStep
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.interface import AnyBatch, BatchStep
 
 PICTURE: Final = "rgb_array"
 PICTURES: Final = "rgb_array_list"
@@ -21,25 +22,25 @@ class View:
     """What an environment shows of the worlds of its batch.
 
     Args:
-        batch: the worlds.
+        batch: the worlds; those of a goal have no pictures, and mode None.
         mode: None; PICTURE, one at a time; PICTURES of the first world, those since the last call; or WINDOW, which
             shows every control period of the first world.
 
     """
 
-    def __init__(self, batch: Batch, mode: str | None) -> None:
+    def __init__(self, batch: AnyBatch, mode: str | None) -> None:
         self._batch, self._mode = batch, mode
         self._window = Window() if mode == WINDOW else None
         self._pictures: list[Pixels] = []
         self._last: Canvas | None = None
-        self._between = max(round(FRAMES_PER_SECOND * batch.worlds.period), 1)  # pictures of a control period
+        self._between = max(round(FRAMES_PER_SECOND * batch.period), 1)  # pictures of a control period
 
     @property
     def fps(self) -> float:
         """Pictures that are one second of the mission."""
         if self._mode == PICTURE:
-            return 1.0 / self._batch.mission.decision_period
-        return self._between / self._batch.worlds.period
+            return 1.0 / self._batch.decision_period
+        return self._between / self._batch.period
 
     def begin(self) -> None:
         """Show the beginning of an episode."""
@@ -50,13 +51,13 @@ class View:
         """Run one decision period, and show it."""
         if self._mode not in (PICTURES, WINDOW):
             return self._batch.step(actions)
-        for _ in self._batch.ticks(actions):
+        for _ in self._missions.ticks(actions):
             self._look()
-        return self._batch.end_period()
+        return self._missions.end_period()
 
     def picture(self, world: int = 0) -> Pixels:
         """Return the picture of a world as it is now."""
-        return pixels_of(canvas_of(self._batch.worlds, world))
+        return pixels_of(canvas_of(self._missions.worlds, world))
 
     def render(self) -> Pixels | list[Pixels] | None:
         """Return what the mode says: a picture (height, width, 3), pictures, or nothing."""
@@ -72,13 +73,18 @@ class View:
         if self._window is not None:
             self._window.close()
 
+    @property
+    def _missions(self) -> Batch:
+        assert isinstance(self._batch, Batch)  # `check_render_mode` refuses modes for goals
+        return self._batch
+
     def _look(self) -> None:
         """Show the world as it is now, or keep the pictures since the last look."""
         if self._window is not None:
             self._window.show(self.picture())
         if self._mode != PICTURES:
             return
-        now = canvas_of(self._batch.worlds, 0)
+        now = canvas_of(self._missions.worlds, 0)
         shares = [k / self._between for k in range(1, self._between)] if self._last is not None else []
         before = self._last or now
         self._pictures += [pixels_of(between(before, now, share)) for share in shares] + [pixels_of(now)]

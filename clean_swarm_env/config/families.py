@@ -5,6 +5,7 @@ scenario belongs to both splits. All scenarios of one family with the same torus
 batch of worlds can hold them.
 """
 
+import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,16 +14,19 @@ from typing import Annotated, Any, Final, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from clean_swarm_env.config.events import Event
+from clean_swarm_env.config.events import Event, Join, Land, Respawn
 from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_events, random_stations
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
 from clean_swarm_env.config.types import Items, Length, Point, Robots, Scenarios
 from selector.documents.errors import DocumentError, impossible, validated
-from selector.documents.fields import Closed, Name
+from selector.documents.fields import Closed, Label, Name
+from selector.documents.plain import short
 
 Split = Literal["train", "test"]
 SPLITS: Final = ("train", "test")
+SCENARIO_NAME: Final = r"(?:train|test)-([1-9][0-9]{0,5})(?:\.([1-9][0-9]{0,2}))?"
+"""Form of the name of a scenario: its number, and that of its world unless it is the first."""
 SCENARIO: Final = 0xFFFFFFFE
 """Spawn key of the draws of the scenario itself; the world draws from other keys of the same seed."""
 
@@ -58,7 +62,7 @@ class FamilyConfig(Closed):
     description: str
     """Particulars of its scenarios, in one sentence."""
     mission: MissionConfig = MissionConfig()
-    """The mission; a scenario changes what is drawn."""
+    """The mission; a scenario changes what is drawn. Its events happen in every scenario."""
     sizes: Annotated[tuple[tuple[Length, Length], ...], Field(max_length=1000)] = ()
     """Widths and heights of tori, one of which is drawn; if empty, the torus of the mission [m]."""
     robots: tuple[Robots, Robots] = (5, 5)
@@ -86,15 +90,17 @@ class FamilyConfig(Closed):
             counts = {len(getattr(start, name)) for start in self.starts}
             if counts and counts != set(getattr(self, name)):
                 raise impossible(name, f"the numbers of the given starts, {sorted(counts)}", list(getattr(self, name)))
-        self._check_tori()
-        self.scenario(0, 0, "train")  # refuse a family now if it has no possible scenario
+        self._check_scenarios()
         return self
 
-    def scenario(self, seed: int, index: int, split: Split) -> Scenario:
-        """Return scenario `index` (from 0) of a split, the same for the same seed."""
-        if split not in SPLITS or seed < 0 or index < 0:
-            expected = f"a seed and an index from 0 up and a split of {SPLITS}"
-            raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {split!r}")
+    def scenario(self, seed: int, index: int, split: Split, world: int = 0) -> Scenario:
+        """Return scenario `index` (from 0) of a split, the same for the same seed.
+
+        Those of further worlds (from 1) have the same mission and start; what is random in the world itself differs.
+        """
+        if split not in SPLITS or min(seed, index, world) < 0:
+            expected = f"a seed, an index and a world from 0 up and a split of {SPLITS}"
+            raise ValueError(f"family {self.name!r}: expected {expected}, got {seed}, {index}, {world}, {split!r}")
         own = seed_of(self.name, seed, index, split)
         sequence = np.random.SeedSequence(own, spawn_key=(SCENARIO,))
         for_mission, for_start = sequence.spawn(2)
@@ -103,7 +109,9 @@ class FamilyConfig(Closed):
             start = self.starts[index % len(self.starts)]
         else:
             start = drawn_start(mission, for_start, str(index + 1))
-        return Scenario(f"{split}-{index + 1}", own, mission, start)
+        if world:
+            own = _of_split(np.random.SeedSequence([own, world]), split)
+        return Scenario(scenario_name(split, index, world), own, mission, start)
 
     def with_knowledge(self, name: str | None) -> Self:
         """Return the family with the expert knowledge of a name in place of its own; None: its own."""
@@ -116,19 +124,25 @@ class FamilyConfig(Closed):
         """The mission with the most robots and items, on the first torus and without events."""
         return self._largest_on(self.tori[0])
 
-    def _check_tori(self) -> None:
-        """Raise the error of the first torus on which the largest team or the given stations do not fit."""
+    def _check_scenarios(self) -> None:
+        """Raise the error of the first torus on which the largest team or the given stations do not fit.
+
+        A family without a possible scenario is refused, too.
+        """
+        if self.mission.events and self.changes.number[1] > 0:
+            raise impossible("mission.events", "none where events are drawn (changes.number)", len(self.mission.events))
         for size in self.tori:
             try:
                 self._largest_on(size)
             except DocumentError as error:
                 where = "sizes" if self.sizes else "mission"
                 raise ValueError(f"{where}: {error}") from error
+        self.scenario(0, 0, "train")
 
     def _largest_on(self, size: tuple[float, float]) -> MissionConfig:
         stations, garbage = self.mission.stations, {"count": self.items[1], "respawn": self.respawn[1]}
         places = (stations.recycling, stations.dump) if self.stations == "given" else ((0.0, 0.0), (0.0, 0.0))
-        return self._made(size, self.robots[1] + self.changes.most_joining, garbage, places, ())
+        return self._made(size, self._rows, garbage, places, ())
 
     @property
     def tori(self) -> tuple[tuple[float, float], ...]:
@@ -145,8 +159,9 @@ class FamilyConfig(Closed):
         recycling, dump = base.stations.recycling, base.stations.dump
         if self.stations == "random":
             recycling, dump = random_stations((width, height), rng)
-        events = draw_events(self.changes, (width, height), robots, base.time_limit, rng)
+        drawn = draw_events(self.changes, (width, height), robots, base.time_limit, rng)
         garbage = {"count": items, "respawn": respawn}
+        events = [event.model_dump() for event in base.events] or drawn
         return self._made((width, height), robots, garbage, (recycling, dump), events)
 
     def _made(
@@ -158,10 +173,10 @@ class FamilyConfig(Closed):
         events: Sequence[dict[str, Any]],
     ) -> MissionConfig:
         """Return the mission on a torus of a `size` [m] with stations at `places` [m]; DocumentError if impossible."""
-        base, rows = self.mission, self.robots[1] + self.changes.most_joining
+        base = self.mission
         parts: dict[str, dict[str, Any]] = {
             "world": {"width": size[0], "height": size[1]},
-            "robots": {"count": robots, "capacity": rows},
+            "robots": {"count": robots, "capacity": self._rows},
             "garbage": {**garbage, "capacity": self._item_rows},
             "stations": {"recycling": places[0], "dump": places[1]},
         }
@@ -172,13 +187,87 @@ class FamilyConfig(Closed):
         return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m")
 
     @property
+    def _rows(self) -> int:
+        joining = sum(event.robots for event in self.mission.events if isinstance(event, Join))
+        return max(self.robots[1] + self.changes.most_joining + joining, self.mission.robots.capacity)
+
+    @property
     def _item_rows(self) -> int:
-        continuous = self.respawn[1] > 0.0 or "respawn" in self.changes.kinds
-        return max(self.items[1], self.mission.garbage.capacity or (4 * self.items[1] if continuous else 0))
+        events = self.mission.events
+        landing = sum(event.items for event in events if isinstance(event, Land))
+        coming = "respawn" in self.changes.kinds or any(isinstance(event, Respawn) for event in events)
+        continuous = self.respawn[1] > 0.0 or coming
+        return max(self.items[1] + landing, self.mission.garbage.capacity or (4 * self.items[1] if continuous else 0))
+
+
+class Disturbance(Closed):
+    """One disturbance of a comparison."""
+
+    kind: Name
+    """Name of its kind; the levels of one kind are drawn as one line."""
+    level: Name
+    """Name of how large it is."""
+    mission: MissionConfig
+    """The mission under it; a document gives what differs from the mission of the comparison."""
+
+    @property
+    def name(self) -> str:
+        """Name in all results."""
+        return f"{self.kind} {self.level}"
+
+
+UNDISTURBED: Final = "none"
+"""Name of the missions without a disturbance."""
+
+
+class RobustnessConfig(FamilyConfig):
+    """A family, the strategies to compare on it, and the disturbances under which they are compared."""
+
+    strategies: Annotated[tuple[Label, ...], Field(min_length=1)]
+    """The strategies, as `clean-swarm evaluate --strategy` takes them."""
+    disturbances: Annotated[tuple[Disturbance, ...], Field(min_length=1, max_length=100)]
+    """The disturbances."""
+
+    @model_validator(mode="after")
+    def _possible_disturbed(self) -> Self:
+        names = [UNDISTURBED, *(disturbance.name for disturbance in self.disturbances)]
+        for k, disturbance in enumerate(self.disturbances):
+            if names.count(disturbance.name) > 1:
+                raise impossible(f"disturbances.{k}", "names of their own", f"{disturbance.name!r} twice")
+            try:
+                self.under(disturbance)._check_scenarios()
+            except ValueError as error:
+                raise ValueError(f"disturbances.{k}: {error}") from error
+        return self
+
+    def under(self, disturbance: Disturbance) -> "RobustnessConfig":
+        """Return the family under a disturbance; its scenarios have the same starts."""
+        return self.model_copy(update={"mission": disturbance.mission})
+
+    @property
+    def disturbed(self) -> dict[str, "RobustnessConfig"]:
+        """The family without and under each disturbance, by name."""
+        return {UNDISTURBED: self, **{each.name: self.under(each) for each in self.disturbances}}
 
 
 def seed_of(family: str, seed: int, index: int, split: Split) -> int:
     """Return the seed of a scenario, below 2^64: even in the split "train", odd in "test"."""
     words = [SPLITS.index(split), zlib.crc32(family.encode()), index, seed]
-    drawn = int(np.random.SeedSequence(words).generate_state(1, np.uint64)[0])
-    return drawn // 2 * 2 + SPLITS.index(split)
+    return _of_split(np.random.SeedSequence(words), split)
+
+
+def _of_split(sequence: np.random.SeedSequence, split: Split) -> int:
+    return int(sequence.generate_state(1, np.uint64)[0]) // 2 * 2 + SPLITS.index(split)
+
+
+def scenario_name(split: Split, index: int, world: int = 0) -> str:
+    """Return the name of scenario `index` (from 0) of a split in one of its worlds, as `test-3` or `test-3.2`."""
+    return f"{split}-{index + 1}.{world + 1}" if world else f"{split}-{index + 1}"
+
+
+def place_of(name: str) -> tuple[int, int]:
+    """Return index and world of the name of a scenario; DocumentError if it is none."""
+    found = re.fullmatch(SCENARIO_NAME, name)
+    if found is None:
+        raise DocumentError(f"expected a scenario such as test-3 or test-3.2, got {short(name)}")
+    return int(found[1]) - 1, int(found[2] or 1) - 1

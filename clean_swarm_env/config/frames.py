@@ -1,8 +1,8 @@
 """Frames: the parts of a mission that all worlds of one batch share.
 
 Worlds of one batch share the torus, the bodies, the network, the patrol and the numbers of rows; stations, events,
-garbage, delivery and the time limit may differ. Rows that a mission does not use are absent, so that missions of
-different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
+garbage, delivery, prices and the time limit may differ. Rows that a mission does not use are absent, so that missions
+of different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
 """
 
 from collections.abc import Sequence
@@ -30,6 +30,7 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
             "events": (),
             "time_limit": 1.0,
             "collision_cost": 0.0,
+            "contact_cost": 0.0,
             "delivery": delivery,
         }
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
@@ -20,6 +20,20 @@ def load_experiment(name_or_path: str, directories: Sequence[Path] = ()) -> Expe
     """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
     path = find_file("experiments", name_or_path, directories)
     return validated(ExperimentConfig, _resolved(path, directories), shown(path))
+
+
+def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> RobustnessConfig | None:
+    """Return the experiment of a name or path if it has disturbances, each with its whole mission; else None."""
+    path = find_file("experiments", name_or_path, directories)
+    content = _resolved(path, directories)
+    if "disturbances" not in content:
+        return None
+    given = content["disturbances"]
+    for each in given if isinstance(given, list) else ():
+        if isinstance(each, dict) and isinstance(content["mission"], dict):
+            changes = each.get("mission", {})
+            each["mission"] = with_changes(content["mission"], changes) if isinstance(changes, dict) else changes
+    return validated(RobustnessConfig, content, shown(path))
 
 
 def load_family(name_or_path: str, directories: Sequence[Path] = ()) -> FamilyConfig:

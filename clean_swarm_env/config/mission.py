@@ -25,7 +25,7 @@ from clean_swarm_env.config.events import (
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds
-from clean_swarm_env.config.world import WorldConfig, robots_that_fit
+from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.knowledge import LearnedScores, learned_from
@@ -57,6 +57,11 @@ class RobotConfig(Closed):
     """Goal radius of the repulsive gradient that each robot carries [m]."""
     pose_diffusion: NonNegative = 1.0
     """Diffusion of the repulsive gradient that each robot carries [m]."""
+    pose_noise: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=100.0)] = 0.0
+    """Standard deviation of each coordinate of where a robot takes itself to be, anew in each control period [m].
+
+    Its mechanisms begin at that place, and others see its pose there.
+    """
     failed_pose: Literal["unseen", "seen"] = "unseen"
     """Whether a robot that has failed still carries its gradient: others keep away from its body and its cargo."""
 
@@ -144,12 +149,16 @@ class MissionConfig(Closed):
     """The behaviour network."""
     delivery: DeliveryConfig = DeliveryConfig()
     """The delivery of messages among the robots."""
+    consequences: ConsequencesConfig = ConsequencesConfig()
+    """The consequences of collisions."""
     events: Annotated[tuple[Event, ...], Field(max_length=10_000)] = ()
     """The events of the mission."""
     time_limit: Seconds = 3000.0
     """Simulated time after which a mission ends uncompleted, or ends at all if garbage keeps coming [s]."""
     collision_cost: NonNegative = 2.0
     """Price of a collision event at the first distance in the cost of a mission [s]."""
+    contact_cost: NonNegative = 0.0
+    """Price of each second in which a pair is closer than the first distance, in the cost of a mission [s/s]."""
     collision_distances: Annotated[tuple[Length, ...], Field(min_length=1, max_length=10)] = (0.55, 1.0)
     """Centre distances below which a pair counts as colliding [m]; the first one is the one reported."""
     decision_period: Seconds = 1.0
@@ -181,10 +190,13 @@ class MissionConfig(Closed):
             if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
                 expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
                 raise impossible(key, expected, f"[{x:g}, {y:g}]")
-        periods = self.decision_period * world.control_rate
-        if round(periods) < 1 or abs(periods - round(periods)) > 1e-9:
-            expected = f"a whole multiple of the control period {1.0 / world.control_rate:g} s"
-            raise impossible("decision_period", expected, self.decision_period)
+        for key, time, least in (
+            ("decision_period", self.decision_period, 1),
+            ("delivery.delay", self.delivery.delay, 0),
+        ):
+            periods = time * world.control_rate
+            if round(periods) < least or abs(periods - round(periods)) > 1e-9:
+                raise impossible(key, f"a whole multiple of the control period {1.0 / world.control_rate:g} s", time)
         if self.time_limit * world.control_rate < 1.0:
             raise impossible(
                 "time_limit", f"at least one control period, {1.0 / world.control_rate:g} s", self.time_limit
@@ -233,6 +245,11 @@ class MissionConfig(Closed):
         """Number of items for which a world has rows."""
         least = RANDOM_ITEMS if self.continuous else 0
         return self.garbage.capacity or max(self.items_expected, least)
+
+    @property
+    def delay_ticks(self) -> int:
+        """Control periods from sending a message to its arrival."""
+        return round(self.delivery.delay * self.world.control_rate)
 
     @property
     def own_contents(self) -> bool:

@@ -7,7 +7,7 @@ Shapes: N robots, G items, S stations, M pheromones.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ ITEM_COLOUR: Final = "#E69F00"
 STATIONS: Final = (("recycling", "#009E73"), ("dump", "#8C6BB1"))
 """Names and colours of stations."""
 TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
+MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
 FRAMES_PER_SECOND: Final = 20
 """Pictures of a video for each second of the mission."""
 FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was put elsewhere
@@ -35,6 +36,15 @@ FARTHEST_STEP: Final = 1.0  # [m] from picture to picture; beyond it a robot was
 def no_places() -> Floats:
     """Return no places: (0, 2)."""
     return np.zeros((0, 2))
+
+
+class Area(NamedTuple):
+    """A place that means something to robots: its name, middle and radius [m]."""
+
+    name: str
+    x: float
+    y: float
+    radius: float
 
 
 @dataclass(frozen=True)
@@ -56,6 +66,7 @@ class Canvas:
     leftover: Flags | None = None  # (G,) whether the item has been recycled; None: none has
     stations: Floats = field(default_factory=no_places)  # (S, 2) [m], those of STATIONS in this order
     station_radius: float = 0.5  # [m] within which a robot is at a station
+    areas: tuple[Area, ...] = ()  # what else lies in the world
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]
     pheromone_diffusions: Floats = field(default_factory=lambda: np.zeros(0))  # (M,) [m]
 
@@ -113,7 +124,10 @@ def trail_strength(canvas: Canvas) -> Floats:
     In each cell the strongest pheromone counts. Its strength falls linearly from 1 at its centre to 0 at its diffusion
     radius, as Balch and Hybinette's repulsion does.
     """
-    strength = np.zeros((max(round(canvas.height / TRAIL_PITCH), 1), max(round(canvas.width / TRAIL_PITCH), 1)))
+    lines, columns = (
+        min(max(round(size / TRAIL_PITCH), 1), MOST_TRAIL_CELLS) for size in (canvas.height, canvas.width)
+    )
+    strength = np.zeros((lines, columns))
     places = np.ascontiguousarray(canvas.pheromones, dtype=np.float64)
     diffusions = np.ascontiguousarray(canvas.pheromone_diffusions, dtype=np.float64)
     lay_trail(places, diffusions, canvas.width, canvas.height, strength)

@@ -32,6 +32,7 @@ LETTER_SIZE: Final = 13.0
 LETTER: Final = 0.58
 """Mean width of a letter, in sizes of its font; the legend's columns follow from it."""
 WHITE: Final = "#ffffff"
+AREA: Final = "#009E73"
 OUT_OF_WORK: Final = "#77736b"
 
 
@@ -93,7 +94,7 @@ def layout_of(canvas: Canvas, side: int = SIDE) -> Layout:
     700
     """
     scale = (side - 2 * MARGIN) / max(canvas.width, canvas.height)
-    across, up = round(canvas.width * scale), round(canvas.height * scale)
+    across, up = (max(round(length * scale), 1) for length in (canvas.width, canvas.height))
     width = max(_even(across + 2 * MARGIN), _even(side / 2))
     title = ", ".join(filter(None, [f"{canvas.time:.1f} s", canvas.state]))
     legend, deep = _legend(canvas, width, TITLE + up + MARGIN)
@@ -117,6 +118,9 @@ class _Drawer:
     def shapes(self) -> list[Shape]:
         canvas, robots = self._canvas, len(self._canvas.positions)
         found: list[Shape] = []
+        for name, x, y, radius in canvas.areas:
+            for right, down in self._at(np.array([x, y]), radius):
+                found += [Disc(right, down, self._pixels(radius), AREA, 0.3), Caption(right, down, name, centred=True)]
         for place, (name, colour) in zip(canvas.stations, STATIONS, strict=False):
             found += self._station(place, name, colour)
         leftover = np.zeros(len(canvas.garbage), dtype=np.bool_) if canvas.leftover is None else canvas.leftover

@@ -5,6 +5,7 @@ Shapes: R rows (robots), C coordinated goals, O options of all goals one after t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from pydantic import Field
 
 from clean_swarm_env.learning.phases import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
+from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selforg.arrays import Flags, Floats, Ints
@@ -44,8 +46,7 @@ class OptionActions:
 
     """
 
-    def __init__(self, worlds: Worlds, config: ActionConfig) -> None:
-        models = [coordinator.model for coordinator in worlds.coordinators]
+    def __init__(self, models: Sequence[CoordinatorModel], config: ActionConfig) -> None:
         self.counts = tuple(len(model.options) for model in models)
         self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
         names = [name for model in models for name in model.options]
@@ -106,11 +107,17 @@ class VelocityActions:
 
     def steer(self, actions: NDArray[Any]) -> None:
         """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
-        given, expected = np.asarray(actions), (self._worlds.rows, 2)
-        if given.shape != expected or not np.isfinite(given).all():
-            raise ValueError(f"actions: expected finite numbers of shape {expected}, got {given.shape}")
-        turn_to_world(given.astype(np.float64), self._worlds.physics.headings, self._max_speed, self._vectors)
+        given = checked_vectors(actions, self._worlds.rows)
+        turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
         self._worlds.steer(self._vectors)
+
+
+def checked_vectors(actions: NDArray[Any], rows: int) -> Floats:
+    """Return vectors (R, 2) as float64, or raise ValueError."""
+    given = np.asarray(actions)
+    if given.shape != (rows, 2) or not np.isfinite(given).all():
+        raise ValueError(f"actions: expected finite numbers of shape {(rows, 2)}, got {given.shape}")
+    return given.astype(np.float64)
 
 
 @lean_kernel

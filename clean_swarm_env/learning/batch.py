@@ -8,19 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
 from clean_swarm_env.learning.batch_state import BatchStates
 from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
+from clean_swarm_env.learning.global_state import GlobalState
+from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended, FigureColumns
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
@@ -29,7 +32,7 @@ from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import MissionResult, result_of
-from clean_swarm_env.world.mission_end import COMPLETED, TIME_OVER
+from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
 from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
@@ -39,27 +42,10 @@ WARM_UP_TICKS = 1500
 """Ticks within which a mission has called every kernel that missions call."""
 
 
-class BatchStep(NamedTuple):
-    """The result of one decision period; the arrays belong to the batch and are valid until the next call."""
-
-    observations: Observations
-    """(R, F) float32; of worlds that have begun anew, the first observations of the new episode."""
-    rewards: Floats
-    """(R,) float64."""
-    terminated: Flags
-    """(W,) whether all garbage of the world was dumped in this period."""
-    truncated: Flags
-    """(W,) whether the time of the world was over with this period and garbage was left."""
-    final_observations: Observations
-    """(R, F) float32; the observations at the end of the mission, in rows of worlds whose missions ended."""
-
-
 @dataclass(frozen=True)
-class Finished:
+class Finished(Ended):
     """A mission that ended in the last period."""
 
-    world: int
-    """Number of the world in the batch."""
     scenario: Scenario
     """The scenario of the mission."""
     result: MissionResult
@@ -68,7 +54,7 @@ class Finished:
     """Number of times that a pair came closer than the first collision distance."""
 
     @property
-    def statistics(self) -> dict[str, float | int | bool]:
+    def statistics(self) -> dict[str, Any]:
         """The figures that borders report of a mission."""
         return {
             "duration_s": self.result.duration_s,
@@ -94,7 +80,7 @@ class BatchSettings(EpisodeSettings, total=False):
     """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
 
 
-class Batch:
+class Batch(AnyBatch):
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
@@ -125,6 +111,10 @@ class Batch:
 
     """
 
+    mission: MissionConfig
+    action: ActionConfig
+    observer: Observer
+
     def __init__(
         self,
         mission: GivenMission | None = None,
@@ -139,7 +129,7 @@ class Batch:
         if unknown:
             raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
         worlds = whole_number(worlds, "worlds", 1)
-        compile_once(_whole_mission)
+        compile_once(whole_mission)
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
@@ -152,9 +142,10 @@ class Batch:
         explained = explained or (record is not None and record.minds)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)
         self.recorder = MissionRecorder(self.worlds, record) if record is not None else None
-        self.rows, self.robots = self.worlds.rows, self.worlds.robots
+        self.rows, self.robots, self.count = self.worlds.rows, self.worlds.robots, worlds
+        self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
-        self.choices = OptionActions(self.worlds, self.action)
+        self.choices = OptionActions(models, self.action)
         self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
@@ -253,6 +244,34 @@ class Batch:
         """The missions that ended in the last period."""
         return tuple(self._finished)
 
+    @property
+    def over(self) -> Flags:
+        """(W,) whether the mission of a world is over and no other has begun."""
+        over: Flags = self.progress.outcome != RUNNING
+        return over
+
+    @property
+    def working(self) -> Flags:
+        """(R,) whether there is a robot that works."""
+        return self.worlds.team.working
+
+    @property
+    def took_part(self) -> Flags:
+        """(R,) whether the robot was at work in the last period."""
+        return self.progress.took_part
+
+    def team_figures(self) -> FigureColumns:
+        """Return the infos that are the same for all robots of a world, of each world; see `figures.TEAM`."""
+        return team_columns(self.worlds, self.progress)
+
+    def own_figures(self) -> FigureColumns:
+        """Return the infos of each row; see `figures.OWN`."""
+        return own_columns(self.progress, self.worlds.period)
+
+    def global_state(self) -> GlobalState:
+        """Return what tells the global state of the worlds."""
+        return GlobalState(self.worlds, self.progress, options=self._steering is None)
+
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
         """Begin the next episode of a world; robots hold the options of the highest expert score."""
         scenario = self._source(world)
@@ -345,7 +364,7 @@ class Batch:
             self._finished.append(Finished(world, scenario, result_of(worlds, world), events))
 
 
-def _whole_mission() -> None:
+def whole_mission() -> None:
     """Run one mission, which calls the kernels that all missions call."""
     batch = Batch()
     batch.reset([0])

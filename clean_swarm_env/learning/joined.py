@@ -18,8 +18,9 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.learning.batch import Batch, BatchStep, Finished
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
+from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Ints
 
@@ -44,16 +45,16 @@ class Joined:
 
     """
 
-    def __init__(self, batches: Sequence[Batch]) -> None:
+    def __init__(self, batches: Sequence[AnyBatch]) -> None:
         self.batches = tuple(batches)
         _check_alike(self.batches)
         self.rows = sum(batch.rows for batch in batches)
-        robots = np.array([batch.robots for batch in batches for _ in range(batch.worlds.worlds)])
+        robots = np.array([batch.robots for batch in batches for _ in range(batch.count)])
         self.worlds = len(robots)
         self.world_of: Ints = np.repeat(np.arange(self.worlds), robots)
         self.first_rows: Ints = np.cumsum(robots) - robots
         self._cuts = list(accumulate(batch.rows for batch in batches))[:-1]
-        self._first_worlds = list(accumulate((batch.worlds.worlds for batch in batches), initial=0))[:-1]
+        self._first_worlds = list(accumulate((batch.count for batch in batches), initial=0))[:-1]
 
     def reset(
         self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
@@ -65,7 +66,7 @@ class Joined:
                 raise ValueError(f"{name}: expected one for each of {self.worlds} worlds, got {len(given)}")
         seen = []
         for batch, first in zip(self.batches, self._first_worlds, strict=True):
-            own = slice(first, first + batch.worlds.worlds)
+            own = slice(first, first + batch.count)
             seen.append(batch.reset((seeds or nothing)[own], (starts or nothing)[own]))
         return np.concatenate(seen)
 
@@ -78,7 +79,7 @@ class Joined:
         return BatchStep(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
 
     @property
-    def finished(self) -> tuple[Finished, ...]:
+    def finished(self) -> tuple[Ended, ...]:
         """The missions that ended in the last period."""
         return tuple(
             replace(end, world=first + end.world)
@@ -87,14 +88,18 @@ class Joined:
         )
 
     @property
+    def _missions(self) -> list[Batch]:
+        return [batch for batch in self.batches if isinstance(batch, Batch)]
+
+    @property
     def present(self) -> Flags:
-        """(R,) whether there is a robot in the row."""
-        return np.concatenate([batch.worlds.physics.present for batch in self.batches])
+        """(R,) whether there is a robot in the row; for batches of missions."""
+        return np.concatenate([batch.worlds.physics.present for batch in self._missions])
 
     @property
     def events(self) -> Ints:
-        """(E, R) counts of the events of the last period; see `Period.events`."""
-        return np.concatenate([batch.progress.events for batch in self.batches], axis=1)
+        """(E, R) counts of the events of the last period, see `Period.events`; for batches of missions."""
+        return np.concatenate([batch.progress.events for batch in self._missions], axis=1)
 
     def masks(self) -> Flags:
         """Return which options (R, O) can serve in the coming period."""
@@ -123,7 +128,7 @@ def family_batches(
     ]
 
 
-def _check_alike(batches: Sequence[Batch]) -> None:
+def _check_alike(batches: Sequence[AnyBatch]) -> None:
     """Raise an error if there are no batches, or if one learner cannot decide for all of them."""
     if not batches:
         raise ValueError("batches: expected at least one, got none")
@@ -137,7 +142,7 @@ def _check_alike(batches: Sequence[Batch]) -> None:
                 raise ConfigurationError(f"batches[{number}]: {what}: expected {expected}, got {given}")
 
 
-def _compared(batch: Batch) -> dict[str, Any]:
+def _compared(batch: AnyBatch) -> dict[str, Any]:
     """Return the settings that must be equal in batches that are joined."""
     return {
         "options": dict(batch.options),

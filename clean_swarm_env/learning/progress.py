@@ -1,4 +1,4 @@
-"""Counts of the events in a decision period, tick by tick, and the time since each robot last achieved something.
+"""Counts of the events in a decision period, and its cost, tick by tick; the time since each robot achieved something.
 
 Shapes: W worlds, N robots a world, R = W * N rows, E kinds of events.
 """
@@ -10,11 +10,26 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from clean_swarm_env.world.cleaning_robot import GOAL
-from clean_swarm_env.world.garbage import NOTHING
-from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state, tick_limit
+from clean_swarm_env.world.garbage import DONE, NOTHING
+from clean_swarm_env.world.mission_end import (
+    EVENT,
+    ITEMS,
+    LEFT,
+    LIMIT,
+    NO_ITEM,
+    RUNNING,
+    SAMPLE,
+    TIME_OVER,
+    WORTH,
+    CostTerms,
+    collision_price,
+    cost_terms,
+    mission_state,
+    tick_limit,
+)
 from clean_swarm_env.world.worlds import Worlds
-from selforg.arrays import Flags, Ints
-from selforg.compiler.decorators import lean_kernel
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 
 EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
@@ -31,6 +46,9 @@ class Period(NamedTuple):
     dumped: Annotated[Ints, "W"]  # items that the team dumped
     outcome: Annotated[Ints, "W"]  # RUNNING, COMPLETED (all garbage dumped) or TIME_OVER, at the end
     took_part: Annotated[Flags, "R"]  # robots that were at work
+    cost: Annotated[Floats, "W"]  # what the period added to the cost of the mission, but for collisions [s]
+    price: Annotated[Floats, "W"]  # what its collisions added [s]
+    bumps: Annotated[Floats, "R"]  # price of the robot's collisions, one by one: its share of `price`
 
 
 class Followed(NamedTuple):
@@ -38,12 +56,17 @@ class Followed(NamedTuple):
 
     working: Annotated[Flags, "R"]  # robots at work
     in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
+    stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
     cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
     recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
     done: Annotated[Ints, "W"]  # items dumped
     had: Annotated[Ints, "R"]  # cargo at the tick before
     had_recycled: Annotated[Ints, "R"]  # recycled at the tick before
     had_done: Annotated[Ints, "W"]  # done at the tick before
+    collisions: Annotated[Ints, "W K"]  # events at each distance since the mission began
+    samples: Annotated[Ints, "W K"]  # pairs closer than each distance, summed over all counts
+    terms: Annotated[Floats, "W 6"]  # `CostTerms` of each mission
+    had_price: Annotated[Floats, "W"]  # what collisions had cost at the tick before [s]
     limits: Annotated[Ints, "W"]  # ticks after which each mission is over
     elapsed: Annotated[Ints, "W"]  # ticks since the mission began, up to its end
     idle: Annotated[Ints, "R"]  # ticks since the robot last picked, recycled or dumped, or since the mission began
@@ -60,7 +83,7 @@ class MissionProgress:
 
     Attributes:
         period: the record `Period`, with its words; its arrays are attributes here too: `events` (E, R), `ticks` (W,),
-            `dumped` (W,), `outcome` (W,), `took_part` (R,).
+            `dumped` (W,), `outcome` (W,), `took_part` (R,), `cost` (W,), `price` (W,), `bumps` (R,).
         elapsed: (W,) int64, ticks since the mission began, up to its end.
         limits: (W,) int64, ticks after which each mission is over.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
@@ -77,19 +100,36 @@ class MissionProgress:
         count, rows, garbage = worlds.worlds, worlds.rows, worlds.garbage
         self.events, self.ticks, self.dumped = numbers(len(EVENTS), rows), numbers(count), numbers(count)
         self.outcome, self.took_part = numbers(count), np.zeros(rows, dtype=np.bool_)
-        self.period = PERIOD_RECORD.pack(Period(self.events, self.ticks, self.dumped, self.outcome, self.took_part))
+        self.cost, self.price, self.bumps = np.zeros(count), np.zeros(count), np.zeros(rows)
+        self.period = PERIOD_RECORD.pack(
+            Period(
+                self.events,
+                self.ticks,
+                self.dumped,
+                self.outcome,
+                self.took_part,
+                self.cost,
+                self.price,
+                self.bumps,
+            )
+        )
         self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
         self.ended: Ints = numbers(0)
         self._followed = FOLLOWED_RECORD.pack(
             Followed(
                 working=worlds.team.working,
                 in_contact=worlds.collisions.in_contact,
+                stage=garbage.stage,
                 cargo=garbage.cargo,
                 recycled=garbage.recycled,
                 done=garbage.done,
                 had=numbers(rows) + NOTHING,
                 had_recycled=numbers(rows),
                 had_done=numbers(count),
+                collisions=worlds.collisions.events,
+                samples=worlds.collisions.samples,
+                terms=np.zeros((count, len(CostTerms._fields))),
+                had_price=np.zeros(count),
                 limits=self.limits,
                 elapsed=self.elapsed,
                 idle=self.idle,
@@ -106,14 +146,17 @@ class MissionProgress:
         followed.had[rows] = followed.cargo[rows]
         followed.had_recycled[rows] = followed.recycled[rows]
         followed.had_done[world] = followed.done[world]
+        followed.terms[world] = cost_terms(mission)
+        followed.had_price[world] = 0.0
 
     def of_rows(self) -> tuple[Ints, ...]:
         """Return what robots hand on to the next period: arrays (R,)."""
         return self.idle, self._followed.record.had, self._followed.record.had_recycled
 
-    def of_worlds(self) -> tuple[Ints, ...]:
-        """Return what worlds hand on to the next period: arrays (W,)."""
-        return self.limits, self.elapsed, self.outcome, self._followed.record.had_done
+    def of_worlds(self) -> tuple[Ints | Floats, ...]:
+        """Return what worlds hand on to the next period: arrays (W, ...)."""
+        followed = self._followed.record
+        return self.limits, self.elapsed, self.outcome, followed.had_done, followed.terms, followed.had_price
 
     def stay(self, world: int) -> None:
         """Stop counting a world without a next scenario until it is reset; its last outcome remains."""
@@ -122,7 +165,7 @@ class MissionProgress:
 
     def begin_period(self) -> None:
         """Set the counts of the period to zero."""
-        for counts in (self.events, self.ticks, self.dumped):
+        for counts in (self.events, self.ticks, self.dumped, self.cost, self.price, self.bumps):
             counts.fill(0)
         np.copyto(self.took_part, self._worlds.team.working)
 
@@ -133,8 +176,9 @@ class MissionProgress:
         """
         worlds, executing = self._worlds, self._worlds.network.executing
         avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
-        count = count_tick(self.period.words, self._followed.words, entered, avoids, worlds.cleaned, worlds.ticks)
-        self.ended = self._followed.record.ended[:count]
+        period, followed = self.period.words, self._followed.words
+        count = count_tick(period, followed, entered, avoids, worlds.cleaned, worlds.ticks, worlds.period)
+        self.ended = self._followed.record.ended[:count].copy()
         return count > 0
 
 
@@ -143,14 +187,36 @@ def avoidance_column(worlds: Worlds) -> int:
     return next((coordinator.index for coordinator in worlds.coordinators if coordinator.model.goal == GOAL), -1)
 
 
+@inlined
+def add_cost(world: int, dumped: int, tick: float, p: Period, f: Followed) -> None:
+    """Add what a tick of `tick` [s], in which `dumped` items were dumped, added to the cost of a world's mission."""
+    limit = f.terms[world, LIMIT]
+    priced = f.terms[world, EVENT] * f.collisions[world, 0] + f.terms[world, SAMPLE] * f.samples[world, 0]
+    price = collision_price(priced, limit)
+    p.price[world] += price - f.had_price[world]
+    f.had_price[world] = price
+    p.cost[world] += tick - f.terms[world, WORTH] * dumped
+    if p.outcome[world] == TIME_OVER and f.terms[world, WORTH] == 0.0:
+        p.cost[world] += f.terms[world, LEFT] * max(f.terms[world, ITEMS] - f.done[world], 0.0)
+    elif p.outcome[world] == TIME_OVER:  # what is missing to the cost of an item, for all that were expected
+        whole, worth = limit + price, f.terms[world, WORTH]
+        p.cost[world] += limit / worth * whole / max(f.done[world], NO_ITEM) - (whole - worth * f.done[world])
+
+
 @lean_kernel
 def count_tick(
-    period: Words[Period], followed: Words[Followed], entered: Ints, avoids: Ints, cleaned: Flags, ticks: Ints
+    period: Words[Period],
+    followed: Words[Followed],
+    entered: Ints,
+    avoids: Ints,
+    cleaned: Flags,
+    ticks: Ints,
+    length: float,
 ) -> int:
     """Add one tick to the period of the worlds that run; list those that end and return their number.
 
     entered, avoids (R,): collision events of the robot, and whether it avoids others. cleaned, ticks (W,): whether the
-    world is clean for good, and ticks since its reset. A robot that does not work has lost its cargo, not dumped it.
+    world is clean for good, and ticks since its reset. length: of a tick [s]. Cargo that is lost is not dumped.
     """
     p, f = open_period(period), open_followed(followed)
     ended, robots = 0, f.cargo.shape[0] // ticks.shape[0]
@@ -161,7 +227,7 @@ def count_tick(
         for row in range(world * robots, (world + 1) * robots):
             picked = f.had[row] == NOTHING and f.cargo[row] != NOTHING
             lost = f.had[row] != NOTHING and f.cargo[row] == NOTHING
-            dumped = f.working[row] and lost and f.had_recycled[row] == 1
+            dumped = lost and f.stage[world, f.had[row]] == DONE
             recycled = f.cargo[row] != NOTHING and not picked and f.recycled[row] > f.had_recycled[row]
             p.took_part[row] |= f.working[row]
             f.idle[row] = 0 if picked or dumped or recycled else f.idle[row] + 1
@@ -171,12 +237,15 @@ def count_tick(
             p.events[COLLISIONS, row] += entered[row]
             p.events[CONTACTS, row] += f.in_contact[row]
             p.events[AVOIDINGS, row] += avoids[row]
+            p.bumps[row] += f.terms[world, EVENT] * entered[row] + f.terms[world, SAMPLE] * f.in_contact[row]
             f.had[row] = f.cargo[row]
             f.had_recycled[row] = f.recycled[row]
-        p.dumped[world] += f.done[world] - f.had_done[world]
+        dumped_now = f.done[world] - f.had_done[world]
+        p.dumped[world] += dumped_now
         f.had_done[world] = f.done[world]
         f.elapsed[world] = ticks[world]
         p.outcome[world] = mission_state(cleaned[world], ticks[world], f.limits[world])
+        add_cost(world, dumped_now, length, p, f)
         if p.outcome[world] != RUNNING:
             f.ended[ended] = world
             ended += 1

@@ -1,4 +1,8 @@
-"""The reward of a selector: the mission's cost, in parts that are named and weighted, and shaping terms.
+"""The reward of a selector: the cost of the mission, and shaping terms.
+
+What the robots of a world are paid in a mission, in the mean, adds up to the mission's cost (`mission_end`) times the
+weight `cost`: exactly where the mission can be completed; where garbage keeps coming an item is worth the mean time
+between two arrivals. The price of collisions is shared among the robots that took part in them.
 
 The shaping terms are plain counts, not differences of a potential. So they may change which behaviour is best: a robot
 paid for picking could carry items about. Their weights are 0 unless given.
@@ -24,14 +28,16 @@ from selforg.compiler.records import Recording, Words
 class RewardConfig(Closed):
     """Weights of the reward's terms; each robot gets their sum once a decision period."""
 
-    dumped: Number = 1.0
-    """For each item dumped by the team [1/item]."""
-    time: Number = -0.01
-    """For each second that passed before the mission was over [1/s]."""
-    collision: Number = -0.1
-    """For each collision event in which the robot took part [1/event]."""
+    cost: Number = -0.01
+    """For each second by which the cost of the mission grew: time, collisions, and at the end what is left [1/s]."""
+    dumped: Number = 0.0
+    """Shaping: for each item dumped by the team [1/item]."""
+    time: Number = 0.0
+    """Shaping: for each second that passed before the mission was over [1/s]."""
     completed: Number = 0.0
-    """Once, when all garbage is dumped [-]."""
+    """Shaping: once, when all garbage is dumped [-]."""
+    collision: Number = 0.0
+    """Shaping: for each collision event in which the robot took part [1/event]."""
     own_picked: Number = 0.0
     """Shaping: for each item that the robot picked [1/item]."""
     own_recycled: Number = 0.0
@@ -47,7 +53,7 @@ class RewardConfig(Closed):
 
 
 OwnRewards = Callable[[Any], Floats]
-"""A function of a `Batch` at the end of a period that returns the rewards (R,)."""
+"""A function of a batch at the end of a period that returns the rewards (R,)."""
 
 
 def own_rewards(chosen: object) -> OwnRewards | None:
@@ -60,12 +66,12 @@ def own_rewards(chosen: object) -> OwnRewards | None:
     if not callable(function):
         return None
 
-    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (a Batch, which stands above this module)
+    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (an AnyBatch, which stands above this module)
         given = function(batch)
         paid = np.asarray(given, dtype=np.float64)
         if paid.shape != (batch.rows,) or not np.isfinite(paid).all():
             raise ValueError(f"reward: expected finite numbers of shape {(batch.rows,)}, got {brief(given)}")
-        return np.where(batch.progress.took_part, paid, 0.0)
+        return np.where(batch.took_part, paid, 0.0)
 
     return rewards
 
@@ -74,6 +80,7 @@ class Prices(NamedTuple):
     """Weights of the reward by ticks in place of seconds; see `RewardConfig`."""
 
     own: Annotated[Floats, "E"]  # for each event of a robot, in the order of EVENTS
+    cost: float  # for each second of the mission's cost
     dumped: float
     tick: float
     completed: float
@@ -105,7 +112,7 @@ class Rewards:
         }
         weights = np.array([own[event] for event in EVENTS])
         self.prices = PRICES_RECORD.pack(
-            Prices(weights, config.dumped, config.time * period, config.completed, config.shared)
+            Prices(weights, config.cost, config.dumped, config.time * period, config.completed, config.shared)
         )
 
     def of(self, progress: MissionProgress, rewards: Floats) -> None:
@@ -120,17 +127,26 @@ def pay(period: Words[Period], prices: Words[Prices], rewards: Floats) -> None:
     robots = rewards.shape[0] // counted.ticks.shape[0]
     for world in range(counted.ticks.shape[0]):
         team = price.dumped * counted.dumped[world] + price.tick * counted.ticks[world]
+        team += price.cost * counted.cost[world]
         if counted.outcome[world] == COMPLETED and counted.ticks[world] > 0:
             team += price.completed
-        total, members = 0.0, 0
+        bumps, total, members = 0.0, 0.0, 0
+        for row in range(world * robots, (world + 1) * robots):
+            if counted.took_part[row]:
+                bumps += counted.bumps[row]
+                members += 1
+        collisions = price.cost * counted.price[world]
+        if bumps == 0.0:  # contacts between two ticks only, or with robots that take no part
+            team += collisions
         for row in range(world * robots, (world + 1) * robots):
             rewards[row] = 0.0
             if not counted.took_part[row]:
                 continue
             for kind in range(price.own.shape[0]):
                 rewards[row] += price.own[kind] * counted.events[kind, row]
+            if bumps > 0.0:
+                rewards[row] += collisions * members * counted.bumps[row] / bumps
             total += rewards[row]
-            members += 1
         for row in range(world * robots, (world + 1) * robots):
             if counted.took_part[row]:
                 rewards[row] = team + (1.0 - price.shared) * rewards[row] + price.shared * total / members

@@ -24,6 +24,8 @@ BLOCK: Final = struct.Struct("<4sII")
 """Kind of a block, length of its content, and the CRC-32 of the content."""
 MOST_BYTES: Final = 2**30
 """Largest content of a block; those that we write take a twentieth of it."""
+MOST_AT_ONCE: Final = 2**20
+"""Bytes that are read at once."""
 LEVEL: Final = 2
 """Level of compression of zlib: level 6 takes three times as long for files that are 13 % smaller."""
 
@@ -45,61 +47,97 @@ class RecordingFile:
             self._file: IO[bytes] = path.open("wb")
         except OSError as error:
             raise ConfigurationError(f"{path}: cannot be written ({error.strerror})") from error
-        self._file.write(MAGIC + struct.pack("<I", FORMAT_VERSION))
-        self._write(HEAD, _json({**head, "channels": [channel.as_mapping() for channel in channels]}))
+        self.beginning = beginning_of(head, channels)
+        self._write(self.beginning)
 
     def add(self, first: int, whole: Sequence[WholeNumbers], notes: Mapping[str, Any]) -> None:
         """Append frames from number `first` on: whole numbers (T, K) for each channel; `notes` is plain data."""
-        sizes, contents = [], []
-        for channel, numbers in zip(self._channels, whole, strict=True):
-            changing, width, content = packed_frames(numbers, channel.order)
-            sizes.append((changing, width))
-            contents.append(content)
-        directory = _json({"first": first, "frames": len(whole[0]), "sizes": sizes, **notes})
-        self._write(PART, struct.pack("<I", len(directory)) + directory + b"".join(contents))
+        self._write(part_of(self._channels, first, whole, notes))
 
     def close(self, result: Mapping[str, Any] | None = None) -> None:
         """End the file; `result` is that of a mission that ended."""
         if result is not None:
-            self._write(CLOSING, _json(result))
+            self._write(end_of(result))
         self._file.close()
 
-    def _write(self, kind: bytes, content: bytes) -> None:
-        small = zlib.compress(content, LEVEL)
-        self._file.write(BLOCK.pack(kind, len(small), zlib.crc32(small)) + small)
+    def _write(self, data: bytes) -> None:
+        self._file.write(data)
         self._file.flush()
 
 
+def beginning_of(head: Mapping[str, Any], channels: Sequence[Channel]) -> bytes:
+    """Return the bytes with which a recording begins."""
+    described = {**head, "channels": [channel.as_mapping() for channel in channels]}
+    return MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
+
+
+def part_of(channels: Sequence[Channel], first: int, whole: Sequence[WholeNumbers], notes: Mapping[str, Any]) -> bytes:
+    """Return the block of frames; the arguments are those of `RecordingFile.add`."""
+    sizes, contents = [], []
+    for channel, numbers in zip(channels, whole, strict=True):
+        changing, width, content = packed_frames(numbers, channel.order)
+        sizes.append((changing, width))
+        contents.append(content)
+    directory = _json({"first": first, "frames": len(whole[0]), "sizes": sizes, **notes})
+    return _block(PART, struct.pack("<I", len(directory)) + directory + b"".join(contents))
+
+
+def end_of(result: Mapping[str, Any]) -> bytes:
+    """Return the block with which the recording of a mission that has ended ends."""
+    return _block(CLOSING, _json(result))
+
+
 def blocks_of(path: Path) -> Iterator[tuple[bytes, bytes]]:
-    """Yield kind and content of each whole block; a last block that was cut off is left out.
+    """Yield kind and content of each whole block of a file; a last block that was cut off is left out.
 
     Raises:
         ConfigurationError: no file, no recording, a recording of a newer version, or a damaged one.
 
     """
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            yield from blocks_in(file, str(path))
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read ({error.strerror})") from error
-    if data[: len(MAGIC)] != MAGIC or len(data) < len(MAGIC) + 4:
-        raise ConfigurationError(f"{path}: expected a recording of a mission ({SUFFIX}), got another kind of file")
-    (version,) = struct.unpack_from("<I", data, len(MAGIC))
+
+
+def blocks_in(source: IO[bytes], name: str) -> Iterator[tuple[bytes, bytes]]:
+    """Yield the blocks of a recording as they come, also of one that is still running; `name` begins its errors."""
+    begins = source.read(len(MAGIC) + 4)
+    if begins[: len(MAGIC)] != MAGIC or len(begins) < len(MAGIC) + 4:
+        raise ConfigurationError(f"{name}: expected a recording of a mission ({SUFFIX}), got another kind of file")
+    (version,) = struct.unpack_from("<I", begins, len(MAGIC))
     if version != FORMAT_VERSION:
         raise ConfigurationError(
-            f"{path}: expected a recording of version {FORMAT_VERSION}, got version {version}; "
+            f"{name}: expected a recording of version {FORMAT_VERSION}, got version {version}; "
             "record the mission again, or read it with the Clean Swarm that wrote it"
         )
-    at = len(MAGIC) + 4
-    while at + BLOCK.size <= len(data):
-        kind, length, checksum = BLOCK.unpack_from(data, at)
-        begin, at = at + BLOCK.size, at + BLOCK.size + length
+    at = len(begins)
+    while len(facts := source.read(BLOCK.size)) == BLOCK.size:
+        kind, length, checksum = BLOCK.unpack(facts)
         if kind not in (HEAD, PART, CLOSING):
-            raise ConfigurationError(f"{path}: damaged at byte {begin - BLOCK.size}: expected a block, got {kind!r}")
-        if at > len(data):
+            raise ConfigurationError(f"{name}: damaged at byte {at}: expected a block, got {kind!r}")
+        small, at = _read(source, length), at + BLOCK.size
+        if len(small) < length:
             return
-        if zlib.crc32(data[begin:at]) != checksum:
-            raise ConfigurationError(f"{path}: damaged: the checksum of the block at byte {begin} is wrong")
-        yield kind, _unpacked(data[begin:at], f"{path}: damaged: the block at byte {begin}")
+        if zlib.crc32(small) != checksum:
+            raise ConfigurationError(f"{name}: damaged: the checksum of the block at byte {at} is wrong")
+        yield kind, _unpacked(small, f"{name}: damaged: the block at byte {at}")
+        at += length
+
+
+def _read(source: IO[bytes], length: int) -> bytes:
+    """Return so many bytes, or those until the end; a damaged length asks for no more memory than there are bytes."""
+    pieces = []
+    while length and (piece := source.read(min(length, MOST_AT_ONCE))):
+        pieces.append(piece)
+        length -= len(piece)
+    return b"".join(pieces)
+
+
+def _block(kind: bytes, content: bytes) -> bytes:
+    small = zlib.compress(content, LEVEL)
+    return BLOCK.pack(kind, len(small), zlib.crc32(small)) + small
 
 
 def _unpacked(small: bytes, where: str) -> bytes:

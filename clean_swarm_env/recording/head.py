@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from clean_swarm_env.recording.by_hand import ByHand
 from selector.documents.fields import Flag, NonNegative, Number, Positive, Share
 
 MOST_NUMBERS = 2**28
@@ -86,3 +87,5 @@ class Directory(_Object):
     sizes: tuple[tuple[Amount, Literal[1, 2, 4]], ...]
     """For each channel how many columns change, and the width of a number."""
     deposits: Annotated[tuple[_Deposit, ...], Field(max_length=63)] = ()
+    by_hand: tuple[ByHand, ...] = ()
+    """What was done by hand before these frames were decided."""

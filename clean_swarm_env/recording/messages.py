@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -19,46 +19,26 @@ LASTING = np.array([c.DIFFUSION, c.GOAL_RADIUS, c.MESSAGE_FAR + c.FAR_FACTOR, c.
 """Columns of a message that are the same for all deposits of a mechanism."""
 
 
-class MessageLog:
-    """Deposits and missed poses of all rows in a tick.
+class DepositLog:
+    """Deposits of all rows in a tick.
 
     Attributes:
-        kinds: what was deposited so far; bit k of a number in `deposit` stands for kind k.
+        deposits: (R,) kinds that each row has left, a bit for each.
+        kinds: what was deposited so far; bit k of a number in `deposits` stands for kind k.
 
     """
 
-    def __init__(self, worlds: Worlds) -> None:
-        self._worlds = worlds
-        self._deposits: Ints = np.zeros(worlds.rows, dtype=np.int64)
-        self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
+    def __init__(self, buffers: Mapping[str, SoBuffer], rows: int) -> None:
+        self.deposits: Ints = np.zeros(rows, dtype=np.int64)
         self._bits: dict[tuple[str, bytes, int, int], int] = {}
         self.kinds: list[dict[str, Any]] = []
-        self._buffers, self._counts = worlds.minds.buffers, worlds.minds.reception.own_contents
-        for name, buffer in self._buffers.items():
+        self._buffers = buffers
+        for name, buffer in buffers.items():
             buffer.on_deposit = partial(self._note, name)
-
-    def arrays(self) -> Iterator[Sampled]:
-        """Yield the arrays, both of one tick."""
-        robots = ("robot", self._worlds.robots)
-        deposit = whole_channel("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
-        yield Sampled(self._deposits, ((deposit, same),))
-        if self._counts:
-            missed = whole_channel("missed", robots, "poses of others that the robot misses: lost, or out of range")
-            yield Sampled(self._missed, ((missed, same),))
-
-    def count(self) -> None:
-        """Count the poses that each row missed in this tick."""
-        worlds = self._worlds
-        if self._counts:
-            spread, n = worlds.minds.poses.known, worlds.robots
-            heard = worlds.minds.poses.row_table[:, c.ROW_HEARD :] == 0
-            missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
-            missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
-            self._missed[:] = missed.sum(axis=1) * worlds.team.working
 
     def begin(self) -> None:
         """Clear the deposits of the tick before."""
-        self._deposits[:] = 0
+        self.deposits[:] = 0
 
     def close(self) -> None:
         """Stop listening to the buffers."""
@@ -70,7 +50,35 @@ class MessageLog:
         if key not in self._bits:
             self._bits[key] = len(self.kinds)
             self.kinds.append(_kind(name, self._buffers[name], message, tag))
-        self._deposits[rows] |= 1 << self._bits[key]
+        self.deposits[rows] |= 1 << self._bits[key]
+
+
+class MessageLog(DepositLog):
+    """Deposits and missed poses of all rows in a tick."""
+
+    def __init__(self, worlds: Worlds) -> None:
+        super().__init__(worlds.minds.buffers, worlds.rows)
+        self._worlds, self._counts = worlds, worlds.minds.reception.own_contents
+        self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
+
+    def arrays(self) -> Iterator[Sampled]:
+        """Yield the arrays, both of one tick."""
+        robots = ("robot", self._worlds.robots)
+        deposit = whole_channel("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
+        yield Sampled(self.deposits, ((deposit, same),))
+        if self._counts:
+            missed = whole_channel("missed", robots, "poses of others that the robot misses: lost, or out of range")
+            yield Sampled(self._missed, ((missed, same),))
+
+    def count(self) -> None:
+        """Count the poses that each row missed in this tick."""
+        worlds = self._worlds
+        if self._counts:
+            rows, delay, n = worlds.minds.poses.row_table, worlds.minds.reception.delay_ticks, worlds.robots
+            spread, heard = rows[:, c.ROW_POSES] > delay, rows[:, c.ROW_HEARD : c.ROW_HEARD + n] == delay
+            missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
+            missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
+            self._missed[:] = missed.sum(axis=1) * worlds.team.working
 
 
 def _kind(name: str, buffer: SoBuffer, message: Floats, tag: Ints) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any, Final, NoReturn, SupportsIndex
 import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, Part, point_channels, same
-from clean_swarm_env.recording.file import SUFFIX, RecordingFile
+from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import Sampled, floor_arrays, mind_arrays, networks_of
 from clean_swarm_env.world.mission import result_of
@@ -97,6 +97,7 @@ class MissionRecorder:
         self._channels = [channel for sampled in arrays for channel, _ in sampled.parts]
         self._at = 0
         self._joined = worlds.team.joined.tobytes()
+        self._by_hand: list[dict[str, Any]] = []  # what was done by hand and is not in the file yet
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         """Raise TypeError: two recorders would write one file."""
@@ -135,6 +136,11 @@ class MissionRecorder:
         """Note what the chooser of options thinks of each option of a goal from the next frame on: values (R, O)."""
         self._opinions[goal][:] = values
 
+    def note_by_hand(self, change: Mapping[str, Any]) -> None:
+        """Note what was done by hand, plain data, before the next tick of the only world."""
+        self._by_hand.append(dict(change))
+        self._note_poses()
+
     def take(self) -> None:
         """Record the tick that the worlds have just run."""
         if not self._running:
@@ -159,6 +165,20 @@ class MissionRecorder:
                 self._end(world, asdict(result_of(worlds, world)))
         if self._at == self.room:
             self._write_all()
+
+    @property
+    def beginning(self) -> bytes:
+        """The bytes with which the recording of the first world begins, while its mission runs."""
+        return self._running[0].file.beginning
+
+    def latest(self, notes: Mapping[str, Any]) -> bytes:
+        """Return the last frame of the only world as the block of a recording, with `notes`, for those who look on."""
+        numbers = []
+        for sampled, buffer in self._arrays:
+            values = buffer[[self._at - 1]] if sampled.option is None else sampled.array[None]
+            numbers += [channel.whole(part(values)) for channel, part in sampled.parts]
+        first = int(self.worlds.ticks[0]) - 1
+        return part_of(self._channels, first, numbers, {"deposits": self._messages.kinds, **notes})
 
     def close(self) -> None:
         """Write all frames that are not in a file yet, and end all files."""
@@ -242,6 +262,7 @@ class MissionRecorder:
             taken = frames if sampled.option is None else latest[sampled.option][frames]
             values = buffer[taken, world * own : (world + 1) * own]
             numbers += [channel.whole(part(values)) for channel, part in sampled.parts]
-        running.file.add(running.first, numbers, {"deposits": self._messages.kinds})
+        running.file.add(running.first, numbers, {"deposits": self._messages.kinds, "by_hand": self._by_hand})
+        self._by_hand.clear()
         running.first += frames.stop - frames.start
         running.begun = self._at

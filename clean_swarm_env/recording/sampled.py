@@ -60,6 +60,16 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
         ("contact", worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
     ):
         yield Sampled(array, ((whole_channel(name, robots, about), same),), np.int32)
+    if worlds.floor.consequences.active:
+        for name, array, about in (
+            (
+                "standing",
+                worlds.floor.consequences.standing,
+                "frames for which a collision stops the robot, this one too",
+            ),
+            ("collisions", worlds.floor.consequences.collisions, "collisions of the robot since it was as new"),
+        ):
+            yield Sampled(array, ((whole_channel(name, robots, about), same),), np.int32)
     yield Sampled(garbage.positions, tuple(point_channels("item", (items,), "where the item lies or was picked")))
     yield Sampled(
         garbage.stage, ((whole_channel("item_stage", items, "0 lying, 1 carried, 2 dumped, 3 absent"), same),), np.int16

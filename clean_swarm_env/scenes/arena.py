@@ -61,6 +61,7 @@ class Arena:
         poses: the pose gradients as of the last `announce`.
         directions: random directions of each row.
         collisions: counts of pairs closer than CLOSE.
+        entered: (R,) collision events since the start in which the robot took part.
         now: [s] since the start.
 
     """
@@ -74,6 +75,7 @@ class Arena:
         self.drive = DifferentialDrive(self.rows, DriveSettings(max_speed=body.max_speed))
         self.collisions = CollisionCounter(self.worlds, robots, side, side, (CLOSE,))
         self.world_of_row: Ints = np.repeat(np.arange(self.worlds), robots)
+        self.entered: Ints = np.zeros(self.rows, dtype=np.int64)
         self.poses = OwnPoses(
             ground.space, self.rows, self.world_of_row, diffusion=body.pose_diffusion, goal_radius=body.pose_goal_radius
         )
@@ -114,4 +116,5 @@ class Arena:
         for _ in range(SUBSTEPS):
             self.physics.substep(self.drive.speed, self.drive.turn_rate)
             self.collisions.count(self.positions)
+            self.entered += self.collisions.entered
         self.ticks += 1

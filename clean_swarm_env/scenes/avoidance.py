@@ -7,7 +7,7 @@ robots would push against each other for ever, which would count as one collisio
 import numpy as np
 
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD, Body
-from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill, Together
+from clean_swarm_env.scenes.baselines import Controller, GoStraight, StandStill
 from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
@@ -32,7 +32,7 @@ class Crossing(Scene):
         self._advance = np.zeros(self.arena.rows)
 
     def _with_errand(self, controller: Controller) -> Controller:
-        return Together(controller, GoStraight(self.arena, self._directions))
+        return controller.with_errand(GoStraight(self.arena, self._directions))
 
     def _baseline(self) -> Controller:
         return StandStill(self.arena)  # without the mechanism only the errand is left
@@ -44,8 +44,8 @@ class Crossing(Scene):
 
     @property
     def _progress(self) -> Floats:
-        """Mean speed (W,) [m/s] in the wanted direction."""
-        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.arena.ticks * CONTROL_PERIOD)
+        """Advance (W,) in the wanted direction so far by the time of the whole run: at the end a mean speed [m/s]."""
+        speed: Floats = self.arena.by_world(self._advance).mean(axis=1) / (self.chosen.ticks * CONTROL_PERIOD)
         return speed
 
     @property

@@ -1,5 +1,7 @@
 """Controllers without a mechanism: the baselines, and the errands that a mechanism is combined with."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from typing import final
 
@@ -28,6 +30,10 @@ class Controller(ABC):
         self._commands.in_place[:] = False
         self._command(self._commands)
         return self._commands
+
+    def with_errand(self, errand: Controller) -> Controller:
+        """Return the controller of robots that are on an errand: the sum of both."""
+        return Together(self, errand)
 
     @abstractmethod
     def _command(self, commands: Commands) -> None:

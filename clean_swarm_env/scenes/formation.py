@@ -55,12 +55,19 @@ class FormationControl(Scene):
     def _look(self) -> None:
         if (self.chosen.ticks - self.arena.ticks) * CONTROL_PERIOD >= LAST:
             return
-        self._order += polarisation(self.headings)
-        self._error += np.abs(nearest_neighbours(self.positions, self.ground) - SPACING).mean(axis=1)
+        order, error = self._present()
+        self._order += order
+        self._error += error
         self._looks += 1
 
+    def _present(self) -> tuple[Floats, Floats]:
+        """Return polarisation and error of spacing (W,) of this moment."""
+        nearest = nearest_neighbours(self.positions, self.ground)
+        return polarisation(self.headings), np.abs(nearest - SPACING).mean(axis=1)
+
     def _result(self) -> dict[str, Floats]:
-        return {"polarisation": self._order / self._looks, "error of spacing": self._error / self._looks}
+        sums = (self._order / self._looks, self._error / self._looks) if self._looks else self._present()
+        return dict(zip(("polarisation", "error of spacing"), sums, strict=True))
 
 
 @SCENES.register

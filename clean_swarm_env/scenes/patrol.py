@@ -43,4 +43,5 @@ class ExplorationPatrol(Scene):
             self._looks += 1
 
     def _result(self) -> dict[str, Floats]:
-        return {"time since a place was seen": self._idle / self._looks}
+        idle = self._idle / self._looks if self._looks else self._coverage.idleness(self.arena.now)
+        return {"time since a place was seen": idle}

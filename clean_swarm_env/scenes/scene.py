@@ -15,6 +15,7 @@ from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.ground import Ground, GroundKind
 from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
 from selforg.arrays import Floats
+from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.settings import BufferSettings
@@ -107,8 +108,8 @@ class Run:
 class Scene(ABC):
     """W worlds in which robots have to reach one goal.
 
-    The class declares the goal, the measures and the scene's own setting. An object serves one `run`. Subclasses
-    implement `_result`, and those of the other hooks that they need.
+    The class declares the goal, the measures and the scene's own setting. An object serves one run: `run`, or `begin`
+    and `advance`. Subclasses implement `_result`, and those of the other hooks that they need.
 
     Attributes:
         chosen: the setting of this run.
@@ -153,17 +154,39 @@ class Scene(ABC):
     @final
     def run(self, make: Callable[[Scene], Controller] | None = None) -> Run:
         """Run to the end with the controller that `make` returns for this scene, or with the baseline."""
-        arena = self.arena
+        self.begin(make)
+        tracks = [self.arena.positions.copy()]
+        while not self.over:
+            self.advance()
+            tracks.append(self.arena.positions.copy())
+        return Run(self.measured(), np.stack(tracks))
+
+    @final
+    def begin(self, make: Callable[[Scene], Controller] | None = None) -> None:
+        """Give the robots the controller that `make` returns for this scene, or the baseline."""
         self.served = make is not None
         self.controller = self._baseline() if make is None else make(self)
-        controller = self._with_errand(self.controller)
-        tracks = [arena.positions.copy()]
-        for _ in range(self.chosen.ticks):
-            arena.announce()
-            arena.move(controller.command())
-            self._look()
-            tracks.append(arena.positions.copy())
-        return Run(self._result(), np.stack(tracks))
+        self._commanding = self._with_errand(self.controller)
+
+    @final
+    def advance(self, change: Callable[[Commands], None] | None = None) -> None:
+        """Run one control period; `change` may write other commands over those of the controller."""
+        self.arena.announce()
+        commands = self._commanding.command()
+        if change is not None:
+            change(commands)
+        self.arena.move(commands)
+        self._look()
+
+    @property
+    def over(self) -> bool:
+        """Whether the time of the run has passed."""
+        return self.arena.ticks >= self.chosen.ticks
+
+    @final
+    def measured(self) -> Mapping[str, Floats]:
+        """Return the value (W,) of each measure as it stands; at the end it is the result of the run."""
+        return self._result()
 
     def buffers(self) -> dict[str, SoBuffer]:
         """Return new buffers, by the names that configurations use, with the gradients of `around`.
@@ -199,7 +222,7 @@ class Scene(ABC):
 
     @abstractmethod
     def _result(self) -> Mapping[str, Floats]:
-        """Return the value (W,) of each measure by its name, at the end."""
+        """Return the value (W,) of each measure by its name: finite at any time, the result of the run at the end."""
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:  # noqa: B027  (many scenes need nothing)
         """Prepare gradients and measures, with one generator for each world; robots are in place."""

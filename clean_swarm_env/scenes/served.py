@@ -14,6 +14,7 @@ from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.scene import Scene
 from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
+from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
 from selector.knowledge import Knowledge, load_knowledge
@@ -72,32 +73,63 @@ class ServedTeam(Controller):
 
     Attributes:
         memory: knowledge of every robot, shared by all options; at first that of the scene.
+        options: names of the options of the goal.
+        buffers: what the robots perceive and leave, by the names that configurations use.
 
     """
 
     def __init__(self, scene: Scene, expert: Expertise) -> None:
         super().__init__(scene.arena)
         arena = scene.arena
-        self._goal, self._buffers = expert.model.goal, scene.buffers()
+        self._goal, self.buffers = expert.model.goal, scene.buffers()
         self.memory = host_memory(expert.model.configurations, arena.rows)
         for name, values in scene.known.items():
             if name in self.memory.kinds:
                 self.memory[name].write(np.arange(arena.rows), values)
-        host = Host(arena.poses, self._buffers, arena.directions, arena.generators(DRAWS), self.memory)
+        host = Host(arena.poses, self.buffers, arena.directions, arena.generators(DRAWS), self.memory)
         self._robots = CoordinatedRobots(expert.model, host)
-        self._robots.hold(np.full(arena.rows, expert.option))
-        self._content = self._robots.coordinators[0].contents[expert.option]
+        self._steers = expert.model.configurations[expert.option].steers
+        self._errand: Controller | None = None
+        self.options = expert.model.options
+        self.hold(np.full(arena.rows, expert.option))
+
+    @property
+    def held(self) -> Ints:
+        """The option (R,) that each robot holds."""
+        return self._robots.coordinators[0].held
+
+    @property
+    def views(self) -> tuple[float, ...]:
+        """View distances of the options [m]."""
+        return tuple(float(content.view_distance) for content in self._robots.coordinators[0].contents)
+
+    def hold(self, options: Ints) -> None:
+        """Give each robot the option (R,) that serves the goal from now on."""
+        self._robots.hold(options)
+
+    def with_errand(self, errand: Controller) -> Controller:
+        """Return the team on an errand, which an option that steers changes, and any other adds to."""
+        if not self._steers:
+            return super().with_errand(errand)
+        self._errand = errand
+        return self
 
     def decisions(self) -> tuple[Floats, Ints]:
-        """Return values (R,) and states (R,) of the first decision mechanism of the option that is held."""
-        for mechanism in self._content.mechanisms.values():
+        """Return values (R,) and states (R,) of the first decision mechanism of the option that each robot holds."""
+        (coordinator,) = self._robots.coordinators
+        values, states = np.zeros(self.arena.rows), np.zeros(self.arena.rows, dtype=np.int64)
+        for option in coordinator.used:
+            rows, mechanism = self.held == option, self._deciding(coordinator.contents[option])
+            values[rows], states[rows] = mechanism.values[rows], mechanism.state_codes[rows]
+        return values, states
+
+    def _deciding(self, content: RunningConfiguration) -> DecisionMechanism:
+        for mechanism in content.mechanisms.values():
             if isinstance(mechanism, DecisionMechanism):
-                return mechanism.values, mechanism.state_codes
+                return mechanism
         raise ConfigurationError(f"goal {self._goal}: expected an option with a decision mechanism")
 
     def _command(self, commands: Commands) -> None:
-        for buffer in self._buffers.values():
+        for buffer in self.buffers.values():
             buffer.deliver(self.arena.now)
-        orders = self._robots.tick(self.arena.now)
-        commands.vectors[:], commands.commanded[:] = orders.vectors, orders.commanded
-        commands.in_place[:] = orders.in_place
+        commands.take(self._robots.tick(self.arena.now, self._errand.command() if self._errand else None))

@@ -14,8 +14,8 @@ from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations,
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.clock import Clock
 from clean_swarm_env.world.floor import Floor
+from clean_swarm_env.world.garbage import NO_TICK, Arrivals
 from clean_swarm_env.world.minds import Minds
-from clean_swarm_env.world.respawn import NO_TICK, Arrivals
 from clean_swarm_env.world.team_changes import Place, Team
 from selforg.arrays import Flags, Floats
 
@@ -46,6 +46,7 @@ class Agenda:
 
     Attributes:
         due: tick at which something happens next; call `run` then.
+        came: items that have come so far, also those for which there was no room.
 
     """
 
@@ -59,6 +60,7 @@ class Agenda:
         ]
         self._joining: list[Place | None] = []
         self._landing = mission.items_expected - mission.garbage.count
+        self.came = mission.garbage.count
         self._ends = not mission.continuous
         self._find_due(0)
 
@@ -67,6 +69,7 @@ class Agenda:
         tick, extent = int(affected.clock.ticks[world]), affected.floor.extent
         for share in self._arrivals.until(tick):
             affected.land(world, share * extent)
+            self.came += 1
         while (
             (not self._joining or self._let_join(world, affected.team)) and self._events and self._events[0][0] <= tick
         ):
@@ -97,14 +100,16 @@ class Agenda:
         tick, first = int(clock.ticks[world]), world * floor.robots
         if isinstance(event, Join):
             self._joining += [*event.places, *[None] * (event.robots - len(event.places))]
-        elif isinstance(event, Remove):
-            team.remove(first + np.array(event.robots))
-        elif isinstance(event, Fail):
-            team.fail(first + np.array(event.robots))
+        elif isinstance(event, Remove | Fail):
+            rows = first + np.array(event.robots)
+            rows = rows[team.working[rows]]  # a person may have taken some away
+            if len(rows):
+                (team.remove if isinstance(event, Remove) else team.fail)(rows)
         elif isinstance(event, Land):
             for position in self._landings.uniform(size=(event.items, 2)) * floor.extent:
                 affected.land(world, position)
             self._landing -= event.items
+            self.came += event.items
         elif isinstance(event, Respawn):
             self._arrivals.set_rate(event.rate, tick)
         elif isinstance(event, MoveStations):

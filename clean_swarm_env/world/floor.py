@@ -16,6 +16,7 @@ from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
+from clean_swarm_env.world.consequences import Consequences
 from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
 from selforg.arrays import Floats, Ints, Lasting, together
@@ -34,6 +35,7 @@ class Floor:
         physics: the bodies.
         drive: turns orders into speeds and turn rates.
         collisions: counts of robots that are too close to each other.
+        consequences: what collisions have done to the robots.
         garbage: the items, and which robot carries which.
         stations: (W, 2, 2) places of recycling and dump [m].
         packed: the record that compiled code takes.
@@ -66,6 +68,7 @@ class Floor:
             ),
         )
         self.collisions = CollisionCounter(worlds, mission.rows, world.width, world.height, mission.collision_distances)
+        self.consequences = Consequences(mission, worlds * mission.rows)
         self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
         self.stations: Floats = np.tile([mission.stations.recycling, mission.stations.dump], (worlds, 1, 1))
         sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
@@ -84,6 +87,7 @@ class Floor:
                 done=self.garbage.done,
                 nearest=np.full(worlds * mission.rows, NOTHING, dtype=np.int64),
                 picked=np.zeros((worlds * mission.rows, 2), dtype=np.int64),
+                standing=self.consequences.standing,
                 lying=np.zeros(mission.item_rows, dtype=np.bool_),
                 cells=np.zeros(cells, dtype=np.int64),
                 links=np.zeros(mission.item_rows, dtype=np.int64),
@@ -101,7 +105,8 @@ class Floor:
     def lasting(self) -> Lasting:
         """Return what robots hand on to the next tick."""
         own = Lasting((self.garbage.cargo, self.garbage.recycled))
-        return together((own, self.physics.lasting(), self.drive.lasting(), self.collisions.lasting()))
+        parts = (self.physics, self.drive, self.collisions, self.consequences)
+        return together((own, *(part.lasting() for part in parts)))
 
     def of_worlds(self) -> tuple[NDArray[Any], ...]:
         """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""

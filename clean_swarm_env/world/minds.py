@@ -14,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.drive import ORDERS, Orders
 from clean_swarm_env.world.cleaning_robot import robot_network
-from clean_swarm_env.world.reception import Reception, pose_history
+from clean_swarm_env.world.reception import Localisation, Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
 from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors
 from selector.configurations.host import Host, host_memory
@@ -48,6 +48,9 @@ class Inner(Protocol):
 
     def act(self, now: float, commands: Commands) -> None:
         """Decide and act where the robots' network runs this behaviour."""
+
+    def steer(self, now: float, commands: Commands) -> None:
+        """Change commands, once all movements of the robots are known."""
 
     def leave(self, now: float) -> None:
         """Spread and deposit what other robots perceive from the next tick on."""
@@ -117,6 +120,7 @@ class Minds:
     def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
         space = Torus(mission.world.width, mission.world.height)
         self.reception = Reception(mission, worlds, self.rows)
+        self._localisation = Localisation(mission, self.rows)
         self.poses = OwnPoses(
             space,
             self.rows,
@@ -181,11 +185,12 @@ class Minds:
         self.directions.reset(rows, streams[: len(rows)])
         self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
         self.reception.begin(world, mission, seed)
+        self._localisation.begin(rows, seed)
 
     @property
     def generators(self) -> tuple[list[Any], ...]:
-        """The random draws of the rows (R,): directions, chances of mechanisms, and losses of messages."""
-        return self.directions.generators, self._chances, self.reception.generators
+        """The random draws of the rows (R,): directions, chances of mechanisms, losses of messages, errors of poses."""
+        return self.directions.generators, self._chances, self.reception.generators, self._localisation.generators
 
     def lasting(self) -> Lasting:
         """Return what robots hand on to the next tick, but for the buffers and the random draws."""
@@ -223,13 +228,14 @@ class Minds:
         self.items.extinguish(worlds, ITEMS, positions, now)
 
     def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
-        """Spread the pose of every robot: positions (R, 2) [m], headings (R,) [rad]."""
-        self.poses.update(positions, headings, now)
+        """Spread the poses that robots at positions (R, 2) [m] with headings (R,) [rad] take for their own."""
+        self.poses.update(self._localisation.believed(positions), headings, now)
 
-    def receive_poses(self) -> None:
-        """Deliver the poses that have just been spread, by the delivery of each mission."""
+    def receive(self, now: float) -> None:
+        """Deliver the messages that arrive now, by the delivery of each mission."""
         if self._pose_delivery is not None:
             self._pose_delivery.deliver()
+            self.pheromones.deliver(now)
 
     def sense(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
@@ -246,13 +252,15 @@ class Minds:
         self.network.step(rows)
 
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
-        """Write a movement vector for every robot in which a behaviour that moves runs."""
+        """Write a movement vector for every robot in which a behaviour that moves runs, and steer those that do."""
         begin_orders(floor.words, self.packed.words)
         commands = self.commands
         for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
             inner.act(now, commands)
+        for inner in self._inner:
+            inner.steer(now, commands)
 
     def _moved(self) -> Iterator[tuple[MovementMechanism, Ints]]:
         """Return the mechanisms of this tick, and the rows that they move."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.world.cleaning_robot import coordinators_of
-from clean_swarm_env.world.mission_end import RUNNING, mission_state, tick_limit
+from clean_swarm_env.world.mission_end import RUNNING, mission_cost, mission_state, tick_limit, unavoidable_cost
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.coordination.selection import BY_SCORE, Selection
@@ -41,6 +41,8 @@ class MissionResult:
     """Items dumped per minute [1/min]."""
     cost_s: float
     """See `mission_cost` [s]."""
+    unavoidable_s: float
+    """The part of the cost that nobody could avoid [s]; see `unavoidable_cost`."""
 
 
 @dataclass(frozen=True)
@@ -132,26 +134,16 @@ def result_of(worlds: Worlds, world: int) -> MissionResult:
     time = max(ticks, 1) * worlds.period
     # the last item is dumped at the beginning of its control period
     duration = max(ticks - 1, 0) * worlds.period if completed else mission.time_limit
-    events = worlds.collisions.events[world]
+    events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(
         completed=completed,
         duration_s=round(duration, 9),
-        collision_samples_per_s=tuple((worlds.collisions.samples[world] / time).tolist()),
+        collision_samples_per_s=tuple((samples / time).tolist()),
         collision_events_per_s=tuple((events / time).tolist()),
         garbage_done=done,
         robots=int(worlds.team.joined[world]),
         ticks=ticks,
         items_per_min=60.0 * done / time,
-        cost_s=mission_cost(mission, duration, int(events[0]), done),
+        cost_s=mission_cost(mission, duration, int(events[0]), int(samples[0]), done),
+        unavoidable_s=unavoidable_cost(mission, worlds.came(world)),
     )
-
-
-def mission_cost(mission: MissionConfig, duration: float, events: int, done: int) -> float:
-    """Return what a mission cost [s]: its `duration` [s] and the price of its collision events at the first distance.
-
-    The cost of a mission that was not completed is extrapolated until all items are `done`, so that standing still is
-    not cheap. Where garbage keeps coming, all missions last equally long: there the cost is for each item done.
-    """
-    cost = duration + mission.collision_cost * events
-    items = 1 if mission.continuous else max(mission.items_expected, 1)
-    return cost * items / max(done, 1) if mission.continuous or done < items else cost

@@ -1,4 +1,6 @@
-"""Delivery of the robots' messages, world by world: their poses, and the pheromones of the patrol.
+"""Delivery of the robots' messages, world by world, and errors of the poses that they send.
+
+Messages are poses, and the pheromones of the patrol.
 
 With ideal delivery all robots of a world share one content, and nothing here is used. Otherwise every robot stores the
 pheromones that it received, and keeps the last pose of each other robot for `pose_memory`. Robots sense garbage and
@@ -13,44 +15,50 @@ from math import ceil
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Ints
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses, PoseDelivery
 
-LOSSES = 0xFFFFFFFD
-"""Spawn key of the streams that decide which messages of a world are lost; other streams have other keys."""
+LOSSES, ERRORS = 0xFFFFFFFD, 0xFFFFFFFC
+"""Spawn keys of the streams of losses and of errors of poses in a world; other streams have other keys."""
 
 
 def pose_history(mission: MissionConfig) -> int:
     """Return how many poses of each robot are kept."""
-    remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate - 1e-9)
+    remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate - 1e-9) + mission.delay_ticks
     return max(2, 1 + remembered) if mission.own_contents else 2
 
 
 class Reception:
-    """Range and losses of the messages in W worlds of R robots together."""
+    """Range, losses and delay of the messages in W worlds of R robots together."""
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
-        self.own_contents = mission.own_contents
+        self.own_contents, self.delay_ticks, self._delay = (
+            mission.own_contents,
+            mission.delay_ticks,
+            mission.delivery.delay,
+        )
         self._reaches: Floats = np.full(worlds, np.inf)
         self._losses: Floats = np.zeros(worlds)
         self._generators = [np.random.default_rng(0)] * rows
 
     def delivery(self) -> Delivery:
         """Return the delivery of what robots leave behind."""
-        return Delivery(self._reaches, self._losses, 0.0, self._generators) if self.own_contents else Delivery()
+        if not self.own_contents:
+            return Delivery()
+        return Delivery(self._reaches, self._losses, self._delay, self._generators)
 
     def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
         """Return the delivery of `poses`; None if robots share one content."""
-        return PoseDelivery(poses, self._reaches, self._losses, self._generators) if self.own_contents else None
+        if not self.own_contents:
+            return None
+        return PoseDelivery(poses, self._reaches, self._losses, self._generators, self.delay_ticks)
 
     def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that begins anew."""
         if self.own_contents:
             robots = len(self._generators) // len(self._losses)
-            streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, LOSSES)).spawn(robots)
-            own = slice(world * robots, (world + 1) * robots)
-            self._generators[own] = [np.random.default_rng(stream) for stream in streams]
+            self._generators[world * robots : (world + 1) * robots] = generators_of(seed, LOSSES, robots)
             self.set(world, mission.delivery.reach, mission.delivery.loss)
 
     def set(self, world: int, reach: float, loss: float) -> None:
@@ -70,3 +78,36 @@ class Reception:
     def of_worlds(self) -> tuple[Floats, ...]:
         """Return range and losses: arrays (W,)."""
         return self._reaches, self._losses
+
+
+class Localisation:
+    """Errors of the positions at which R robots take themselves to be, drawn anew in each control period.
+
+    Attributes:
+        generators: one for each row (R,).
+
+    """
+
+    def __init__(self, mission: MissionConfig, rows: int) -> None:
+        self._deviation = mission.robots.pose_noise
+        self.generators = [np.random.default_rng(0)] * rows
+        self._errors: Floats = np.zeros((rows, 2))
+
+    def begin(self, rows: Ints, seed: np.random.SeedSequence) -> None:
+        """Begin the draws of `rows` (N,) anew."""
+        if self._deviation > 0.0:
+            self.generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
+
+    def believed(self, positions: Floats) -> Floats:
+        """Return where robots that are at `positions` (R, 2) [m] take themselves to be, not wrapped."""
+        if self._deviation == 0.0:
+            return positions
+        for row, generator in enumerate(self.generators):
+            generator.standard_normal(out=self._errors[row])
+        return positions + self._deviation * self._errors
+
+
+def generators_of(seed: np.random.SeedSequence, key: int, robots: int) -> list[np.random.Generator]:
+    """Return generators for one purpose, one for each robot of a world that begins from `seed`."""
+    streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, key)).spawn(robots)
+    return [np.random.default_rng(stream) for stream in streams]

@@ -23,6 +23,7 @@ class FloorRecord(NamedTuple):
     done: Annotated[Ints, "W"]  # items dumped
     nearest: Annotated[Ints, "R"]  # the nearest item when the robot last sensed; NOTHING where none is near
     picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones
+    standing: Annotated[Ints, "R"]  # ticks for which a robot stands after a collision; see `consequences`
     lying: Annotated[Flags, "M"]  # scratch: items of one world that lie
     cells: Annotated[Ints, "lines columns"]  # scratch: see `physics.cells`
     links: Annotated[Ints, "M"]  # scratch: see `physics.cells`

@@ -88,13 +88,16 @@ class Team:
             self._minds.poses.silence(rows)
         self._stop_working(rows)
 
-    def is_free(self, world: int, point: Floats) -> bool:
-        """Return whether there is room for a robot at `point` (2,) [m]; robots that pass through others need none."""
+    def is_free(self, world: int, point: Floats, but: int = -1) -> bool:
+        """Return whether there is room for a robot at `point` (2,) [m], that of row `but` for one.
+
+        Robots that pass through others need none.
+        """
         if self._mission.world.contacts != "solid":
             return True
         floor = self._floor
         rows = floor.rows_of(world)
-        bodies = floor.physics.positions[rows[floor.physics.present[rows]]]
+        bodies = floor.physics.positions[rows[floor.physics.present[rows] & (rows != but)]]
         apart = 2.0 * self._mission.robots.radius + START_GAP
         return nearest_distance(point % floor.extent, bodies, floor.extent) >= apart
 
@@ -122,8 +125,9 @@ class Team:
         self._begin_anew(rows)
 
     def _begin_anew(self, rows: Ints) -> None:
-        """Stop the drives of `rows` (K,) and clear their networks and knowledge."""
+        """Stop the drives of `rows` (K,), make them as new, and clear their networks and knowledge."""
         self._floor.drive.reset(rows)
+        self._floor.consequences.reset(rows)
         self._minds.begin(rows)
         self.restore()
 

@@ -70,22 +70,23 @@ def list_lying(world: int, floor: Words[FloorRecord]) -> None:
 @lean_kernel
 def handle_cargo_as_decided(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
     """Handle the cargo of robots whose behaviours to pick, recycle or dump have just started; see `handle_cargo`."""
-    m = open_minds(minds)
+    m, standing = open_minds(minds), open_floor(floor).standing
     for row in range(m.starting.shape[0]):
         for k in range(3):
-            m.starting[row, k] = m.marks[row, st.STARTED, m.handling[k]] != 0
+            m.starting[row, k] = m.marks[row, st.STARTED, m.handling[k]] != 0 and standing[row] == 0
     return handle_cargo(floor, minds)
 
 
 @lean_kernel
 def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], working: Flags) -> int:
     """Handle the cargo of robots that are `working` (R,) wherever their sensors allow it; see `handle_cargo`."""
-    m = open_minds(minds)
+    m, standing = open_minds(minds), open_floor(floor).standing
     for row in range(m.starting.shape[0]):
+        able = working[row] and standing[row] == 0
         carrying, recycled = m.readings[row, CARRYING] == 1.0, m.readings[row, RECYCLED] == 1.0
-        m.starting[row, PICK] = working[row] and not carrying and m.readings[row, GARBAGE_AT] == 1.0
-        m.starting[row, RECYCLE] = working[row] and carrying and not recycled and m.readings[row, AT_RECYCLING] == 1.0
-        m.starting[row, DUMP] = working[row] and carrying and recycled and m.readings[row, AT_DUMP] == 1.0
+        m.starting[row, PICK] = able and not carrying and m.readings[row, GARBAGE_AT] == 1.0
+        m.starting[row, RECYCLE] = able and carrying and not recycled and m.readings[row, AT_RECYCLING] == 1.0
+        m.starting[row, DUMP] = able and carrying and recycled and m.readings[row, AT_DUMP] == 1.0
     return handle_cargo(floor, minds)
 
 

@@ -84,6 +84,11 @@ class Worlds:
         clean: Flags = self._agendas.over & (self.garbage.done == self.garbage.arrived)
         return clean
 
+    def came(self, world: int) -> int:
+        """Return how many items have come into a world, those without room included: whatever robots do."""
+        agenda = self._agendas.of(world)
+        return agenda.came if agenda is not None else 0
+
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
         return self.floor.rows_of(world)
@@ -150,12 +155,14 @@ class Worlds:
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
         floor, minds, now = self.floor, self.minds, self._clock.now
+        consequences = floor.consequences
         self._agendas.apply_due()
+        able = consequences.begin(self.team.at_work) if consequences.active else self.team.at_work
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
-        minds.receive_poses()
+        minds.receive(now)
         if self._steered is None:
             minds.sense(floor.packed, now)
-            minds.decide(self.team.at_work)
+            minds.decide(able)
             picked = handle_cargo_as_decided(floor.packed.words, minds.packed.words)
         else:
             minds.sense_floor(floor.packed)
@@ -170,6 +177,12 @@ class Worlds:
             minds.leave(now)
         else:
             minds.follow(self._steered, self.team.working)
+        if consequences.active:
+            consequences.hold_back(minds.orders)
         floor.move(minds.orders, now)
         self._clock.advance()
+        if consequences.active:
+            lost = consequences.follow(self.collisions.entered_in_tick, self.team.working, floor.packed)
+            if len(lost):
+                minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
         return self.collisions.entered_in_tick

@@ -20,7 +20,7 @@ UNWRITTEN = {"selforg": "components > mechanisms > gradients | network > compile
 
 STAGES = (  # (lane, call, what goes on)
     ("both", "apply_due", "events change teams, garbage, stations, delivery"),
-    ("minds", "spread_poses, receive_poses", "one instant for all; losses and delays are drawn"),
+    ("minds", "spread_poses, receive", "one instant for all; losses and delays are drawn"),
     ("minds", "sense", "vectors of mechanisms; items, stations, cargo become readings"),
     ("minds", "decide", "satisfaction, wishes, plans, activation, arbitration"),
     ("both", "handle_cargo", "pick, recycle and dump what starts in this tick"),

@@ -37,7 +37,7 @@ def record(folder: Path) -> list[RecordedMission]:
     """Record one scenario of the family `crowded` under both conditions."""
     family = load_family("crowded")
     for condition in CONDITIONS:
-        task = TrialTask(family, 0, (0,), condition, condition, "AvoidCollision", ())
+        task = TrialTask(family, 0, ((0, 0),), condition, condition, "AvoidCollision", ())
         task.recorded(RecordSettings(folder, minds=True, name=condition.partition(":")[0])).run()
     return [RecordedMission(folder / f"{condition.partition(':')[0]}.swarm") for condition in CONDITIONS]
 

@@ -11,14 +11,27 @@ from typing import Self
 from pydantic import model_validator
 
 from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec, must_know
+from selector.documents.fields import Closed, NonNegative
 from selector.vocabulary.components import SensorSpec
 from selector.vocabulary.conditions import AnyCondition, GoalSpec, plain_conditions
 from selforg.network.model.activators import BOOLEAN_RULE
 from selforg.network.model.behaviours import Interface
 
 
+class PoseSpec(Closed):
+    """The radii of a robot's own pose gradient; those of the host unless given."""
+
+    diffusion: NonNegative | None = None
+    """Diffusion [m]."""
+    goal_radius: NonNegative | None = None
+    """Goal radius [m]."""
+
+
 class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec, GoalSpec]):
     """The components of one configuration, after every `$name` was replaced."""
+
+    pose: PoseSpec = PoseSpec()
+    """What a robot spreads of itself while it holds the configuration."""
 
     @model_validator(mode="after")
     def _conditions_fit(self) -> Self:

@@ -15,7 +15,7 @@ from selector.vocabulary.constructors import Reference, checked_parameters
 from selforg.arrays import Ints, Lasting, together
 from selforg.components import DecisionSource, GoalSource, MovementSource, OrganisedRobots, Remembered, RobotMemory
 from selforg.gradients.queries import Filter
-from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.base import Mechanism
 from selforg.network.network import BehaviourNetwork
 from selforg.parameters import parameters_of
@@ -56,8 +56,9 @@ class RunningConfiguration:
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
         self.robots = OrganisedRobots(network, sensors, actions, host.poses.space.dim)
+        self._steering = [m for m in self.mechanisms.values() if isinstance(m, SteeringMechanism)]
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
-        self.remembers = bool(spec.knowledge or self._decisions_made or self._kept)
+        self.remembers = bool(spec.knowledge or self._decisions_made or self._kept or self._steering)
         self.forget(np.arange(host.rows))
 
     @property
@@ -78,12 +79,14 @@ class RunningConfiguration:
         return float(max(seen, default=0.0))
 
     def forget(self, rows: Ints) -> None:
-        """Reset memory and decisions of `rows` (K,) to their first values, and drop kept movements."""
+        """Reset memory, decisions and steering of `rows` (K,) to their first values, and drop kept movements."""
         self._memory.reset(rows)
         for source in self._kept:
             source.forget(rows)
         for mechanism in self._decisions_made:
             mechanism.reset(rows)
+        for steering in self._steering:
+            steering.reset(rows)
         for mechanism, remembered in self._first_values:
             mechanism.values[rows] = remembered.values[rows]
 

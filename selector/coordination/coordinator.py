@@ -7,8 +7,11 @@ number of options in use, not with the number of robots.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from selector.configurations.configuration import PoseSpec
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
@@ -27,6 +30,7 @@ class Coordinator:
     Attributes:
         held: (R,) the option that each row holds; `hold` changes it.
         contents: (O,) the running configurations of the options.
+        beside: (O,) 1 for those that only steer, which run beside the robot's behaviours and never take a turn.
 
     """
 
@@ -47,6 +51,10 @@ class Coordinator:
                 parent.readings,
                 np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
             )
+        self.beside: Ints = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
+        self._poses = host.poses
+        own = host.poses.radii[0].tolist()
+        self._radii = [own_radii(spec.pose, own) for spec in model.configurations] if model.sets_pose else []
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
         shape = (len(self.contents), parent.rows)
         self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts`
@@ -66,6 +74,7 @@ class Coordinator:
             content.forget(rows)
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
+        self._take_turns(rows)
         self.restore()
 
     def lasting(self) -> Lasting:
@@ -92,6 +101,7 @@ class Coordinator:
         if not changed:
             return
         self.parent.hold(rows, self.index, options, self._all_columns)
+        self._take_turns(rows)
         for k, count in enumerate(self._new_counts.tolist()):
             if count and self.contents[k].remembers:
                 self.contents[k].forget(self._new[k, :count])
@@ -102,8 +112,18 @@ class Coordinator:
         """The options that any row holds."""
         return tuple(k for k, _ in self._in_use)
 
+    def _take_turns(self, rows: Ints) -> None:
+        """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
+        if self.beside.any():
+            beside = self.beside[self.held[rows]] == 1
+            self.parent.enable(rows[beside], self.index, False)
+            self.parent.enable(rows[~beside], self.index, True)
+
     def _list_in_use(self) -> None:
         self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]
+        if self._radii:
+            for k, count in self._in_use:
+                self._poses.radii[self._members[k, :count]] = self._radii[k]
 
     def sense(self, now: float) -> None:
         """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
@@ -111,12 +131,15 @@ class Coordinator:
             self.contents[k].robots.sense(now, self._members[k, :count])
 
     def act(self, now: float, commands: Commands) -> None:
-        """Step the held configurations where the parent runs the coordinator; movements go into `commands`."""
+        """Step the held configurations where the parent runs the coordinator; movements go into `commands`.
+
+        Those that only steer are stepped everywhere.
+        """
         for k, count in self._in_use:
             content, rows = self.contents[k], self._members[k, :count]
-            network = content.network
+            network, outer = content.network, self.parent.state.mark_table
             number, stale = take_turns(
-                rows, self.parent.state.mark_table, self.index, network.state.mark_table, self._stale, self._turns
+                rows, outer, self.index, network.state.mark_table, self.beside[k], self._stale, self._turns
             )
             if not number:
                 continue
@@ -127,11 +150,21 @@ class Coordinator:
             content.robots.act(now, acting, commands)
             self._acted.append(content)
 
+    def steer(self, now: float, commands: Commands) -> None:
+        """Change `commands` at `now` [s], once all movements of the robots are known."""
+        for content in self._acted:
+            content.robots.steer(now, commands)
+
     def leave(self, now: float) -> None:
         """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
         for content in self._acted:
             content.robots.leave(now)
         self._acted.clear()
+
+
+def own_radii(pose: PoseSpec, usual: Sequence[float]) -> list[float]:
+    """Return diffusion and goal radius [m] of the poses that a robot spreads; those that are `usual` unless given."""
+    return [old if new is None else new for new, old in zip((pose.diffusion, pose.goal_radius), usual, strict=True)]
 
 
 @lean_kernel
@@ -172,16 +205,18 @@ def take_up(
 
 @lean_kernel
 def take_turns(
-    rows: Ints, outer_marks: Ints, behaviour: int, inner_marks: Ints, stale: Ints, turns: Ints
+    rows: Ints, outer_marks: Ints, behaviour: int, inner_marks: Ints, beside: int, stale: Ints, turns: Ints
 ) -> tuple[int, int]:
     """List in `turns` (2, R) those of `rows` (K,) in which a behaviour runs, and those of them that are `stale` (R,).
+
+    With `beside`, all rows are listed.
 
     The listed rows are then no longer stale. Where the behaviour has just started, all behaviours inside are stopped.
     Returns the lengths of both lists. The marks are the mark tables of the outer and the inner network.
     """
     acting, renewed = 0, 0
     for row in rows:
-        if not outer_marks[row, st.EXECUTING, behaviour]:
+        if not beside and not outer_marks[row, st.EXECUTING, behaviour]:
             continue
         turns[0, acting] = row
         acting += 1

@@ -89,6 +89,12 @@ class InnerNetwork:
         for inner in self.inner:
             inner.act(now, commands)
 
+    def steer(self, now: float, commands: Commands) -> None:
+        """Change `commands` at `now` [s], once all movements of the robots are known."""
+        self.configuration.robots.steer(now, commands)
+        for inner in self.inner:
+            inner.steer(now, commands)
+
     def leave(self, now: float) -> None:
         """Spread and deposit, at `now` [s], what others perceive from the next control period on."""
         self.configuration.robots.leave(now)

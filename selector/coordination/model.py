@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from selector.configurations.configuration import ConfigurationSpec
+from selector.configurations.configuration import ConfigurationSpec, PoseSpec
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
 from selector.knowledge import Knowledge
@@ -44,6 +44,11 @@ class CoordinatorModel:
                     )
         self.sensors = tuple(sensors.values())
 
+    @property
+    def sets_pose(self) -> bool:
+        """Whether an option wants radii of its own for the robot's pose."""
+        return any(configuration.pose != PoseSpec() for configuration in self.configurations)
+
     def problem(self, features: tuple[str, ...] = ()) -> Problem:
         """Return the problem of choosing an option, with `features` (F,) known at a decision."""
         return replace(self._problem, features=features)
@@ -54,12 +59,21 @@ class CoordinatorModel:
 
 
 def coordinator_models(goals: Iterable[str], knowledge: Knowledge, library: Library) -> tuple[CoordinatorModel, ...]:
-    """Return the models of some goals, in their order."""
-    return tuple(CoordinatorModel(goal, knowledge, library) for goal in goals)
+    """Return the models of some goals, in their order; DocumentError if options of two goals want radii of the pose."""
+    models = tuple(CoordinatorModel(goal, knowledge, library) for goal in goals)
+    spreading = [model.goal for model in models if model.sets_pose]
+    if len(spreading) > 1:
+        raise DocumentError(f"pose: expected options of one goal to set radii, got options of {', '.join(spreading)}")
+    return models
 
 
 def interface_of(configuration: ConfigurationSpec) -> Interface:
-    """Return preconditions and effects of a configuration; of several behaviours, it is ready when one of them is."""
+    """Return preconditions and effects of a configuration; of several behaviours, it is ready when one of them is.
+
+    A configuration that only steers takes no turn of the robot's behaviours, and shows them nothing.
+    """
+    if configuration.steers:
+        return Interface()
     faces = configuration.interfaces()
     if len(faces) == 1:
         return faces[0]

@@ -67,16 +67,22 @@ class CoordinatedRobots:
         """Give `options` (K, C), or (K,) for one coordinator, to the coordinators in `rows` (K,) or in all rows."""
         hold_options(self.coordinators, options, self._all if rows is None else rows)
 
-    def tick(self, now: float) -> Commands:
-        """Sense, decide and act at `now` [s] in all robots; return their commands, which hold until the next tick."""
+    def tick(self, now: float, errand: Commands | None = None) -> Commands:
+        """Sense, decide and act at `now` [s] in all robots; return their commands, which hold until the next tick.
+
+        An `errand` is commanded to begin with; behaviours replace or change its commands.
+        """
         commands = self._commands
         for inside in self._inside:
             inside.sense(now)
         self.network.step(guarantee=True)
-        for array in (commands.vectors, commands.commanded, commands.in_place):
-            array[:] = 0
+        commands.clear()
+        if errand is not None:
+            commands.take(errand)
         for inside in self._inside:
             inside.act(now, commands)
+        for inside in self._inside:
+            inside.steer(now, commands)
         for inside in self._inside:
             inside.leave(now)
         return commands

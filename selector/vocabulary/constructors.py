@@ -19,7 +19,7 @@ from selector.documents.errors import DocumentError, validated
 from selforg import parameters as declared
 from selforg.components import DecisionSource, GoalSource, MovementSource, Remembered
 from selforg.components.actions import Call
-from selforg.mechanisms import DecisionMechanism, MovementMechanism, Pheromone
+from selforg.mechanisms import DecisionMechanism, MovementMechanism, Pheromone, SteeringMechanism
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.spreading import Carried
 from selforg.parameters import REQUIRED, parameters_of
@@ -74,6 +74,7 @@ class Reference:
         kinds: dict[type[Mechanism], str] = {
             MovementMechanism: "a movement mechanism",
             DecisionMechanism: "a decision mechanism",
+            SteeringMechanism: "a steering mechanism",
         }
         return kinds.get(self.mechanism, f"a {self.mechanism.__name__}")
 

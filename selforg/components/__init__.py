@@ -9,6 +9,7 @@ from selforg.components.actions import DecideState as DecideState
 from selforg.components.actions import Move as Move
 from selforg.components.actions import SetState as SetState
 from selforg.components.actions import Spread as Spread
+from selforg.components.actions import Steer as Steer
 from selforg.components.actions import Turn as Turn
 from selforg.components.memory import Remembered as Remembered
 from selforg.components.memory import RobotMemory as RobotMemory

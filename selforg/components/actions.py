@@ -5,17 +5,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias, final
 
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Packed, Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
+from selforg.mechanisms.kernels.others import COMMANDED, Commanded, open_commanded
 from selforg.mechanisms.spreading import SpreadGradient
+from selforg.mechanisms.steering import SteeringMechanism
 from selforg.parameters import Finite
 from selforg.registry import Registry
 
@@ -43,12 +47,28 @@ class Commands:
         """Return N rows without a command."""
         return Commands(np.zeros((rows, dim)), np.zeros(rows, dtype=np.bool_), np.zeros(rows, dtype=np.bool_))
 
+    @cached_property
+    def packed(self) -> Packed[Commanded]:
+        """The commands as compiled code takes them."""
+        return COMMANDED.pack(Commanded(self.vectors, self.commanded, self.in_place))
+
+    def clear(self) -> None:
+        """Take all commands back."""
+        for array in self.packed.record:
+            array[:] = 0
+
+    def take(self, others: Commands) -> None:
+        """Take over the commands of as many robots."""
+        for array, given in zip(self.packed.record, others.packed.record, strict=True):
+            array[:] = given
+
 
 class Action(ABC):
     """Base class of actions: `act` is called in each step for the rows in which the behaviour runs.
 
-    Subclasses implement `_act` and name the `sources` that they read. `_leave` may spread or deposit gradients; it is
-    called when all movements of the tick are known. Documents can declare registered actions as they do a
+    Subclasses implement `_act` and name the `sources` that they read. `_steer` may change movements that any behaviour
+    commanded; it is called when all have. `_leave` may spread or deposit gradients; it is called when all movements of
+    the tick are known. Documents can declare registered actions as they do a
     `SensorComponent`; for a parameter of type `Call` they give the name of a function of the host.
     """
 
@@ -66,6 +86,12 @@ class Action(ABC):
             self._act(now, rows, started, commands)
 
     @final
+    def steer(self, now: float, rows: Ints, commands: Commands) -> None:
+        """Change the `commands` of `rows` (K,) at `now` [s], once all behaviours have acted."""
+        if len(rows):
+            self._steer(now, rows, commands)
+
+    @final
     def leave(self, now: float, rows: Ints) -> None:
         """Spread and deposit gradients in `rows` (K,) at `now` [s]; others perceive them from the next tick on."""
         if len(rows):
@@ -74,6 +100,9 @@ class Action(ABC):
     @abstractmethod
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         """Act in at least one row."""
+
+    def _steer(self, now: float, rows: Ints, commands: Commands) -> None:  # noqa: B027  (most actions change nothing)
+        """Change the commands of at least one row."""
 
     def _leave(self, now: float, rows: Ints) -> None:  # noqa: B027  (most actions leave nothing)
         """Spread or deposit gradients in at least one row."""
@@ -103,9 +132,7 @@ class Move(Action):
         self.sources = (mechanism,) if plus is None else (mechanism, plus)
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        command_movements(
-            rows, self.source.vectors, self.source.active, commands.vectors, commands.commanded, commands.in_place
-        )
+        command_movements(rows, self.source.vectors, self.source.active, commands.packed.words)
         if self._plus is not None:
             commands.vectors[rows] += self._plus.vectors[rows]
             commands.commanded[rows] |= self._plus.active[rows]
@@ -116,15 +143,28 @@ class Move(Action):
 
 
 @lean_kernel
-def command_movements(
-    rows: Ints, vectors: Floats, active: Flags, to_vectors: Floats, commanded: Flags, in_place: Flags
-) -> None:
+def command_movements(rows: Ints, vectors: Floats, active: Flags, commands: Words[Commanded]) -> None:
     """Command `rows` (K,) to move by their `vectors` (N, D) where `active` (N,)."""
+    m = open_commanded(commands)
     for row in rows:
         for axis in range(vectors.shape[1]):
-            to_vectors[row, axis] = vectors[row, axis]
-        commanded[row] = active[row]
-        in_place[row] = False
+            m.vectors[row, axis] = vectors[row, axis]
+        m.commanded[row] = active[row]
+        m.in_place[row] = False
+
+
+@ACTIONS.register
+class Steer(Action):
+    """Change by a mechanism what any behaviour of the robot commands, instead of commanding a movement."""
+
+    def __init__(self, mechanism: SteeringMechanism) -> None:
+        self.mechanism = mechanism
+
+    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+        """Do nothing; `_steer` changes the command when all movements are known."""
+
+    def _steer(self, now: float, rows: Ints, commands: Commands) -> None:
+        self.mechanism.steer(now, rows, commands.packed.words)
 
 
 @ACTIONS.register

@@ -63,6 +63,7 @@ class OrganisedRobots:
         self.network.step(chosen)
         commands = Commands.none(self.network.rows, self._dim)
         self.act(now, chosen, commands)
+        self.steer(now, commands)
         self.leave(now)
         return commands
 
@@ -96,6 +97,11 @@ class OrganisedRobots:
                 source.ask(now, acting)
             action.act(now, acting, started, commands)
             self._acted.append((action, acting))
+
+    def steer(self, now: float, commands: Commands) -> None:
+        """Change `commands` at `now` [s] in the rows that acted; call it when all behaviours have acted."""
+        for action, acting in self._acted:
+            action.steer(now, acting, commands)
 
     def leave(self, now: float) -> None:
         """Spread and deposit gradients at `now` [s] in the rows that acted; call it when all movements are known."""

@@ -48,7 +48,7 @@ class SoBuffer:
         self.keys = Codes()
         self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
         self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
-        self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None  # is told the arguments of `deposit`
+        self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None  # is told who leaves what
 
     def __len__(self) -> int:
         """Return how many gradients of all teams are stored; some of them may have evaporated since the last look."""

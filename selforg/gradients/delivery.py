@@ -81,6 +81,12 @@ class Mail:
         self.tags = [self.tags[i] for i in stays]
         return taken
 
+    def to(self, rows: Ints) -> list[tuple[float, Floats, Ints]]:
+        """Return copies of what is under way to `rows` (R,), in the order of posting: arrivals [s], messages, tags."""
+        posts = zip(self.arrivals, self.messages, self.tags, strict=True)
+        addressed = ((*post, np.isin(post[2][:, c.TAG_SPACE], rows)) for post in posts)
+        return [(arrival, messages[to], tags[to]) for arrival, messages, tags, to in addressed if to.any()]
+
     def forget(self, rows: Ints) -> None:
         """Delete what is under way to `rows` (R,)."""
         for i, (messages, tags) in enumerate(zip(self.messages, self.tags, strict=True)):

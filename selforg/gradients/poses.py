@@ -1,8 +1,8 @@
 """Own poses: every row's moving pose gradient, its own history, who shares it with whom, and who received it.
 
 When messages have a range and get lost, no pose is copied: the table of rows has a column for each member of the team,
-with the age, in the history of that member, of the last pose received from it. A row that looks at poses begins with
-that age.
+with the age, in the history of that member, of the last pose received from it, and one with the age of the pose
+received before that. A row that looks at poses begins with the first of them.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,8 @@ class OwnPoses:
     Attributes:
         own: (N, K, POSE_COLUMNS) float64, poses of each row, the newest first.
         row_table: (N, ROW_COLUMNS or more) int64.
-        packed: both and more as compiled code takes them.
+        radii: (N, 2) float64, diffusion and goal radius [m] of the poses that each row spreads; a host may change them.
+        packed: all of them and more as compiled code takes them.
 
     """
 
@@ -77,10 +78,11 @@ class OwnPoses:
         self.team_count = int(codes.max()) + 1
         sizes = np.bincount(codes)
         heard = int(sizes.max()) if hearing else 0
-        self.row_table: Ints = np.zeros((rows, c.ROW_COLUMNS + heard), dtype=np.int64)
+        self.row_table: Ints = np.zeros((rows, c.ROW_COLUMNS + 2 * heard), dtype=np.int64)
         self.row_table[:, c.ROW_TEAM] = codes
         self.row_table[:, c.ROW_COLUMNS :] = -1
         self._no_headings: Floats = np.zeros(rows)
+        self.radii: Floats = np.tile([diffusion, goal_radius], (rows, 1))
         self.packed = POSES.pack(
             Poses(
                 own=self.own,
@@ -92,8 +94,7 @@ class OwnPoses:
                 cells=make_pose_cells(space, diffusion + goal_radius, sizes),
                 buckets=np.full(1 << int(2 * rows - 1).bit_length(), -1, dtype=np.int32),
                 links=np.full((rows, 2), -1, dtype=np.int32),
-                diffusion=diffusion,
-                goal_radius=goal_radius,
+                radii=self.radii,
                 attraction=attraction,
                 history=history,
             )
@@ -118,16 +119,16 @@ class OwnPoses:
 
         position: (D,) [m]; heading: (D,) direction, zero if there is none; now [s].
         """
-        look = self.packed.record
+        diffusion, goal_radius = self.radii[row].tolist()
         return self.set_gradient(
             row,
             Gradient(
                 channel=self.channel,
                 position=tuple(position),
                 heading=tuple(heading),
-                attraction=int(look.attraction),
-                diffusion=look.diffusion,
-                goal_radius=look.goal_radius,
+                attraction=int(self.packed.record.attraction),
+                diffusion=diffusion,
+                goal_radius=goal_radius,
                 stamp=now,
             ),
         )
@@ -203,6 +204,7 @@ class PoseDelivery:
         reaches: (T,) farthest receiver in each team [m]; the owner may change it.
         losses: (T,) probability that a receiver misses a pose, in each team; the owner may change it.
         generators: one for each row, for the losses of what it spreads; the owner may change it.
+        delay: age of a pose on its arrival [updates].
 
     Raises:
         ValueError: poses that were not made with `hearing`.
@@ -210,21 +212,31 @@ class PoseDelivery:
     """
 
     def __init__(
-        self, poses: OwnPoses, reaches: Floats, losses: Floats, generators: Sequence[np.random.Generator]
+        self,
+        poses: OwnPoses,
+        reaches: Floats,
+        losses: Floats,
+        generators: Sequence[np.random.Generator],
+        delay: int = 0,
     ) -> None:
         if poses.row_table.shape[1] == c.ROW_HEARD:
             raise ValueError("PoseDelivery: the poses must be made with hearing=True")
-        self.poses = poses
+        if not 0 <= delay < max(poses.history, 1):
+            raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
+        self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
-        self._draws: Floats = np.zeros((poses.rows, poses.row_table.shape[1] - c.ROW_HEARD))
+        self._draws: Floats = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
-        """Deliver the newest pose of each row to the other rows in range, unless it gets lost."""
+        """Deliver the pose of each row that arrives now to the other rows in range, unless it gets lost.
+
+        Losses are drawn, and ranges measured from where the pose was sent, on its arrival.
+        """
         lossy = (self.losses > 0.0) & (self.losses < 1.0)
         if lossy.any():
             for row in np.flatnonzero(lossy[self.poses.teams] & self.poses.known).tolist():
                 self._draws[row] = self.generators[row].random(self._draws.shape[1])
-        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws)
+        deliver_poses(self.poses.packed.words, self.reaches, self.losses, self._draws, self.delay)
 
 
 @lean_kernel
@@ -256,7 +268,8 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
         if with_headings:
             sine, cosine = sine_cosine(headings[row])
             newest[c.POSE_HEADING], newest[c.POSE_HEADING + 1] = cosine, sine
-        newest[c.DIFFUSION], newest[c.GOAL_RADIUS], newest[c.POSE_SIGN] = p.diffusion, p.goal_radius, p.attraction
+        newest[c.DIFFUSION], newest[c.GOAL_RADIUS] = p.radii[row, 0], p.radii[row, 1]
+        newest[c.POSE_SIGN] = p.attraction
         newest[c.POSE_STAMP] = now
         p.rows[row, c.ROW_POSES] = min(known + 1, p.history)
     index_poses(poses)
@@ -264,25 +277,27 @@ def update_poses(positions: Floats, headings: Floats, with_headings: bool, now: 
 
 
 @kernel
-def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats) -> None:
-    """Write for each pair of a team the age of the last pose received, -1 for none that is still remembered.
+def deliver_poses(poses: Words[Poses], reaches: Floats, losses: Floats, draws: Floats, delay: int) -> None:
+    """Write for each pair of a team the ages of the last two poses received, -1 for none that is still remembered.
 
-    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads.
+    reaches (T,) [m], losses (T,), draws (N, most members) uniform in [0, 1) of the row that spreads, delay [updates].
     """
     p = open_poses(poses)
+    room = (p.rows.shape[1] - c.ROW_HEARD) // 2
     for team in range(len(reaches)):
         begin, count = int(p.first[team]), int(p.first[team + 1] - p.first[team])
         for receiver in range(count):
             row = int(p.members[begin + receiver])
             for index in range(count):
                 other = int(p.members[begin + index])
-                age = int(p.rows[row, c.ROW_HEARD + index])
-                age = age + 1 if age >= 0 else -1
-                dx = p.own[other, 0, c.X] - p.own[row, 0, c.X]
-                dy = p.own[other, 0, c.Y] - p.own[row, 0, c.Y]
-                dz = p.own[other, 0, c.Z] - p.own[row, 0, c.Z]
+                age, before = int(p.rows[row, c.ROW_HEARD + index]), int(p.rows[row, c.ROW_HEARD + room + index])
+                age, before = age + 1 if age >= 0 else -1, before + 1 if before >= 0 else -1
+                dx = p.own[other, delay, c.X] - p.own[row, 0, c.X]
+                dy = p.own[other, delay, c.Y] - p.own[row, 0, c.Y]
+                dz = p.own[other, delay, c.Z] - p.own[row, 0, c.Z]
                 lost = losses[team] >= 1.0 or (losses[team] > 0.0 and draws[other, receiver] < losses[team])
                 if not lost and squared_length(dx, dy, dz, p.extent) <= reaches[team] * reaches[team]:
-                    age = 0
-                remembered = p.rows[row, c.ROW_POSES] > 0 and age < p.rows[other, c.ROW_POSES]
-                p.rows[row, c.ROW_HEARD + index] = age if remembered else -1
+                    age, before = delay, age
+                known = p.rows[other, c.ROW_POSES] if p.rows[row, c.ROW_POSES] > 0 else 0
+                p.rows[row, c.ROW_HEARD + index] = age if age < known else -1
+                p.rows[row, c.ROW_HEARD + room + index] = before if before < known else -1

@@ -31,6 +31,9 @@ class TeamState(NamedTuple):
     keys: tuple[str, ...]  # names of values, by their numbers
     sources: tuple[str, ...]  # names of senders that are not rows, by their numbers
     payloads: dict[int, Any]  # by MARK_SERIAL
+    mail: list[
+        tuple[float, Floats, Ints]
+    ]  # under way: arrival [s], messages and tags; rows count from the team's first
 
 
 def spaces_of(buffer: SoBuffer, team: int) -> Ints:
@@ -45,9 +48,7 @@ def layers_of(buffer: SoBuffer, team: int, channels: Ints) -> Ints:
 
 
 def state_of_team(buffer: SoBuffer, team: int) -> TeamState:
-    """Return what `buffer` holds for a team; ValueError for a buffer in which messages are under way."""
-    if buffer.delivery.delay > 0:
-        raise ValueError("state of a team: expected a buffer whose messages arrive at once, got one with a delay")
+    """Return what `buffer` holds for a team, with its messages under way."""
     store, channels = buffer.table.record, buffer.channels.numbered()
     layers = layers_of(buffer, team, np.arange(len(channels)))
     slots = np.zeros(int(store.layers[layers, c.LAYER_COUNT].sum()), dtype=np.int64)
@@ -65,7 +66,10 @@ def state_of_team(buffer: SoBuffer, team: int) -> TeamState:
         payloads = {(last - serial) % c.SERIALS: payload for serial, payload in found.items()}
     serials[:] = (last - serials.astype(np.int64)) % c.SERIALS
     names = channels, buffer.keys.numbered(), buffer.sources.numbered()
-    return TeamState(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads)
+    mail = buffer.mail.to(members)
+    for _, _, tags in mail:
+        tags[:, [c.TAG_SPACE, c.TAG_SOURCE]] -= members[0]
+    return TeamState(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads, mail)
 
 
 def put_team_state(buffer: SoBuffer, team: int, state: TeamState, later: float) -> None:
@@ -91,6 +95,12 @@ def put_team_state(buffer: SoBuffer, team: int, state: TeamState, later: float) 
     marks[order, c.MARK_SERIAL] = (first + np.arange(count)) % c.SERIALS
     record.counters[c.COUNTER_SERIAL] += count
     place_slots(near, far, links, marks, layers, state.sweeps, buffer.table.packed.words)
+    for arrival, messages, tags in state.mail:
+        messages, tags = messages.copy(), tags.copy()
+        messages[:, [c.MESSAGE_FAR + c.FAR_CLOCK, c.MESSAGE_FAR + c.FAR_STAMP]] += later
+        tags[:, [c.TAG_SPACE, c.TAG_SOURCE]] += buffer.poses.members(team)[0]
+        tags[:, c.TAG_CHANNEL], tags[:, c.TAG_KEY] = codes[tags[:, c.TAG_CHANNEL]], keys[tags[:, c.TAG_KEY]]
+        buffer.mail.add(arrival + later, messages, tags)
     for serial, payload in state.payloads.items():
         buffer.payloads[int(marks[np.flatnonzero(back == serial)[0], c.MARK_SERIAL])] = payload
 

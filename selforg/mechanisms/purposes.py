@@ -41,7 +41,12 @@ PATTERNS = (
     Pattern("Evaporation", Purpose.BASIC),
     Pattern("Gradients", Purpose.BASIC, ("Spreading", "Aggregation", "Evaporation")),
     Pattern("Repulsion", Purpose.MOVEMENT, ("Gradients",), ("RepulsionFernandez", "RepulsionGradient")),
-    Pattern("Collision avoidance", Purpose.MOVEMENT, ("Gradients",), ("CollisionAvoidance", "AvoidAll")),
+    Pattern(
+        "Collision avoidance",
+        Purpose.MOVEMENT,
+        ("Gradients",),
+        ("CollisionAvoidance", "AvoidAll", "PredictiveSteering"),
+    ),
     Pattern(
         "Chemotaxis",
         Purpose.MOVEMENT,

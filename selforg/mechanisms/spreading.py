@@ -71,6 +71,8 @@ class Spreader:
         far[:, c.FAR_VALUE] = 0.0 if values is None else values
         tags[:, c.TAG_SOURCE], tags[:, c.TAG_SIGN] = rows, carried.attraction
         tags[:, c.TAG_MOVING], tags[:, c.TAG_KEY] = carried.moving, self._key
+        if buffer.on_deposit is not None and not carried.moving and diffusions is None:
+            buffer.on_deposit(rows, messages[0], tags[0])
         buffer.spread(messages, tags, now)
 
 

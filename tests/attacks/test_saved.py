@@ -1,94 +1,18 @@
 """Whatever happened to a saved file, it is read as it was, or refused in one line that names it: never a traceback."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
-from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.arrays import load_arrays, save_arrays
-from selector.documents.errors import DocumentError, shown
-from selector.documents.find import SHIPPED
-from selector.strategies.learned_file import description_of, load_strategy
-from selector.strategies.policy_file import load_policy
-from selector.strategies.problem import Problem
-from selector.strategies.streams import row_keys
-from tests.attacks import hostile
+from selector.documents.errors import DocumentError
+from selector.strategies.learned_file import description_of
+from tests.attacks.targets import LINES, RULES, asked, read_strategy
 from tests.train.records import record
-from train.evaluation.repeat import changed_versions, chosen_options, task_of
+from train.evaluation.repeat import chosen_options
 from train.running.finished_runs import JOURNAL, Results
 from train.running.run_folder import CHOSEN_OPTIONS, MANIFEST, RunFolder, read_manifest
-
-RULES = SHIPPED / "strategies" / "rules.safetensors"
-POLICY = SHIPPED / "policies" / "general"
-often = settings(
-    max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
-)
-ODD = st.sampled_from([np.nan, np.inf, -np.inf, -1e300, 1e300, -1.0])
-
-
-def damaged(content: bytes):
-    """Bytes of a file of which a part was changed, lost or doubled."""
-    places = st.integers(0, len(content) - 1)
-    return (
-        st.builds(lambda k, byte: content[:k] + bytes([byte]) + content[k + 1 :], places, st.integers(0, 255))
-        | places.map(lambda k: content[:k])
-        | st.builds(lambda a, b: content[: min(a, b)] + content[max(a, b) :], places, places)
-        | st.builds(lambda k, more: content[:k] + more + content[k:], places, st.binary(min_size=1, max_size=20))
-    )
-
-
-def read_or_refused(read, path, named=None):
-    """Return what `read` returns; None if it refuses a path in one line with its name, or with `named`."""
-    message = ""
-    try:
-        return read(path)
-    except DocumentError as error:
-        message = str(error)
-    assert (named or shown(path)) in message
-    assert len(message.splitlines()) == 1
-    return None
-
-
-def read_strategy(path):
-    described = description_of(path)
-    try:
-        problem = Problem(described.goal, described.options, np.zeros(len(described.options)), described.features)
-        strategy = described.spec.build(problem, row_keys(np.random.SeedSequence(0), 1), np.zeros(1, dtype=np.int64))
-    except ValueError as error:  # as a comparison says it, which has a problem of its own
-        raise DocumentError(f"{shown(path)}: {error}") from error
-    load_strategy(path, strategy)
-    return strategy
-
-
-@often
-@given(damaged(RULES.read_bytes()))
-def test_damaged_files_of_strategies(tmp_path_factory, content):
-    path = tmp_path_factory.getbasetemp() / "damaged.safetensors"
-    path.write_bytes(content)
-    strategy = read_or_refused(read_strategy, path)
-    if strategy is not None:
-        assert all(np.isfinite(array).all() for array in strategy.learned().values())
-
-
-def test_strategies_of_odd_descriptions(tmp_path):
-    arrays, description = load_arrays(RULES)
-    path = tmp_path / "odd.safetensors"
-
-    @often
-    @given(hostile.json_documents(description))
-    def attack(text):
-        try:
-            odd = json.loads(text)
-        except (ValueError, RecursionError):
-            return
-        save_arrays(path, arrays, odd)
-        read_or_refused(read_strategy, path)
-
-    attack()
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf, -1e300])
@@ -109,64 +33,6 @@ def test_a_strategy_of_a_newer_release_says_so(tmp_path):
         save_arrays(path, arrays, description | change)
         with pytest.raises(DocumentError, match=r"newer\.safetensors: .*unknown .*newer release may have written it"):
             description_of(path)
-
-
-@pytest.mark.parametrize("name", ["policy.json", "policy.safetensors"])
-def test_damaged_policies(tmp_path, name):
-    shutil.copytree(POLICY, tmp_path / "policy")
-    whole = (POLICY / name).read_bytes()
-
-    @often
-    @given(damaged(whole))
-    def attack(content):
-        (tmp_path / "policy" / name).write_bytes(content)
-        read_or_refused(load_policy, tmp_path / "policy")
-
-    attack()
-
-
-def test_policies_of_odd_values(tmp_path):
-    shutil.copytree(POLICY, tmp_path / "policy")
-    content = json.loads((POLICY / "policy.json").read_text())
-
-    @often
-    @given(hostile.json_documents(content))
-    def attack(text):
-        path = hostile.write(tmp_path / "policy", "policy.json", text)
-        read_or_refused(lambda path: load_policy(path.parent), path.parent)
-
-    attack()
-
-
-def asked(kept):
-    return kept.mistake("x", 3, MissionConfig())
-
-
-def journal(directory, text):
-    """Return the runs that are kept in a journal, as `--resume` of the evaluation "x" of seed 3 reads them."""
-    folder = RunFolder(directory, {"identity": {"experiment": "x"}}, resume=True)
-    (directory / JOURNAL).write_bytes(text)
-    return read_or_refused(lambda _: Results(folder, asked).records, directory / JOURNAL)
-
-
-LINES = "".join(json.dumps(record(name, "a").as_mapping()) + "\n" for name in ("1", "2", "3")).encode()
-
-
-@often
-@given(damaged(LINES))
-def test_damaged_journals(tmp_path_factory, content):
-    records = journal(tmp_path_factory.mktemp("journal"), content)
-    for kept in records or ():
-        assert (kept.experiment, kept.seed) == ("x", 3)
-        assert 0.0 <= kept.result.duration_s <= 3000.0
-
-
-@often
-@given(hostile.json_documents(record("1", "a").as_mapping()))
-def test_journals_of_odd_values(tmp_path_factory, text):
-    line = text.encode("utf-8", errors="surrogatepass") + b"\n"
-    records = journal(tmp_path_factory.mktemp("journal"), line)
-    assert all(np.isfinite(kept.result.cost_s) for kept in records or ())
 
 
 @pytest.mark.parametrize(
@@ -218,19 +84,3 @@ def test_damaged_choices_of_a_learning_evaluation_are_one_line(tmp_path, line):
     with pytest.raises(DocumentError, match=rf"{CHOSEN_OPTIONS}: line 1: ") as error:
         chosen_options(tmp_path)
     assert len(str(error.value).splitlines()) == 1
-
-
-def test_odd_manifests(tmp_path):
-    identity = {"experiment": "x", "seed": 1, "configuration": {"name": "x"}, "files": {}, "directories": []}
-    learned = {"G": {"a": {"count": 3, "mean": 0.5, "variance": 0.0}}}
-    content = {"identity": identity, "versions": {"numba": "1"}, "learned": learned}
-
-    @often
-    @given(hostile.json_documents(content))
-    def attack(text):
-        path = hostile.write(tmp_path, MANIFEST, text)
-        for read in (lambda path: read_manifest(path.parent), lambda path: changed_versions(path.parent)):
-            read_or_refused(read, path)
-        read_or_refused(lambda path: task_of(path.parent), path)
-
-    attack()

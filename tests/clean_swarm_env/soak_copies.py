@@ -9,21 +9,25 @@ from time import monotonic
 
 from tests.clean_swarm_env.test_copies import WAYS, check_copy
 from tests.clean_swarm_env.test_states import check_state
+from tests.soaking import report, rounds
 
 
 def main(count: int) -> None:
     """Run the rounds; the first difference is an AssertionError that names the round."""
-    begin = monotonic()
-    for number in range(count):
+    begin, tried = monotonic(), 0
+    for number in rounds(count):
         way = list(WAYS)[number % len(WAYS)]
         try:
             check_copy((2026, number), WAYS[way])
             check_state((2027, number))
         except AssertionError as error:
+            report(tried + 1, tried)
             raise AssertionError(f"round {number}, {way}: {error}") from error
+        tried += 1
         if (number + 1) % 50 == 0:
             print(f"{number + 1} of {count} rounds in {monotonic() - begin:.0f} s", flush=True)
-    print(f"{count} random copies and {count} states: equal bits")
+    print(f"{tried} random copies and {tried} states: equal bits")
+    report(tried, tried)
 
 
 if __name__ == "__main__":

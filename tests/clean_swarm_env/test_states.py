@@ -167,8 +167,8 @@ def test_what_does_not_fit_is_refused_in_one_line():
     batch = Batch(SHORT, 2)
     batch.reset([1, 2])
     state = batch.get_state()
-    with pytest.raises(ValueError, match="state: expected bytes that begin with b'clean-swarm state 1"):
-        batch.set_state(state.replace(HEADER + b"1", HEADER + b"9", 1))
+    with pytest.raises(ValueError, match="state: expected bytes that begin with b'clean-swarm state 2"):
+        batch.set_state(state.replace(HEADER + b"2", HEADER + b"9", 1))
     with pytest.raises(ValueError, match="state: expected one world, or 1, got 2"):
         batch.set_state(state, [0])
     with pytest.raises(ValueError, match="worlds: expected 0 to 1, got 2"):
@@ -208,9 +208,19 @@ def test_gradients_of_a_team_come_with_their_senders_names_and_payloads():
     assert (found["robot 2"].source, found["robot 2"].payload) == (1, {"value": 7.0})
 
 
-def test_messages_under_way_are_no_part_of_a_state():
-    with pytest.raises(ValueError, match="expected a buffer whose messages arrive at once, got one with a delay"):
-        state_of_team(buffer_of(2, delivery=Delivery(delay=1.0)), 0)
+def test_messages_under_way_are_part_of_a_state():
+    buffer, other = (buffer_of(rows, delivery=Delivery(delay=1.0)) for rows in (4, 6))
+    messages, tags = buffer.blank(1, "trail")
+    messages[:, [c.DIFFUSION, c.MESSAGE_FAR + c.FAR_FACTOR]] = 1.0
+    other.channel_code("mine")
+    buffer.deposit(np.array([0, 3]), messages[0], tags[0], 5.0)
+    put_team_state(other, 2, state_of_team(buffer, 1), 10.0)
+    other.deliver(15.9)
+    assert other.count(2, "trail") == 0
+    other.deliver(16.0)
+    assert other.count(2, "trail") == 2  # one for each row of the team
+    gradient = other.gradient_of(pair_of(other, "trail"))
+    assert (gradient.source, gradient.position, gradient.stamp) == (5, (2.0, 1.0), 15.0)
 
 
 def test_a_state_is_a_copy():

@@ -32,6 +32,7 @@ def run_mission(mission, start, seed, scores, *_):
         int(duration * mission.world.control_rate),
         60.0 * len(start.items) / duration,
         2.0 * duration,
+        0.0,
     )
 
 

@@ -17,6 +17,7 @@ def record(scenario: str = "1", condition: str = "a", duration: float = 10.0, **
         "garbage_done": 10,
         "items_per_min": 3.0,
         "cost_s": 250.0,
+        "unavoidable_s": 0.0,
         "robots": 5,
         "ticks": 50,
     }

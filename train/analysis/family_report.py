@@ -1,19 +1,21 @@
 """The report of an evaluation on a family: the content of `summary.json` and the figures of the tables.
 
-Shapes: S members of a strategy (one for each seed of its training), K scenarios.
+Shapes: S members of a strategy (one for each seed of its training), K scenarios, V world seeds of each.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.families import FamilyConfig, scenario_name
+from clean_swarm_env.world.mission import MissionResult
 from selforg.arrays import Floats
+from train.analysis.front import PRICES, Front, priced_excess
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import StrategyComparison, compare_strategies
 from train.running.runs import RunRecord
@@ -27,14 +29,30 @@ class FamilyRuns:
     goal: str
     """Goal that the strategies choose options for."""
     seed: int
-    scenarios: tuple[str, ...]
-    """(K,) names."""
+    scenarios: int
+    """K."""
+    worlds: int
+    """V."""
     conditions: Mapping[str, tuple[str, ...]]
     """Label of a strategy -> (S,) names under which the runs of its members are kept."""
     fixed: tuple[str, ...]
     """Labels of the strategies that are one option each."""
     records: Sequence[RunRecord]
     """All runs in the directory, also those of strategies that are not compared."""
+
+    def results(self) -> dict[str, list[list[list[MissionResult]]]]:
+        """Return the results by label: S lists of K lists of V."""
+        at = {record.key: record.result for record in self.records}
+        return {
+            label: [
+                [
+                    [at[scenario_name("test", k, world), condition] for world in range(self.worlds)]
+                    for k in range(self.scenarios)
+                ]
+                for condition in conditions
+            ]
+            for label, conditions in self.conditions.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -46,16 +64,23 @@ class FamilyReport:
     """Label of a strategy -> figure -> summary over the scenarios."""
     comparison: StrategyComparison | None
     """None without fixed options to compare with."""
+    front: Front
 
 
 def family_report_of(runs: FamilyRuns) -> FamilyReport:
     """Compute everything from the records."""
     figures = _figures(runs)
     summaries = {
-        label: {name: summarise(values.mean(axis=0)) for name, values in own.items()} for label, own in figures.items()
+        label: {name: summarise(values.mean(axis=(0, 2))) for name, values in own.items()}
+        for label, own in figures.items()
     }
-    costs = {label: own["cost_s"] for label, own in figures.items()}
-    return FamilyReport(runs, summaries, compare_strategies(costs, runs.fixed) if runs.fixed else None)
+    comparison = compare_strategies(excesses_of(runs), runs.fixed) if runs.fixed else None
+    return FamilyReport(runs, summaries, comparison, _front(runs, summaries))
+
+
+def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
+    """Return label -> excess costs (S, K, V) [s]."""
+    return {label: _table(own, lambda r: r.cost_s - r.unavoidable_s) for label, own in runs.results().items()}
 
 
 def family_summary_json(report: FamilyReport) -> str:
@@ -64,31 +89,58 @@ def family_summary_json(report: FamilyReport) -> str:
     content: dict[str, Any] = {
         "family": runs.family.name,
         "goal": runs.goal,
-        "scenarios": len(runs.scenarios),
+        "scenarios": runs.scenarios,
+        "worlds": runs.worlds,
         "seed": runs.seed,
         "strategies": {
             label: {name: asdict(summary) for name, summary in own.items()} for label, own in report.summaries.items()
         },
+        "front": {"prices_s": PRICES, "excess_s": report.front.excesses, "undominated": report.front.undominated},
     }
     if comparison is not None:
         content["best_fixed"] = comparison.best_fixed
+        content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
         content["comparison"] = [asdict(standing) for standing in comparison.standings]
     return json.dumps(content, indent=2) + "\n"
 
 
 def _figures(runs: FamilyRuns) -> dict[str, dict[str, Floats]]:
-    """Return label -> figure -> (S, K)."""
-    period = 1.0 / runs.family.mission.world.control_rate
-    at = {record.key: record.result for record in runs.records}
-    figures = {}
-    for label, conditions in runs.conditions.items():
-        table = [[at[scenario, condition] for scenario in runs.scenarios] for condition in conditions]
-        figures[label] = {
-            "cost_s": np.array([[r.cost_s for r in row] for row in table]),
-            "duration_s": np.array([[r.duration_s for r in row] for row in table]),
-            "events": np.array([[r.collision_events_per_s[0] * r.ticks * period for r in row] for row in table]),
-            "events_per_s": np.array([[r.collision_events_per_s[0] for r in row] for row in table]),
-            "items": np.array([[float(r.garbage_done) for r in row] for row in table]),
-            "completed": np.array([[float(r.completed) for r in row] for row in table]),
-        }
-    return figures
+    """Return label -> figure -> (S, K, V)."""
+    rate = runs.family.mission.world.control_rate
+    kinds: dict[str, Callable[[MissionResult], float]] = {
+        "cost_s": lambda r: r.cost_s,
+        "excess_s": lambda r: r.cost_s - r.unavoidable_s,
+        "duration_s": lambda r: r.duration_s,
+        "events": lambda r: r.collision_events_per_s[0] * r.ticks / rate,
+        "events_per_s": lambda r: r.collision_events_per_s[0],
+        "contact_s": lambda r: r.collision_samples_per_s[0] * r.ticks / rate / runs.family.mission.world.physics_rate,
+        "items": lambda r: float(r.garbage_done),
+        "completed": lambda r: float(r.completed),
+    }
+    return {label: {name: _table(own, kind) for name, kind in kinds.items()} for label, own in runs.results().items()}
+
+
+def _table(results: list[list[list[MissionResult]]], figure: Callable[[MissionResult], float]) -> Floats:
+    """Return a figure (S, K, V) of the results."""
+    return np.array([[[figure(result) for result in worlds] for worlds in row] for row in results])
+
+
+def _front(runs: FamilyRuns, summaries: Mapping[str, Mapping[str, Summary]]) -> Front:
+    missions = [runs.family.scenario(runs.seed, k, "test").mission for k in range(runs.scenarios)]
+    excesses = {
+        label: tuple(
+            float(
+                np.mean(
+                    [
+                        priced_excess(mission, result, price)
+                        for row in own
+                        for mission, worlds in zip(missions, row, strict=True)
+                        for result in worlds
+                    ]
+                )
+            )
+            for price in PRICES
+        )
+        for label, own in runs.results().items()
+    }
+    return Front(excesses, {label: own["events"].mean for label, own in summaries.items()})

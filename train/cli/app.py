@@ -18,8 +18,22 @@ from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.writing import DISK_FULL
-from train.cli import configure, draw, evaluate, knowledge, repeat, run, score, train, tune
+from train.cli import (
+    claims,
+    configure,
+    draw,
+    evaluate,
+    headroom,
+    knowledge,
+    play,
+    repeat,
+    run,
+    score,
+    train,
+    tune,
+)
 from train.cli.options import Configs, error_console, print_error
+from train.cli.showing import picture, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -53,10 +67,15 @@ app.command("run")(run.run_command)
 app.command("score")(score.score_command)
 app.command("tune")(tune.tune_command)
 app.command("configure")(configure.configure_command)
+app.command("claims")(claims.claims_command)
+app.command("headroom")(headroom.headroom_command)
 app.command("draw")(draw.draw_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
+app.command("play")(play.play_command)
+app.command("picture")(picture.picture_command)
+app.command("video")(video.video_command)
 app.command("export")(repeat.export_command)
 
 
@@ -109,12 +128,17 @@ def _common(
 @app.command("list")
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
-    from clean_swarm_env.config.load import load_experiment, load_family
+    from clean_swarm_env.config.load import load_experiment, load_family, load_robustness
     from selector.documents.find import KINDS, files_of
     from selector.documents.plain import plain
     from selector.strategies.registry import STRATEGIES
 
     for name in files_of("experiments", configs or ()):
+        robustness = load_robustness(name, configs or ())
+        if robustness is not None:
+            typer.echo(f"{plain(name)}: {plain(robustness.description)}")
+            typer.echo(f"  {robustness.scenarios} random scenarios; disturbances: {', '.join(robustness.disturbed)}")
+            continue
         experiment = load_experiment(name, configs or ())
         starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
         typer.echo(f"{plain(name)}: {plain(experiment.description)}")

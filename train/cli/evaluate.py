@@ -11,6 +11,7 @@ from train.cli.options import (
     MOST_SCENARIOS,
     MOST_SEED,
     MOST_WORKERS,
+    MOST_WORLD_SEEDS,
     Configs,
     Force,
     Learn,
@@ -47,6 +48,9 @@ def evaluate_command(
             "names it; can be repeated; Off and Random come beside.",
         ),
     ] = None,
+    world_seeds: Annotated[
+        int, typer.Option(help="With --family: world seeds of each scenario; the oracle needs two or more.")
+    ] = 1,
     knowledge: Annotated[
         str | None, typer.Option(help="With --family: expert knowledge in place of the family's own.")
     ] = None,
@@ -63,12 +67,14 @@ def evaluate_command(
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
-    check_whole({"--seed": (seed, 0, MOST_SEED)})
+    check_whole({"--seed": (seed, 0, MOST_SEED), "--world-seeds": (world_seeds, 1, MOST_WORLD_SEEDS)})
+    from clean_swarm_env.config.load import load_robustness
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.entrants import never_taken, unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.evaluation.robustness import RobustnessEvaluation
     from train.knowledge_store import StoreRequest
     from train.running.needs import Machine
     from train.running.runs import usable_cpus
@@ -77,16 +83,28 @@ def evaluate_command(
         raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
     machine = Machine(workers or usable_cpus(), force)
+    robustness = load_robustness(experiment, directories) if family is None else None
     if family is None:
-        _check_absent("with --family", {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal})
+        _check_absent(
+            "with --family",
+            {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal, "--world-seeds": world_seeds > 1},
+        )
+    if robustness is not None:
+        unused = {"--starts": starts, "--condition": condition, "--store": store, "--learn": learn}
+        _check_absent("with experiments without disturbances", unused)
+        asked = FamilyRequest(
+            experiment, robustness.strategies, seed, scenarios, directories=directories, machine=machine
+        )
+        evaluation: pipeline.Evaluation = RobustnessEvaluation(asked, robustness)
+    elif family is None:
         conditions = tuple(condition or ())
         request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept, machine=machine)
-        evaluation: pipeline.Evaluation = ExperimentEvaluation(request)
+        evaluation = ExperimentEvaluation(request)
     else:
         _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
         family_request = FamilyRequest(
-            family, strategies, seed, scenarios, knowledge, goal, directories, kept, machine=machine
+            family, strategies, seed, scenarios, knowledge, goal, directories, kept, machine=machine, worlds=world_seeds
         )
         evaluation = FamilyEvaluation(family_request)
         for label in () if learn or store else unlearned(evaluation.entrants):

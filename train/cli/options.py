@@ -26,6 +26,7 @@ Configs = Annotated[
 MOST_SEED = 2**63 - 1
 MOST_SCENARIOS = 10_000
 MOST_WORKERS = 1000
+MOST_WORLD_SEEDS = 100
 
 Force = Annotated[
     bool, typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week.")

@@ -30,7 +30,7 @@ def explain_command(
     from train.evaluation.repeat import task_of
 
     task = task_of(run, scenario, condition)
-    with _repeating(run):
+    with repeating(run):
         explained = explaining.explained(task, robot, time)
     if json:
         typer.echo(explaining.as_json(*explained))
@@ -50,7 +50,7 @@ def record_command(
     from train.evaluation.repeat import task_of
 
     task = task_of(run, scenario, condition)
-    with _repeating(run):
+    with repeating(run):
         recording = record_run(task, output, minds=minds)
     typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")
 
@@ -76,7 +76,7 @@ def replay_command(
     recordings = []
     with TemporaryDirectory() as folder:
         for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
-            with _repeating(run) if run.is_dir() else nullcontext():
+            with repeating(run) if run.is_dir() else nullcontext():
                 recordings.append(recording_of(run, scenario, name, Path(folder)))
         write_page(recordings, html)
     typer.echo(f"{html}: open it in a browser")
@@ -94,7 +94,7 @@ def export_command(
 
 
 @contextmanager
-def _repeating(run: Path) -> Iterator[None]:
+def repeating(run: Path) -> Iterator[None]:
     """Print on the standard error which versions have changed since a run, and show that it is being repeated."""
     from train.evaluation.repeat import changed_versions  # imports Numba
 

@@ -2,7 +2,7 @@
 
 import json as json_format
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -31,6 +31,9 @@ def run_command(
     learn: Learn = False,
     configs: Configs = None,
     output: Annotated[Path | None, typer.Option(help="Markdown file to write the table of all goals to.")] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Directory for a recording of every run, mechanism and baseline.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Run a goal in its scene and print the measures by which it succeeds, their targets and the baseline."""
@@ -58,9 +61,9 @@ def run_command(
     with Console(stderr=True).status("running") as status:
         for name in goals() if every else (str(goal),):
             status.update(f"running {name}")
-            outcomes.append(
-                run_goal(GoalRequest(name, option, robots, seconds, arena, seed, runs, directories, knowledge, kept))  # type: ignore[arg-type]
-            )
+            kind: Any = arena  # which has been checked
+            request = GoalRequest(name, option, robots, seconds, kind, seed, runs, directories, knowledge, kept, record)
+            outcomes.append(run_goal(request))
     if json:
         plain = [as_mapping(outcome) for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))

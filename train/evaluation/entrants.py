@@ -27,7 +27,7 @@ from train.running.model_pilots import LOADERS, ModelPilot
 from train.running.pilots import Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
 
 FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
-OFF, RANDOM = f"{FIXED}:Off", "Random"
+NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
 """What every strategy has to beat: never to avoid, and any option in each decision period."""
 
 SITUATIONS = {
@@ -118,10 +118,13 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
 
 
 def with_baselines(entrants: Sequence[Entrant], options: Sequence[str]) -> list[Entrant]:
-    """Return the entrants, and after them those of `OFF` and `RANDOM` that are not among them and exist."""
+    """Return the entrants, and after them those of `NEVER_AVOIDING` and `RANDOM` that are not among them and exist."""
     taken = {member for entrant in entrants for member in entrant.members}
     exist = [RANDOM, *(f"{FIXED}:{option}" for option in options)]
-    return [*entrants, *(Entrant(name, (name,)) for name in (OFF, RANDOM) if name in exist and name not in taken)]
+    return [
+        *entrants,
+        *(Entrant(name, (name,)) for name in (NEVER_AVOIDING, RANDOM) if name in exist and name not in taken),
+    ]
 
 
 def never_taken(

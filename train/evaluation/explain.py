@@ -70,7 +70,8 @@ def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
 
 def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
     option = int(coordinator.held[robot])
-    inner = _inner_step(coordinator, coordinator.contents[option].network, robot)
+    network = coordinator.contents[option].network
+    inner = _step_of(network, robot) if coordinator.beside[option] else _inner_step(coordinator, network, robot)
     return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
 
 
@@ -80,7 +81,7 @@ def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, r
 
 
 def _situation(task: Repeated, worlds: Worlds, robot: int) -> dict[str, Any]:
-    step = int(worlds.ticks[0]) - 1
+    step, consequences = int(worlds.ticks[0]) - 1, worlds.floor.consequences
     return {
         "experiment": task.experiment,
         "scenario": task.scenario,
@@ -89,6 +90,8 @@ def _situation(task: Repeated, worlds: Worlds, robot: int) -> dict[str, Any]:
         "robot": robot,
         "step": step,
         "time_s": round(step * worlds.period, 9),
+        "stopped_s": round(int(consequences.standing[robot]) * worlds.period, 9),
+        "damaged": bool(consequences.damaged[robot]),
         "options": {c.model.goal: c.model.options[c.held[robot]] for c in worlds.coordinators},
     }
 
@@ -108,7 +111,11 @@ def step_on_terminal(situation: dict[str, Any], explanation: Explanation, inside
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
     title = f"{run}\nrobot {situation['robot']} at {situation['time_s']:g} s (step {situation['step']}); {options}"
     due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
-    facts = Text(f"{title}\n\n" + "\n".join(filter(None, [*header(explanation), due])))
+    stopped = "a collision stops it for {stopped_s:g} s, this step included" if situation["stopped_s"] else ""
+    damaged = "collisions have damaged it" if situation["damaged"] else ""
+    facts = Text(
+        f"{title}\n\n" + "\n".join(filter(None, [stopped.format(**situation), damaged, *header(explanation), due]))
+    )
     trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
     inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]
     return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees, *inner)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
+from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place_of, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
@@ -27,6 +26,7 @@ from train.analysis.family_report import FamilyRuns, family_report_of, family_su
 from train.evaluation.entrants import FIXED, Entrant, entrants_of, identified, member_pilot, spec_of, with_baselines
 from train.evaluation.pipeline import Choosers, Evaluation
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
+from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
@@ -38,8 +38,6 @@ from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
 from train.running.trials import TrialSettings, each_trial
 
-TEST_SCENARIO = r"test-[1-9][0-9]{0,5}"
-"""Form of the name of a scenario of the split "test"."""
 TASK_SCENARIOS = 25
 """Scenarios of one task, which run at the same time in one batch."""
 
@@ -67,6 +65,8 @@ class FamilyRequest:
     """Whether the strategies are fixed options, each of which is scored."""
     machine: Machine = ALONE
     """What the evaluation may use."""
+    worlds: int = 1
+    """World seeds of each scenario."""
 
     @property
     def words(self) -> list[str]:
@@ -78,6 +78,7 @@ class FamilyRequest:
             words = ["clean-swarm", "evaluate", "--family", self.family, "--seed", str(self.seed), *self.store.words]
             words += [word for text in self.strategies for word in ("--strategy", text)]
         words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
+        words += ["--world-seeds", str(self.worlds)] if self.worlds > 1 else []
         words += ["--knowledge", self.knowledge] if self.knowledge is not None else []
         words += ["--goal", self.goal] if self.goal is not None and not self.scoring else []
         words += ["--force"] if self.machine.forced else []
@@ -90,8 +91,8 @@ class TrialTask:
 
     family: FamilyConfig
     seed: int
-    numbers: tuple[int, ...]
-    """Numbers of the scenarios, from 0 on."""
+    places: tuple[tuple[int, int], ...]
+    """Index and world of each scenario, from 0 on."""
     condition: str
     member: str
     goal: str
@@ -105,7 +106,7 @@ class TrialTask:
     @property
     def runs(self) -> int:
         """Number of scenarios."""
-        return len(self.numbers)
+        return len(self.places)
 
     @property
     def experiment(self) -> str:
@@ -115,17 +116,17 @@ class TrialTask:
     @property
     def scenario(self) -> str:
         """Name of the first scenario."""
-        return self.scenario_of(self.numbers[0]).id
+        return self.scenario_of(self.places[0]).id
 
     @property
     def mission(self) -> MissionConfig:
         """Mission of the first scenario."""
-        return self.scenario_of(self.numbers[0]).mission
+        return self.scenario_of(self.places[0]).mission
 
     @property
     def mission_seed(self) -> int:
         """Seed of the first mission."""
-        return self.scenario_of(self.numbers[0]).seed
+        return self.scenario_of(self.places[0]).seed
 
     def run(self) -> list[RunRecord]:
         """Run the scenarios in one batch, and return their runs in the order of the scenarios."""
@@ -134,7 +135,7 @@ class TrialTask:
     def each(self) -> Iterator[RunRecord]:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
-        scenarios = [self.scenario_of(number) for number in self.numbers]
+        scenarios = [self.scenario_of(place) for place in self.places]
         record = self.record and replace(self.record, about=self.naming)
         settings = TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories, record=record)
         for place, result in each_trial(scenarios, self.pilot, settings):
@@ -155,7 +156,7 @@ class TrialTask:
 
     def beginning(self) -> TrialTask:
         """Return the first scenario up to `WARM_UP_LIMIT`."""
-        return replace(self, numbers=self.numbers[:1], time_limit=WARM_UP_LIMIT, record=None)
+        return replace(self, places=self.places[:1], time_limit=WARM_UP_LIMIT, record=None)
 
     def recorded(self, settings: RecordSettings) -> TrialTask:
         """Return the runs with recordings."""
@@ -166,9 +167,9 @@ class TrialTask:
         """Plain data about the runs for the heads of their recordings."""
         return {"experiment": self.family.name, "condition": self.condition}
 
-    def scenario_of(self, number: int) -> Scenario:
-        """Return the scenario of a number."""
-        scenario = self.family.scenario(self.seed, number, self.split)
+    def scenario_of(self, place: tuple[int, int]) -> Scenario:
+        """Return the scenario of an index and a world."""
+        scenario = self.family.scenario(self.seed, place[0], self.split, place[1])
         limit = min(scenario.mission.time_limit, self.time_limit)
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
@@ -182,12 +183,12 @@ class FamilyEvaluation(Evaluation):
 
     growing = "strategies"
 
-    def __init__(self, request: FamilyRequest) -> None:
+    def __init__(self, request: FamilyRequest, family: FamilyConfig | None = None) -> None:
         self._request, self.words = request, request.words
         self.directories = tuple(path.resolve() for path in request.directories)
-        self.family = _family(request)
+        self.family = family or _family(request)
         with within(request.family):
-            missions = (request.scenarios or self.family.scenarios) * len(request.strategies)
+            missions = (request.scenarios or self.family.scenarios) * request.worlds * len(request.strategies)
             check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
@@ -198,7 +199,8 @@ class FamilyEvaluation(Evaluation):
         if not (request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, problem.options)
         _check_fits(self.entrants, problem, np.zeros(batch.rows, dtype=np.int64), request.directories)
-        self.scenarios = [f"test-{n + 1}" for n in range(request.scenarios or self.family.scenarios)]
+        indices = range(request.scenarios or self.family.scenarios)
+        self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.total = len(self.scenarios) * sum(len(entrant.members) for entrant in self.entrants)
         self.stem = f"{self.family.name}-seed{request.seed}"
         fixed = {f"{FIXED}:{option}": {self.goal: option} for option in problem.options}
@@ -230,14 +232,16 @@ class FamilyEvaluation(Evaluation):
         """Return the tasks for all missing runs; each has scenarios of one member."""
         tasks = []
         for condition, member in self._members():
-            missing = [n for n, scenario in enumerate(self.scenarios) if (scenario, condition) not in done]
+            missing = [name for name in self.scenarios if (name, condition) not in done]
             for first in range(0, len(missing), TASK_SCENARIOS):
                 tasks.append(self._task(tuple(missing[first : first + TASK_SCENARIOS]), condition, member))
         return tasks
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this family's; it may be of further scenarios and of other strategies."""
-        if not re.fullmatch(TEST_SCENARIO, record.scenario):
+        try:
+            place_of(record.scenario)
+        except DocumentError:
             return "this family has no such scenario"
         return record.mistake(self.family.name, self._request.seed, self.family.largest)
 
@@ -256,15 +260,16 @@ class FamilyEvaluation(Evaluation):
 
     def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> TrialTask:
         """Return the task of one run in which an option serves the goal."""
-        return self._task((self.scenarios.index(scenario),), condition, "").serving(options)
+        return self._task((scenario,), condition, "").serving(options)
 
     def _members(self) -> list[tuple[str, str]]:
         """Return the condition and the name of each member of all entrants."""
         return [each for entrant in self.entrants for each in zip(entrant.conditions, entrant.members, strict=True)]
 
-    def _task(self, numbers: tuple[int, ...], condition: str, member: str) -> TrialTask:
+    def _task(self, names: tuple[str, ...], condition: str, member: str) -> TrialTask:
         family, request = self.family.model_copy(update={"mission": self.mission}), self._request
-        return TrialTask(family, request.seed, numbers, condition, member, self.goal, request.directories)
+        places = tuple(place_of(name) for name in names)
+        return TrialTask(family, request.seed, places, condition, member, self.goal, request.directories)
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return the means of each strategy, and how the strategies compare with fixed options."""
@@ -272,14 +277,15 @@ class FamilyEvaluation(Evaluation):
             family=self.family,
             goal=self.goal,
             seed=self._request.seed,
-            scenarios=tuple(self.scenarios),
+            scenarios=len(self.scenarios) // self._request.worlds,
+            worlds=self._request.worlds,
             conditions={entrant.label: entrant.conditions for entrant in self.entrants},
             fixed=tuple(entrant.label for entrant in self.entrants if entrant.fixed),
             records=records,
         )
         report = family_report_of(runs)
         heading = f"# {self.family.name}\n\n{self.family.description}\n\n"
-        return Publication(heading, family_tables(report), family_summary_json(report))
+        return Publication(heading, family_tables(report), family_summary_json(report), draw_front(report))
 
 
 def _family(request: FamilyRequest) -> FamilyConfig:

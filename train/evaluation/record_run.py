@@ -27,10 +27,12 @@ def record_run(task: Repeated, output: Path, *, minds: bool = True) -> RecordedM
     return RecordedMission(output)
 
 
-def recording_of(run: Path, scenario: str | None, condition: str | None, folder: Path) -> RecordedMission:
-    """Return a recording with minds: that of a file, or of a run in a directory of results.
+def recording_of(
+    run: Path, scenario: str | None, condition: str | None, folder: Path, *, minds: bool = True
+) -> RecordedMission:
+    """Return a recording: that of a file, or one of a run in a directory of results, with minds if they are asked for.
 
-    A run that was recorded with minds is read. Others are repeated, and recorded in `folder`.
+    A run that was recorded so is read. Others are repeated, and recorded in `folder`.
     """
     if not run.is_dir():
         return RecordedMission(run)
@@ -39,7 +41,7 @@ def recording_of(run: Path, scenario: str | None, condition: str | None, folder:
         recording = RecordedMission(path)
         about = recording.head["about"]
         same = (about.get("scenario"), about.get("condition")) == (task.scenario, task.condition)
-        if same and recording.result is not None and recording.head["minds"]:
+        if same and recording.result is not None and recording.head["minds"] >= minds:
             return recording
     number = len(list(folder.iterdir())) + 1
-    return record_run(task, folder / f"{number}{SUFFIX}")
+    return record_run(task, folder / f"{number}{SUFFIX}", minds=minds)

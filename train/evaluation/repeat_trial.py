@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,17 +9,18 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig, place_of
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.worlds import Worlds
-from selector.documents.errors import validated
+from selector.documents.errors import validated, within
 from selector.documents.plain import short
 from train.evaluation.entrants import Entrant, identified
-from train.evaluation.family import TEST_SCENARIO, TrialTask
+from train.evaluation.family import TrialTask
 from train.running.decided_goal import DecidedGoal
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST
+from train.running.runs import under
 
 DIGEST = " sha256:"
 """What follows a member that names a file in the manifest."""
@@ -34,17 +34,17 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 
     """
     path = directory / MANIFEST
-    family = validated(FamilyConfig, identity["family"], f"{path}: identity.family")
     members = dict(_members(identity.get("strategies"), directories, path))
+    runs = _runs(identity["family"], members, f"{path}: identity.family")
     seed, goal = evaluation_seed(identity, path), str(identity.get("goal"))
     tasks = []
     for scenario, condition in (record.key for record in runs_of(directory / JOURNAL)):
-        if condition not in members:
+        if condition not in runs:
             raise ConfigurationError(f"{path}: identity.strategies: expected the run {condition!r} among them")
-        if not re.fullmatch(TEST_SCENARIO, scenario):
-            raise ConfigurationError(f"{directory / JOURNAL}: expected a scenario of {family.name}, got {scenario!r}")
-        number = int(scenario.rpartition("-")[2]) - 1
-        tasks.append(TrialTask(family, seed, (number,), condition, members[condition], goal, directories))
+        family, member = runs[condition]
+        with within(f"{directory / JOURNAL}"):
+            place = place_of(scenario)
+        tasks.append(TrialTask(family, seed, (place,), condition, member, goal, directories))
     if not tasks:
         raise ConfigurationError(f"{directory}: holds no finished run")
     return tasks
@@ -52,7 +52,7 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 
 def trial_steps(task: TrialTask) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
-    scenarios = iter((task.scenario_of(task.numbers[0]),))
+    scenarios = iter((task.scenario_of(task.places[0]),))
     batch = Batch(task.mission, source=lambda _: next(scenarios, None), directories=task.directories, explained=True)
     decided = DecidedGoal(batch, task.goal)
     pilot = task.pilot(decided.problem, np.zeros(batch.robots, dtype=np.int64))
@@ -70,6 +70,19 @@ def evaluation_seed(identity: Mapping[str, Any], path: Path) -> int:
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise ConfigurationError(f"{path}: identity.seed: expected a whole number from 0 on, got {short(seed)}")
     return seed
+
+
+def _runs(held: object, members: Mapping[str, str], where: str) -> dict[str, tuple[FamilyConfig, str]]:
+    """Return family and member of each condition; with disturbances, of each condition under each."""
+    if not (isinstance(held, dict) and "disturbances" in held):
+        family = validated(FamilyConfig, held, where)
+        return {condition: (family, member) for condition, member in members.items()}
+    robustness = validated(RobustnessConfig, held | {"strategies": list(members)}, where)
+    return {
+        under(name, condition): (family, member)
+        for name, family in robustness.disturbed.items()
+        for condition, member in members.items()
+    }
 
 
 def _members(strategies: object, directories: tuple[Path, ...], path: Path) -> Iterator[tuple[str, str]]:

@@ -3,7 +3,7 @@
 Shapes: W runs, one for each seed; all runs are in one batch.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.recording.scene_recording import SceneRecorder
 from clean_swarm_env.scenes import Measure, Scene, Setting, find
+from clean_swarm_env.scenes.baselines import Controller
 from clean_swarm_env.scenes.ground import GroundKind
 from clean_swarm_env.scenes.served import KNOWLEDGE, ServedTeam, expertise
 from selector.knowledge import Knowledge, load_knowledge
@@ -19,6 +21,9 @@ from selector.store.exact_sums import REWARD_LIMIT
 from selforg.arrays import Floats
 from train.analysis.statistics import Summary, summarise
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
+
+BASELINE = "baseline"
+"""What recordings of baselines are called."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,8 @@ class GoalRequest:
     """Name of the expert knowledge with the goal and the option."""
     store: StoreRequest = NO_STORE
     """The knowledge store; runs give back their scores."""
+    record: Path | None = None
+    """Directory in which every run is recorded; none is unless given."""
 
     @property
     def seeds(self) -> range:
@@ -128,14 +135,28 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
     expert = expertise(request.goal, request.option, request.directories, known or request.knowledge)
     if memory is not None:
         memory.check_new([expert.name])
-    served = scene(setting, request.seeds).run(lambda made: ServedTeam(made, expert)).values
-    rival = scene(setting, request.seeds).run().values
+    served = _values(request, expert.name, lambda made: ServedTeam(made, expert))
+    rival = _values(request, BASELINE)
     if memory is not None:
         if memory.learns:
             memory.give((request.goal, expert.name, score) for score in scores_of(scene, served).tolist())
         memory.close()
     compared = tuple(_compared(measure, served[measure.name], rival[measure.name]) for measure in scene.measures)
     return GoalOutcome(scene, expert.name, setting, request.seeds, compared, known)
+
+
+def _values(request: GoalRequest, name: str, make: Callable[[Scene], Controller] | None = None) -> Mapping[str, Floats]:
+    """Run the scene with what `make` returns, or with the baseline; return the measures (W,), and record if asked."""
+    scene = find(request.goal)(request.setting, request.seeds)
+    scene.begin(make)
+    recorder = SceneRecorder(scene, request.record, name) if request.record is not None else None
+    while not scene.over:
+        scene.advance()
+        if recorder is not None:
+            recorder.take()
+    if recorder is not None:
+        recorder.write(request.seeds)
+    return scene.measured()
 
 
 def score_goal(request: GoalRequest, memory: Memory) -> None:

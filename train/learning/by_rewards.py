@@ -30,7 +30,7 @@ class RewardLearning:
         self._goal = goal
         self._decisions, self._credit, self._curriculum = config.decisions, config.bandit.credit, curriculum
         self._joined = Joined(curriculum.batches)
-        self._period = self._joined.batches[0].mission.decision_period
+        self._period = curriculum.batches[0].mission.decision_period
         self._columns = columns_of(goal.problem, config.bandit.context, "context")
         self._watched = columns_of(goal.problem, self._credit.until, "until")
         self.teams: Ints = self._joined.world_of
@@ -59,7 +59,7 @@ class RewardLearning:
             left[over] = 0
             seen = step.observations
             take(credit.pay(step.rewards, over), rows)
-            costs += [end.result.cost_s for end in self._joined.finished]
+            costs += [end.result.cost_s for batch in self._curriculum.batches for end in batch.finished]
         return costs
 
 

@@ -100,7 +100,7 @@ class PpoTraining(Training):
 
     def _note(self) -> bool:
         """Note the costs of missions that have ended; PPO calls this after each step and continues if it is True."""
-        self._costs += [end.result.cost_s for end in self._envs.finished]
+        self._costs += [end.result.cost_s for batch in self.curriculum.batches for end in batch.finished]
         self.job.on_progress(self.model.num_timesteps)
         return True
 

@@ -6,6 +6,7 @@ imports are left out, and `export` before a declaration. So no name may be decla
 
 import base64
 import html
+import json
 import re
 from collections.abc import Sequence
 from importlib.resources import files
@@ -14,7 +15,7 @@ from pathlib import Path
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
 
-MODULES = ("recording", "course", "world", "mind", "charts", "page")
+MODULES = ("recording", "course", "world", "mind", "charts", "page", "live", "main")
 """The modules in the order in which they are joined: each imports earlier ones only."""
 
 
@@ -29,18 +30,34 @@ def write_page(recordings: Sequence[RecordedMission], output: Path) -> None:
 
 
 def page_of(recordings: Sequence[RecordedMission]) -> str:
-    """Return the page as HTML."""
-    folder = files("train.replay") / "page"
+    """Return the page of recordings as HTML."""
     held = [base64.b64encode(recording.path.read_bytes()).decode() for recording in recordings]
     abouts = [recording.head["about"] for recording in recordings]
+    title = " beside ".join(str(about.get("condition", "")) for about in abouts)
+    return _page(title, "\n".join(f'<script type="text/plain">{text}</script>' for text in held), "'none'")
+
+
+def live_page(name: str, strategies: Sequence[str]) -> str:
+    """Return the page of a session as HTML; it asks the server that it comes from for the frames.
+
+    strategies: those from which the user may choose.
+    """
+    facts = json.dumps({"strategies": list(strategies)}).replace("<", "\\u003c")
+    return _page(f"{name}, live", f'<script type="application/json" id="live">{facts}</script>', "'self'")
+
+
+def _page(title: str, content: str, asked: str) -> str:
+    """Return the page with its content; it may connect to what is `asked`, a source of a content security policy."""
+    folder = files("train.replay") / "page"
     parts = {
-        "title": "Clean Swarm: " + html.escape(" beside ".join(str(about.get("condition", "")) for about in abouts)),
+        "title": f"Clean Swarm: {html.escape(title)}",
+        "asked": asked,
         "style": (folder / "page.css").read_text(encoding="utf-8"),
-        "recordings": "\n".join(f'<script type="text/plain">{text}</script>' for text in held),
+        "content": content,
         "script": joined([(folder / f"{name}.js").read_text(encoding="utf-8") for name in MODULES]),
     }
     template = (folder / "page.html").read_text(encoding="utf-8")
-    return re.sub(r"\{(title|style|recordings|script)\}", lambda match: parts[match[1]], template)
+    return re.sub(r"\{(title|asked|style|content|script)\}", lambda match: parts[match[1]], template)
 
 
 def joined(modules: Sequence[str]) -> str:

@@ -40,7 +40,7 @@ def needs_of(mission: MissionConfig) -> Needs:
     """Return an estimate of what a mission needs."""
     robots, items = mission.rows, mission.item_rows
     pairs = robots**2 if mission.own_contents else 0
-    remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate) if pairs else 1
+    remembered = ceil(mission.delivery.pose_memory * mission.world.control_rate) + mission.delay_ticks if pairs else 1
     return Needs(
         robots,
         items,

@@ -113,6 +113,11 @@ RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
 """Columns of `runs.csv`."""
 
 
+def under(disturbance: str, condition: str) -> str:
+    """Return the name under which the runs of a condition are kept that have a disturbance."""
+    return f"{disturbance} - {condition}"
+
+
 class Task(Protocol):
     """Runs that one process does; plain data, which can be sent to a worker process."""
 

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 from selforg.arrays import Floats
 from train.studies.conclusion import Conclusion
 from train.studies.config import ArchiveConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENTS
+from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT
 from train.studies.proposals import empty_archive
 from train.studies.racing import front
 from train.studies.search import Arm
@@ -49,13 +49,13 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
         means = _means(arm)
         if not len(means):
             continue
-        pairs = means[:, [DURATION, EVENTS]]
+        pairs = means[:, [DURATION, EVENT_COUNT]]
         best = front(pairs)
         axes.scatter(pairs[:, 0], pairs[:, 1], s=14, color=colour, alpha=0.5, label=f"{arm.method}: trials and front")
         axes.step(pairs[best, 0], pairs[best, 1], where="post", color=colour, linewidth=1.0)
     for number, stated in enumerate((*conclusion.results, *conclusion.yardsticks)):
         own = stated in conclusion.results
-        x, y = stated.figures.mean(axis=1)[[DURATION, EVENTS]]
+        x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
         look = {"marker": "*", "color": RESULT} if own else {"marker": MARKERS[number % 3], "color": YARDSTICK}
         axes.scatter(x, y, s=60, zorder=3, label=stated.label, **look)
     axes.set(title="duration and collisions of a mission", xlabel="duration s", ylabel="collision events")
@@ -70,7 +70,7 @@ def _draw_archive(axes: Axes, arms: Sequence[Arm], config: ArchiveConfig) -> Non
     means = np.concatenate([_means(arm) for arm in arms])
     archive = empty_archive(config, 1)
     if len(means):
-        archive.add(np.zeros((len(means), 1)), -means[:, COST], means[:, [EVENTS, AVOIDING]])
+        archive.add(np.zeros((len(means), 1)), -means[:, COST], means[:, [EVENT_COUNT, AVOIDING]])
     grid = np.full((config.cells, config.cells), np.nan)
     elites = archive.data(["index", "objective"])
     places = archive.int_to_grid_index(elites["index"])

@@ -14,6 +14,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
@@ -24,15 +25,15 @@ from train.running.run_folder import RunFolder
 from train.running.runs import RunRecord, Task
 from train.running.trials import TrialSettings, each_trial
 from train.studies.journal import MissionJournal
-from train.studies.space import Content, Value
+from train.studies.space import Varied
 
 FIGURES = ("cost_s", "duration_s", "events", "avoiding")
 """Figures of a mission: cost [s]; time [s] and collision events at the first distance, for each item done where garbage
 keeps coming; share of robots and seconds in which a robot avoided others [-]."""
-COST, DURATION, EVENTS, AVOIDING = range(4)
+COST, DURATION, EVENT_COUNT, AVOIDING = range(4)
 STAGES = ("search", "last", "statement")
 """Stages of a study; no two have a scenario in common."""
-SEARCH, LAST, STATEMENT = STAGES
+SEARCH, LAST_RACE, STATEMENT = STAGES
 SEEN = ObservationConfig(terms=("avoidance",))  # type: ignore[arg-type]
 """The observation of the watch; the options do not depend on it."""
 BY_SCORE_MEMBER = "MaxScore"
@@ -47,7 +48,7 @@ class Candidate:
     """Name, unique in the study: method and number, or what it is."""
     goals: dict[str, list[Content]]
     """Options of all goals."""
-    values: tuple[Value, ...] = ()
+    values: tuple[Varied, ...] = ()
     """In the order of the dimensions; none for what candidates are compared with."""
 
 
@@ -67,7 +68,7 @@ class CandidateTask(TrialTask):
 
     def each(self) -> Iterator[CandidateRun]:
         """Run the scenarios in one batch, and yield each run when it is done."""
-        scenarios = [self.scenario_of(number) for number in self.numbers]
+        scenarios = [self.scenario_of(place) for place in self.places]
         watches: list[AvoidanceWatch] = []
 
         def pilot(problem: Problem, teams: Ints) -> AvoidanceWatch:
@@ -83,7 +84,7 @@ class CandidateTask(TrialTask):
             avoiding = watches[-1].share(scenario.seed)
             figures = (result.cost_s, result.duration_s / items, events / items, avoiding)
             run = (self.experiment, scenario.id, self.seed, self.condition, result, 0.0)
-            yield CandidateRun(*run, self.numbers[place], figures)
+            yield CandidateRun(*run, self.places[place][0], figures)
 
 
 class AvoidanceWatch:
@@ -152,10 +153,11 @@ class CandidateTasks:
         )
         family = self._family.model_copy(update={"mission": mission})
         named = (candidate.name, BY_SCORE_MEMBER, self._goal, self._directories)
-        return CandidateTask(family, self._seeds[stage], numbers, *named, split="train")
+        places = tuple((number, 0) for number in numbers)
+        return CandidateTask(family, self._seeds[stage], places, *named, split="train")
 
 
-class Field:
+class MissionField:
     """The missions of candidates on the common scenarios of a stage; those that the journal has are not run again."""
 
     def __init__(self, make: TaskMaker, journal: MissionJournal, done: Round) -> None:

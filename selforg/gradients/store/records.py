@@ -27,9 +27,8 @@ class Poses(NamedTuple):
     cells: Annotated[Floats, "1 CELL"]  # one grid for all teams; columns of `selforg.grid`
     buckets: Annotated[Links, "B"]  # first row in each bucket, -1 for none
     links: Annotated[Links, "N 2"]  # next row in the bucket, -1 for none; cell of the row
-    diffusion: float  # of the poses that `update_poses` spreads [m]
-    goal_radius: float  # likewise [m]
-    attraction: float  # likewise, -1, 0 or +1
+    radii: Annotated[Floats, "N 2"]  # diffusion and goal radius of the poses that rows spread from now on [m]
+    attraction: float  # of these, -1, 0 or +1
     history: int  # poses remembered of each row
 
 

@@ -149,7 +149,7 @@ def test_actions_change_the_course():
 
 
 def test_weights_of_the_reward_are_used():
-    env = clean_swarm_v0.parallel_env(reward=RewardConfig(dumped=0.0, time=-2.0, collision=0.0))
+    env = clean_swarm_v0.parallel_env(reward=RewardConfig(cost=0.0, time=-2.0))
     env.reset(seed=1)
     _, rewards, *_ = env.step(dict.fromkeys(env.agents, 0))
     assert rewards == pytest.approx(dict.fromkeys(env.agents, -2.0))

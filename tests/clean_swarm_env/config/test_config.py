@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from clean_swarm_env.config import mission as config
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.config.load import load_experiment, load_mission, with_changes
+from clean_swarm_env.config.load import load_experiment, load_mission, load_robustness, with_changes
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
@@ -23,7 +23,7 @@ MODELS = [
 
 @pytest.mark.parametrize("name", files_of("experiments"))
 def test_every_shipped_experiment_loads(name):
-    experiment = load_experiment(name)
+    experiment = load_robustness(name) or load_experiment(name)
     assert experiment.name == name
     assert experiment.description
 

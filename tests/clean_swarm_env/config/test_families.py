@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.families import SPLITS, seed_of
+from clean_swarm_env.config.families import SPLITS, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.worlds import Worlds
+from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
 from tests.clean_swarm_env.courses import avoidance, course, difference, long_course, mission
 
@@ -17,7 +18,20 @@ FAMILIES = list(files_of("families"))
 
 
 def test_all_families_are_shipped():
-    assert FAMILIES == ["careful", "continuous", "crowded", "random", "shifting", "sparse", "table1", "unseen"]
+    alike = ["continuous", "crowded", "random", "shifting", "sparse", "unseen"]
+    assert sorted(FAMILIES) == sorted(["careful", "table1", *alike, *(f"{name}-bumpers" for name in alike)])
+
+
+@pytest.mark.parametrize("name", ["continuous", "crowded", "random", "shifting", "sparse", "unseen"])
+def test_a_family_with_bumpers_is_the_one_without_but_for_what_collisions_do(name):
+    plain, bumpers = load_family(name), load_family(f"{name}-bumpers")
+    assert plain.mission.consequences.stop == 0.0 == plain.mission.contact_cost
+    assert bumpers.mission.consequences.stop == 5.0
+    same = {"name": "", "consequences": plain.mission.consequences, "contact_cost": 0.0}
+    alike = {"name": "", "description": ""}
+    assert bumpers.model_copy(update={**alike, "mission": bumpers.mission.model_copy(update=same)}) == plain.model_copy(
+        update={**alike, "mission": plain.mission.model_copy(update={"name": ""})}
+    )
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -45,7 +59,11 @@ def test_splits_cannot_overlap(name):
 def test_scenarios_of_one_torus_share_a_frame(name):
     missions = [load_family(name).scenario(1, index, "test").mission for index in range(30)]
     groups = grouped(missions)
-    assert len(groups) == len({(m.world.width, m.world.height) for m in missions}) == (3 if name == "unseen" else 1)
+    assert (
+        len(groups)
+        == len({(m.world.width, m.world.height) for m in missions})
+        == (3 if name.startswith("unseen") else 1)
+    )
     assert sorted(number for group in groups for number in group) == list(range(30))
     with pytest.raises(ValueError, match="world: expected"):
         check_frame(mission(world={"width": 12.0}), missions[0])
@@ -57,7 +75,7 @@ def test_sizes_and_densities_of_unseen_are_those_of_no_other_family():
         return {(m.world.width, m.world.height) for m in missions}, {m.robots.count for m in missions}
 
     unseen_sizes, unseen_robots = densities("unseen")
-    for name in set(FAMILIES) - {"unseen"}:
+    for name in set(FAMILIES) - {"unseen", "unseen-bumpers"}:
         sizes, _ = densities(name)
         assert not sizes & unseen_sizes
     assert min(unseen_robots) >= 6
@@ -114,3 +132,14 @@ def test_impossible_families_are_named(text, message, tmp_path):
     with pytest.raises(ConfigurationError) as error:
         load_family(str(path))
     assert message in str(error.value)
+
+
+def test_worlds_of_a_scenario_differ_in_their_seed_only():
+    family = load_family("shifting")
+    first, second = (family.scenario(3, 4, "test", world) for world in (0, 1))
+    assert (first.mission, first.start) == (second.mission, second.start)
+    assert first.seed != second.seed
+    assert second.seed % 2 == first.seed % 2 == 1
+    assert [place_of(scenario.id) for scenario in (first, second)] == [(4, 0), (4, 1)]
+    with pytest.raises(DocumentError, match=r"expected a scenario such as test-3 or test-3\.2, got"):
+        place_of("test-0")

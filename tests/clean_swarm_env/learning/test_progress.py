@@ -38,8 +38,7 @@ def counted(batch, monkeypatch):
 
 @pytest.mark.parametrize("name", ["table1", "cleaning-patrol"])
 def test_avoiding_is_that_of_the_coordinator_of_avoidance(name, monkeypatch):
-    nothing = {"dumped": 0.0, "time": 0.0, "collision": 0.0}
-    batch = Batch(name, 2, reward=RewardConfig(**nothing, avoiding=-1.0))
+    batch = Batch(name, 2, reward=RewardConfig(cost=0.0, avoiding=-1.0))
     expected, given, rewards = counted(batch, monkeypatch)
     assert expected.any()
     assert given.tolist() == expected.tolist()

@@ -4,7 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.stats
 
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.progress import (
     AVOIDINGS,
     COLLISIONS,
@@ -17,7 +20,8 @@ from clean_swarm_env.learning.progress import (
     Period,
 )
 from clean_swarm_env.learning.reward import RewardConfig, Rewards
-from clean_swarm_env.world.mission_end import COMPLETED, RUNNING
+from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, cost_terms
+from tests.clean_swarm_env.courses import long_course
 
 
 def progress(**events):
@@ -26,7 +30,14 @@ def progress(**events):
     for name, values in events.items():
         counted[EVENTS.index(name)] = values
     period = Period(
-        counted, np.array([5, 2]), np.array([1, 0]), np.array([COMPLETED, RUNNING]), np.ones(4, dtype=np.bool_)
+        events=counted,
+        ticks=np.array([5, 2]),
+        dumped=np.array([1, 0]),
+        outcome=np.array([COMPLETED, RUNNING]),
+        took_part=np.ones(4, dtype=np.bool_),
+        cost=np.array([1.0, 0.4]),
+        price=np.array([0.0, 8.0]),
+        bumps=np.array([0.0, 0.0, 6.0, 2.0]),
     )
     return SimpleNamespace(period=PERIOD_RECORD.pack(period), **period._asdict())
 
@@ -38,7 +49,7 @@ def gained(config, counted):
 
 
 def test_the_reward_is_the_weighted_sum_of_its_parts():
-    config = RewardConfig(dumped=2.0, time=-0.5, collision=-0.25)
+    config = RewardConfig(cost=0.0, dumped=2.0, time=-0.5, collision=-0.25)
     assert gained(config, progress(collision=[0, 1, 2, 0])) == pytest.approx([1.5, 1.25, -0.7, -0.2])
 
 
@@ -50,9 +61,8 @@ def test_the_reward_is_the_weighted_sum_of_its_parts():
     ],
 )  # fmt: skip
 def test_each_term_of_its_own_pays_for_its_own_events(term, kind, amount):
-    nothing = {"dumped": 0.0, "time": 0.0, "collision": 0.0}
     counted = progress(**{EVENTS[kind]: [1, 0, 0, 3]})
-    config = RewardConfig(**{**nothing, term: 2.0})
+    config = RewardConfig(**{"cost": 0.0, term: 2.0})
     assert gained(config, counted) == pytest.approx([2 * amount, 0.0, 0.0, 6 * amount])
     others = progress(**{name: [1, 1, 1, 1] for k, name in enumerate(EVENTS) if k != kind})
     assert gained(config, others) == [0.0] * 4
@@ -61,7 +71,7 @@ def test_each_term_of_its_own_pays_for_its_own_events(term, kind, amount):
 
 
 def test_completing_pays_once():
-    config = RewardConfig(dumped=0.0, time=0.0, completed=10.0)
+    config = RewardConfig(cost=0.0, completed=10.0)
     counted = progress()
     assert gained(config, counted) == [10.0, 10.0, 0.0, 0.0]
     counted.ticks[:] = 0  # the mission was over before the period
@@ -71,9 +81,51 @@ def test_completing_pays_once():
 def test_who_took_no_part_gets_nothing_and_does_not_share():
     counted = progress(collision=[0, 4, 2, 0])
     counted.took_part[3] = False
-    assert gained(RewardConfig(collision=-0.5, shared=1.0), counted) == pytest.approx([-0.01, -0.01, -1.004, 0.0])
+    config = RewardConfig(cost=0.0, collision=-0.5, shared=1.0)
+    assert gained(config, counted) == pytest.approx([-1.0, -1.0, -1.0, 0.0])
+
+
+def test_the_price_of_collisions_is_shared_by_who_took_part_in_them():
+    counted = progress()
+    assert gained(RewardConfig(), counted) == pytest.approx([-0.01, -0.01, -0.004 - 0.12, -0.004 - 0.04])
+    assert gained(RewardConfig(shared=1.0), counted) == pytest.approx([-0.01, -0.01, -0.084, -0.084])
+    counted.bumps[:] = 0.0  # nobody at work took part
+    assert gained(RewardConfig(), counted) == pytest.approx([-0.01, -0.01, -0.084, -0.084])
 
 
 def test_misspelt_weights_are_refused():
     with pytest.raises(ValueError, match="colision"):
         RewardConfig(colision=1.0)
+
+
+SCENARIOS = 3
+
+
+def of_option(family, option):
+    """Return what robots were paid, in the mean over them, and the costs, one for each scenario of a fixed option."""
+    scenarios = iter([family.scenario(0, k, "test") for k in range(SCENARIOS)])
+    batch = Batch(family=family, worlds=SCENARIOS, source=lambda _: next(scenarios, None), reward=RewardConfig(cost=-1))
+    batch.reset()
+    paid, costs, scales = np.zeros(SCENARIOS), np.zeros(SCENARIOS), np.ones(SCENARIOS)
+    while not batch.progress.outcome.all():
+        rewards = batch.step(np.full(batch.rows, option)).rewards.reshape(SCENARIOS, -1)
+        took_part = batch.progress.took_part.reshape(SCENARIOS, -1)
+        paid += rewards.sum(axis=1) / np.maximum(took_part.sum(axis=1), 1)
+        for end in batch.finished:
+            costs[end.world], terms = end.result.cost_s, cost_terms(end.scenario.mission)
+            scales[end.world] = terms.limit / terms.worth if terms.worth else 1.0
+    # a tick more where the mission was completed; for all items that were expected where garbage keeps coming
+    np.testing.assert_allclose(-paid, scales * costs, atol=0.2 + 1e-9)
+    return paid, costs
+
+
+@long_course
+@pytest.mark.parametrize("name", ["crowded-bumpers", "random-bumpers", "shifting-bumpers", "crowded"])
+def test_reward_and_cost_rank_options_alike(name):
+    family = load_family(name)
+    mission = family.mission.model_copy(update={"time_limit": min(family.mission.time_limit, 300.0)})
+    family = family.model_copy(update={"mission": mission})
+    options = Batch(family=family).choices.counts[0]
+    paid, costs = np.transpose([of_option(family, option) for option in range(options)], (1, 0, 2))
+    rank = scipy.stats.spearmanr(paid.mean(axis=1), -costs.mean(axis=1)).statistic
+    assert rank >= 0.9, (paid, costs)

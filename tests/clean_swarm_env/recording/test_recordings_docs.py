@@ -7,6 +7,7 @@ import numpy as np
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import DeliveryConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.world import ConsequencesConfig
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -31,7 +32,8 @@ def test_the_examples_read_what_was_recorded(tmp_path, monkeypatch, capsys):
 
 
 def test_all_channels_are_on_the_page_as_they_are(tmp_path):
-    mission = load_mission("table1").model_copy(update={"time_limit": 1.0, "delivery": DeliveryConfig(loss=0.5)})
+    changes = {"delivery": DeliveryConfig(loss=0.5), "consequences": ConsequencesConfig(stop=5.0)}
+    mission = load_mission("table1").model_copy(update={"time_limit": 1.0, **changes})
     run = MissionRun(mission, random_start(mission, 1, 0), 2, {})
     record_mission(run, RecordSettings(tmp_path, minds=True, name="run"), {})
     recording = RecordedMission(tmp_path / "run.swarm")

@@ -3,7 +3,7 @@
 import pytest
 
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.world.mission import mission_cost, result_of, run_mission
+from clean_swarm_env.world.mission import result_of, run_mission
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission, worlds_at_start
 
 
@@ -51,21 +51,6 @@ def test_a_mission_without_garbage_is_over_at_once():
     result = run_mission(config, random_start(config, 1, 0), 1, {})
     assert (result.completed, result.duration_s, result.ticks) == (True, 0.0, 0)
     assert result.collision_samples_per_s == (0.0, 0.0)
-
-
-def test_the_cost_of_a_mission_is_its_time_and_the_price_of_its_collisions():
-    config = mission(collision_cost=7.0, time_limit=20.0)
-    assert mission_cost(config, 20.0, 3, 10) == 41.0
-    assert mission_cost(config, 20.0, 3, 4) == pytest.approx(41.0 * 10 / 4)
-    assert mission_cost(config, 20.0, 0, 0) == pytest.approx(200.0)
-    assert mission_cost(mission(garbage={"count": 0}), 0.0, 0, 0) == 0.0
-    keeps_coming = mission(collision_cost=7.0, garbage={"respawn": 1.0})
-    assert mission_cost(keeps_coming, 20.0, 3, 4) == pytest.approx(41.0 / 4)
-    assert mission_cost(keeps_coming, 20.0, 3, 0) == 41.0
-    result = run_mission(config, random_start(config, 1, 0), 1, {})
-    cost = 20.0 + 7.0 * 20.0 * result.collision_events_per_s[0]
-    assert result.cost_s == pytest.approx(cost * 10 / max(result.garbage_done, 1))
-    assert result.items_per_min == pytest.approx(3.0 * result.garbage_done)
 
 
 def test_garbage_keeps_coming_at_its_rate_whatever_robots_do():

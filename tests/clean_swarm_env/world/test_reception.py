@@ -1,5 +1,7 @@
 """Messages with a range and losses: the poses and pheromones that each robot has received, world by world."""
 
+from types import MappingProxyType
+
 import numpy as np
 import pytest
 
@@ -10,9 +12,9 @@ from tests.clean_swarm_env.courses import begin, course, difference, long_course
 LOSSY = {"delivery": {"reach": 3.0, "loss": 0.4}}
 
 
-def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), **changes):
+def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), robots=MappingProxyType({}), **changes):
     """Robots in a row that stand still."""
-    config = mission(robots={"count": len(places)}, garbage={"count": 0}, delivery=delivery, **changes)
+    config = mission(robots={"count": len(places), **robots}, garbage={"count": 0}, delivery=delivery, **changes)
     worlds = worlds_at_start(config, [1])
     start = StartConfiguration(id="row", robots=tuple((x, y, 0.0) for x, y in places), items=())
     worlds.reset(0, start, 1)
@@ -22,8 +24,8 @@ def _still(delivery, places=((1.0, 5.0), (3.0, 5.0), (6.0, 5.0)), **changes):
 def _spread(worlds, ticks=1):
     """Spread poses as in a tick, without moving; return the number of poses that each robot sees."""
     for _ in range(ticks):
-        worlds.minds.poses.update(worlds.physics.positions, worlds.physics.headings, worlds.now)
-        worlds.minds.receive_poses()
+        worlds.minds.spread_poses(worlds.physics.positions, worlds.physics.headings, worlds.now)
+        worlds.minds.receive(worlds.now)
         worlds._clock.advance()
     everything = Filter(static=False, view_distance=np.inf)
     return [len(Queries(worlds.minds.gradients).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
@@ -62,6 +64,63 @@ def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
     trail = Filter(("pheromone",), moving=False, view_distance=np.inf)
     known = [len(Queries(worlds.minds.pheromones).gradients(row, worlds.now, trail)) for row in range(3)]
     assert known == [1, 1, 0]
+
+
+def test_messages_arrive_after_their_delay():
+    worlds = _still({"delay": 0.6})
+    assert [_spread(worlds) for _ in range(4)] == [[0, 0, 0], [0, 0, 0], [0, 0, 0], [2, 2, 2]]
+    worlds.physics.positions[0, 0] = 1.5
+    everything, seen = Filter(static=False, view_distance=np.inf), []
+    for _ in range(4):
+        _spread(worlds)
+        poses = Queries(worlds.minds.gradients).gradients(1, worlds.now, everything)
+        seen.append(sorted(pose.position[0] for pose in poses))
+    assert seen == [[1.0, 6.0]] * 3 + [[1.5, 6.0]]
+    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    trails = []
+    for _ in range(4):
+        trails.append(worlds.minds.pheromones.count(0, "pheromone"))
+        _spread(worlds)
+    assert trails == [0, 0, 0, 0]
+    assert worlds.minds.pheromones.count(0, "pheromone") == 3
+
+
+def test_a_pose_that_came_late_is_kept_for_its_time_from_then_on():
+    worlds = _still({"delay": 0.4, "pose_memory": 0.6})
+    assert _spread(worlds, 3) == [2, 2, 2]
+    worlds.minds.reception.set(0, 1.0, 0.0)
+    assert _spread(worlds, 3) == [2, 2, 2]
+    assert _spread(worlds) == [0, 0, 0]
+
+
+def test_a_delay_of_half_a_control_period_is_refused():
+    with pytest.raises(ValueError, match=r"whole multiple of the control period 0\.2 s, got 0\.3"):
+        mission(delivery={"delay": 0.3})
+
+
+def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
+    worlds = _still({"own_contents": True}, robots={"pose_noise": 0.2})
+    errors = []
+    for _ in range(2000):
+        _spread(worlds)
+        errors.append(worlds.minds.poses.positions - worlds.physics.positions)
+    assert np.std(errors) == pytest.approx(0.2, rel=0.03)
+    assert abs(np.mean(errors)) < 0.01
+    assert np.corrcoef(np.reshape(errors, (-1, 6)).T) == pytest.approx(np.eye(6), abs=0.1)
+    everything = Filter(static=False, view_distance=np.inf)
+    seen = {gradient.position for gradient in Queries(worlds.minds.gradients).gradients(0, worlds.now, everything)}
+    assert seen == {tuple(place) for place in worlds.minds.poses.positions[1:].tolist()}
+
+
+@long_course
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_world_with_late_messages_and_errors_is_the_same_alone_and_in_a_batch(seed):
+    late = mission(delivery={"delay": 1.0, "loss": 0.3}, robots={"pose_noise": 0.1})
+    alone = course(worlds_at_start(late, [5 + seed], 0), 0, 200)
+    both = course(worlds_at_start(late, [9, 5 + seed], 0), 1, 200)
+    assert difference(alone, both) == ""
+    exact = course(worlds_at_start(mission(delivery={"delay": 1.0, "loss": 0.3}), [5 + seed], 0), 0, 200)
+    assert difference(alone, exact) != ""
 
 
 @long_course

@@ -11,7 +11,7 @@ from selector.vocabulary.conditions import ActivatorSpec
 from selector.vocabulary.constructors import references_of
 from selector.vocabulary.settings import SettingsSpec
 from selforg.components import ACTIONS, SENSORS, Action, Commands, MovementSource, SensorComponent
-from selforg.mechanisms import DecisionMechanism, MovementMechanism
+from selforg.mechanisms import DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.parameters import AtLeastZero
@@ -44,7 +44,7 @@ class Low(Activator):
 def declared(cls):
     """Return how a document declares a component: its example, and the names of what it refers to."""
     names = {"target": "goal", "knowledge": "told", "call": "ring"}
-    kinds = {MovementMechanism: "go", DecisionMechanism: "quorum"}
+    kinds = {MovementMechanism: "go", DecisionMechanism: "quorum", SteeringMechanism: "steering"}
     content = {"type": cls.__name__, **cls.example()}
     for name, reference in references_of(cls).items():
         if name in content or name not in ("target", "mechanism") or "target" not in cls.example():
@@ -58,6 +58,7 @@ def document(sensors=(), actions=()):
         "mechanisms": {
             "go": {"type": "ChemotaxisBalch"},
             "quorum": {"type": "Quorum", "parameters": {"threshold": 2.0}},
+            "steering": {"type": "PredictiveSteering"},
             "light": {"type": "SpreadGradient", "parameters": {"carried": {"channel": "light"}}},
         },
         "targets": {"goal": {}},

@@ -20,6 +20,7 @@ from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selector.knowledge import load_knowledge
+from tests.soaking import report, rounds
 
 HOUR = 3600.0  # [s]
 LOOKS = 120  # at fingerprints and memory
@@ -70,19 +71,24 @@ def soak(seconds: float) -> list[str]:
     periods = round(seconds / mission.decision_period)
     looks = max(periods // LOOKS, 1)
     memory = []
-    for period in range(periods):
+    done = 0
+    for period in rounds(periods):
         one.period()
         other.period()
         if (period + 1) % looks == 0:
             memory.append(resident())
             if one.fingerprint() != other.fingerprint():
+                report(period + 1, period)
                 return [f"fingerprints of equal seeds differ after {period * mission.decision_period:g} s"]
+        done = period + 1
     third, last = (float(np.mean(part)) for part in np.array_split(memory, 4)[2:])
     stored = one.worlds.minds.pheromones.count(0, "pheromone")
-    print(f"{periods} decision periods of 2 x {one.worlds.rows} robots, fingerprint {one.fingerprint()[:12]}")
+    print(f"{done} decision periods of 2 x {one.worlds.rows} robots, fingerprint {one.fingerprint()[:12]}")
     print(f"memory: third quarter {third / 1024:.0f} KiB, last {last / 1024:.0f} KiB; {stored} pheromones in a world")
     if last - third > GROWTH:
+        report(done, 0)
         return [f"memory grew by {(last - third) / 1024:.0f} KiB from the third quarter to the last"]
+    report(done, done)
     return []
 
 

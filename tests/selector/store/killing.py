@@ -15,6 +15,7 @@ from contextlib import suppress
 import numpy as np
 
 from selector.store import KnowledgeStore, Moments, RewardSums
+from tests.soaking import rounds
 
 GOAL, OPTIONS = "Avoid", ("near", "far")
 SAME_STORE = 10
@@ -71,12 +72,12 @@ def wrong(url: str, told: dict[str, int]) -> list[str]:
     return found
 
 
-def main(arguments: list[str]) -> int:
-    url, kills, seed = arguments[0], int((arguments[1:] or ["200"])[0]), int((arguments[2:] or ["0"])[0])
+def kill_many(url: str, kills: int, seed: int = 0) -> tuple[int, int]:
+    """Kill processes, and return the number of kills and of mistakes in what they left."""
     random, began = np.random.default_rng(seed), time.perf_counter()
     told: dict[str, int] = {}
-    commits, mistakes, early = 0, list[str](), 0
-    for kill in range(kills):
+    commits, mistakes, early, tried = 0, list[str](), 0, 0
+    for kill in rounds(kills):
         here = url.replace("{}", str(kill // SAME_STORE))
         if kill % SAME_STORE == 0:
             told = {}
@@ -87,13 +88,19 @@ def main(arguments: list[str]) -> int:
         commits += told[source]
         early += told[source] == 0
         mistakes += wrong(here, told)
+        tried += 1
     print(*mistakes[:SAME_STORE], sep="\n", end="\n" if mistakes else "")
     seconds = time.perf_counter() - began
     print(
-        f"{kills} kills ({early} before the first commit), {commits} commits told of, "
+        f"{tried} kills ({early} before the first commit), {commits} commits told of, "
         f"{len(mistakes)} mistakes, {seconds:.1f} s"
     )
-    return 1 if mistakes else 0
+    return tried, len(mistakes)
+
+
+def main(arguments: list[str]) -> int:
+    url, kills, seed = arguments[0], int((arguments[1:] or ["200"])[0]), int((arguments[2:] or ["0"])[0])
+    return 1 if kill_many(url, kills, seed)[1] else 0
 
 
 if __name__ == "__main__":

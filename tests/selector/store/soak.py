@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from tests.selector.store import hammer, killing, postgres_server
+from tests.soaking import report
 
 
 @contextmanager
@@ -24,13 +25,15 @@ def _databases() -> Iterator[list[str]]:
 
 def main(arguments: list[str]) -> int:
     factor = int(arguments[0]) if arguments else 10
-    failed = 0
+    failed, tried, mistakes = 0, 0, 0
     with _databases() as urls:
         for url in urls:
             print(url.partition(":")[0], flush=True)
             failed += hammer.main([url.replace("{}", "hammer"), "8", str(500 * factor)])
-            failed += killing.main([url, str(200 * factor)])
-    return 1 if failed else 0
+            kills, wrong = killing.kill_many(url, 200 * factor)
+            tried, mistakes = tried + kills, mistakes + wrong
+    report(tried, tried - mistakes)
+    return 1 if failed or mistakes else 0
 
 
 if __name__ == "__main__":

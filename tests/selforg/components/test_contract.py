@@ -22,7 +22,15 @@ from selforg.components.sources import Source
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import Carried, DecisionMechanism, Quorum, RepulsionGradient, SpreadGradient
+from selforg.mechanisms import (
+    Carried,
+    DecisionMechanism,
+    PredictiveSteering,
+    Quorum,
+    RepulsionGradient,
+    SpreadGradient,
+    SteeringMechanism,
+)
 from selforg.parameters import REQUIRED, parameters_of
 from selforg.space import Euclidean
 
@@ -76,6 +84,7 @@ class Surroundings:
             GoalSource: GoalSource(self.buffer),
             Remembered: self.memory["fact"],
             DecisionMechanism: quorum,
+            SteeringMechanism: PredictiveSteering(self.buffer),
             SpreadGradient: SpreadGradient(self.buffer, carried=Carried("light")),
             Call: lambda now, rows: self.called.append(rows.tolist()),
         }
@@ -126,6 +135,7 @@ def test_a_sensor_reads_one_finite_number_a_row_and_changes_nothing(cls, around)
 def test_an_action_commands_its_rows_and_no_others(cls, around):
     action, commands = around.build(cls), Commands.none(4, 2)
     action.act(1.0, np.array([2, 0]), np.array([2]), commands)
+    action.steer(1.0, np.array([2, 0]), commands)
     assert np.isfinite(commands.vectors).all()
     for array in (commands.vectors, commands.commanded, commands.in_place):
         assert not array[[1, 3]].any()
@@ -138,6 +148,7 @@ def test_an_action_commands_its_rows_and_no_others(cls, around):
 def test_an_action_without_rows_does_nothing(cls, around):
     action, commands, before = around.build(cls), Commands.none(4, 2), around.state()
     action.act(1.0, ROWS[:0], ROWS[:0], commands)
+    action.steer(1.0, ROWS[:0], commands)
     action.leave(1.0, ROWS[:0])
     assert not commands.commanded.any()
     same(around.state(), before)

@@ -17,6 +17,7 @@ from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, MovementMechanism
 from selforg.space import Euclidean, Torus
+from tests.soaking import report, rounds
 
 FIELDS = (
     "position", "heading", "attraction", "diffusion", "goal_radius", "evaporation_factor", "evaporation_period",
@@ -77,14 +78,17 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     stored, refused, start = 0, 0, time.monotonic()
-    for index in range(options.sequences):
+    tried = 0
+    for index in rounds(options.sequences):
         rng = np.random.default_rng((options.seed, index))
         sequence = random_sequence(rng)
         some = [MOVEMENTS[i] for i in rng.choice(len(MOVEMENTS), 4, replace=False)]
         reasons, vectors = play(RULES[index % 6], bool(index & 1), bool(index & 2), sequence, some)
         if not np.isfinite(vectors).all():
             print(f"a movement is not finite: seed {options.seed}, sequence {index}, mechanisms {some}")
+            report(tried + 1, tried)
             return 1
+        tried += 1
         refused += len(reasons)
         stored += len(sequence) - len(reasons)
         if index % 10_000 == 9_999:
@@ -92,9 +96,8 @@ def main():
                 f"{index + 1} sequences, {stored} stored, {refused} refused, {time.monotonic() - start:.0f} s",
                 flush=True,
             )
-    print(
-        f"{options.sequences} sequences, {stored} messages stored, {refused} refused, no crash, every movement finite"
-    )
+    print(f"{tried} sequences, {stored} messages stored, {refused} refused, no crash, every movement finite")
+    report(tried, tried)
     return 0
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.purposes import PATTERNS, Purpose
 
 OURS = [name for name in MECHANISMS.names() if MECHANISMS.find(name).__module__.startswith("selforg.")]
@@ -14,7 +14,7 @@ def test_every_registered_mechanism_has_exactly_one_place():
 
 @pytest.mark.parametrize("pattern", PATTERNS, ids=lambda pattern: pattern.name)
 def test_mechanisms_are_of_the_kind_that_their_purpose_says(pattern):
-    kinds = {Purpose.MOVEMENT: MovementMechanism, Purpose.DECISION: DecisionMechanism}
+    kinds = {Purpose.MOVEMENT: (MovementMechanism, SteeringMechanism), Purpose.DECISION: DecisionMechanism}
     for name in pattern.mechanisms:
         assert issubclass(MECHANISMS.find(name), kinds.get(pattern.purpose, object))
 

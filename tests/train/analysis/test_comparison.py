@@ -1,31 +1,63 @@
-"""Strategies beside fixed options: ratios, the oracle, the share of the gap, and who takes part."""
+"""Strategies beside fixed options: ratios, the cross-fitted oracle, the share of the gap, fronts, who takes part."""
 
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.mission import GarbageConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
+from train.analysis.front import Front, priced_excess
 from train.analysis.strategy_comparison import compare_strategies
 from train.evaluation.entrants import Entrant, entrants_of
 
 OPTIONS = ("a", "b")
 
 
-def costs(**rows):
-    return {name: np.atleast_2d(np.array(values, dtype=float)) for name, values in rows.items()}
+def excesses(worlds=1, **rows):
+    """Return label -> (S, K, V), the same in all worlds."""
+    tables = {name: np.atleast_2d(np.array(values, dtype=float)) for name, values in rows.items()}
+    return {name: np.repeat(table[:, :, None], worlds, axis=2) for name, table in tables.items()}
 
 
 def test_the_share_of_the_gap_is_0_for_the_best_fixed_option_and_1_for_the_oracle():
-    found = compare_strategies(costs(one=[1, 4, 1, 4], two=[3, 2, 3, 2.4], learned=[1, 3, 2, 3]), ("one", "two"))
-    assert found.best_fixed == "one"
+    rows = {"one": [1, 4] * 20, "two": [3, 2, 3, 2.4] * 10, "learned": [1, 3, 2, 3] * 10}
+    found = compare_strategies(excesses(2, **rows), ("one", "two"))
+    assert (found.best_fixed, found.has_gap) == ("one", True)
     by_label = {standing.label: standing for standing in found.standings}
     assert [by_label[name].share.value for name in ("one", "oracle")] == [0.0, 1.0]
-    assert by_label["oracle"].cost.value == pytest.approx((1 + 2 + 1 + 2.4) / 4)
+    assert by_label["oracle"].excess.value == pytest.approx((1 + 2 + 1 + 2.4) / 4)
     assert by_label["learned"].share.value == pytest.approx((2.5 - 2.25) / (2.5 - 1.6))
     assert by_label["learned"].ratio.value == pytest.approx(2.25 / 2.5)
 
 
-def test_without_a_gap_there_is_no_share():
-    found = compare_strategies(costs(one=[1, 2, 3], learned=[1, 1, 1]), ("one",))
+def test_luck_makes_no_gap():
+    """Six runs of one option: the best of each scenario is luck, and other world seeds show it."""
+    rng = np.random.default_rng(1)
+    alike = {str(k): rng.gamma(4.0, 25.0, (1, 100, 4)) for k in range(6)}
+    options = np.stack([table[0] for table in alike.values()])
+    assert options.mean(axis=2).min(axis=0).mean() < 0.75 * options.mean()  # what was called an oracle
+    found = compare_strategies(alike, tuple(alike))
+    assert found.gap.ci95[0] < 0.0 or found.gap.value <= 0.0
+    assert not found.has_gap
+    assert all(standing.share is None for standing in found.standings)
+    assert found.standings[-1].ratio.value == pytest.approx(1.0, abs=0.1)
+
+
+def test_an_option_that_is_best_in_all_worlds_of_a_scenario_makes_a_gap():
+    rng = np.random.default_rng(2)
+    better = rng.integers(2, size=(100, 1))
+    rows = {str(k): (rng.gamma(4.0, 25.0, (100, 4)) * np.where(better == k, 0.6, 1.2))[None] for k in range(2)}
+    found = compare_strategies(rows, tuple(rows))
+    assert found.has_gap
+    assert found.standings[-1].ratio.value == pytest.approx(0.7, abs=0.1)
+
+
+def test_with_one_world_seed_there_is_no_oracle():
+    found = compare_strategies(excesses(one=[1, 2, 3], learned=[1, 1, 1]), ("one",))
+    assert found.gap is None
+    assert [standing.label for standing in found.standings] == ["one", "learned"]
     assert all(standing.share is None for standing in found.standings)
     assert found.standings[1].ratio.value == 0.5
 
@@ -35,11 +67,29 @@ def test_ratios_are_paired_and_several_training_seeds_widen_the_interval():
     fixed = rng.uniform(10.0, 1000.0, 40)
     same = np.tile(0.8 * fixed, (3, 1))
     spread = 0.8 * fixed * np.array([[0.8], [1.0], [1.2]])
-    found = compare_strategies({"fixed": fixed[None], "same": same, "spread": spread}, ("fixed",))
-    _, even, uneven, _ = (standing.ratio for standing in found.standings)
+    found = compare_strategies(excesses(fixed=fixed, same=same, spread=spread), ("fixed",))
+    _, even, uneven = (standing.ratio for standing in found.standings)
     assert even.ci95 == pytest.approx((0.8, 0.8))  # whatever the scenario, it is 0.8
     assert uneven.value == pytest.approx(0.8)
     assert uneven.ci95[0] < 0.72 < 0.88 < uneven.ci95[1]
+    assert found.standings[1].p < 0.001
+    assert found.standings[0].p == 1.0
+
+
+def test_the_front_holds_what_none_beats_in_time_and_events():
+    prices = {"fast": (10.0,) * 8, "safe": (50.0,) * 8, "poor": (60.0,) * 8}
+    front = Front(prices, {"fast": 90.0, "safe": 1.0, "poor": 1.5})
+    assert front.undominated == ("fast", "safe")
+    assert front.best_at(2.0) == "fast"
+
+
+def test_excesses_at_other_prices_are_those_of_missions_that_have_these_prices():
+    mission = load_mission("bumpers").model_copy(update={"garbage": GarbageConfig(respawn=3.0), "time_limit": 60.0})
+    start = random_start(mission, 1, 0)
+    for price in (0.0, 5.0, 50.0):
+        priced = mission.model_copy(update={"collision_cost": price, "contact_cost": 0.1 * price})
+        own, result = run_mission(priced, start, 3, {}), run_mission(mission, start, 3, {})
+        assert priced_excess(mission, result, price) == pytest.approx(own.cost_s - own.unavoidable_s)
 
 
 def test_words_of_the_command_line_name_who_takes_part():

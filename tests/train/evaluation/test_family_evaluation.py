@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.frames import grouped
 from clean_swarm_env.config.load import load_family
 from selector.documents.find import find_file
@@ -20,6 +21,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.registry import create
 from selector.strategies.streams import row_keys
 from train import cli
+from train.evaluation.claims import claims_over
 from train.evaluation.entrants import member_pilot
 from train.running.trials import TrialSettings, run_trials
 
@@ -57,10 +59,15 @@ def rows_of(directory):
 
 
 def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp_path):
-    words = ("--strategy", "fixed", "--strategy", "rule", "--strategy", "Random", "--scenarios", "3", "--workers", "1")
+    words = ("--strategy", "fixed", "--strategy", "rule", "--strategy", "Random", "--workers", "1")
+    words += ("--scenarios", "3", "--world-seeds", "2")
     code, out, _ = evaluate(*words, "--output", tmp_path / "whole")
     assert code == 0
-    assert "share of the gap" in out
+    assert "the oracle chose on other world seeds" in out or "no gap" in out
+    assert {row["scenario"] for row in rows_of(tmp_path / "whole")} == {
+        f"test-{k}{w}" for k in (1, 2, 3) for w in ("", ".2")
+    }
+    assert (tmp_path / "whole" / "figure.png").stat().st_size > 1000
     code, _, _ = evaluate(*words, "--output", tmp_path / "cut")
     journal = tmp_path / "cut" / "runs.jsonl"
     journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
@@ -169,3 +176,29 @@ def test_the_learned_strategies_that_ship_fit_the_families_and_explore_no_more(n
 
     assert trial(0) == trial(1)
     assert trial(0)[0].completed
+
+
+def test_claims_over_two_families_are_those_of_their_directories(evaluate, tmp_path, family):
+    for name in ("small", "other"):
+        family.write_text(yaml.safe_dump({**FAMILY, "name": name}))
+        words = ("--strategy", "fixed:RepulsionGradient", "--scenarios", "2", "--workers", "1")
+        assert evaluate(*words, "--output", tmp_path / name)[0] == 0
+    claims = claims_over([tmp_path / "small", tmp_path / "other"], ["Random"], "fixed:Off")
+    assert [(claim.family, claim.strategy, claim.against) for claim in claims] == [
+        ("small", "Random", "fixed:Off"),
+        ("other", "Random", "fixed:Off"),
+    ]
+    summary = json.loads((tmp_path / "small" / "summary.json").read_text())["strategies"]
+    ratio = summary["Random"]["excess_s"]["mean"] / summary["fixed:Off"]["excess_s"]["mean"]
+    assert claims[0].ratio == pytest.approx(ratio)
+    assert all(claim.p <= claim.holm for claim in claims)
+    journal = tmp_path / "other" / "runs.jsonl"
+    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[1:]))
+    for directories, message in (
+        ([tmp_path / "small"] * 2, "expected each family once, got small twice"),
+        ([tmp_path / "other"], "1 are missing"),
+    ):
+        with pytest.raises(ConfigurationError, match=message):
+            claims_over(directories, ["Random"], "")
+    with pytest.raises(ConfigurationError, match="unknown strategy 'rule'"):
+        claims_over([tmp_path / "small"], ["rule"], "")

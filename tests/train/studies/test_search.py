@@ -11,23 +11,23 @@ from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.running.run_folder import RunFolder
 from train.studies.config import Method, load_study
 from train.studies.journal import MissionJournal
-from train.studies.missions import DURATION, EVENTS, FIGURES, LAST, Candidate, Field
+from train.studies.missions import DURATION, EVENT_COUNT, FIGURES, LAST_RACE, Candidate, MissionField
 from train.studies.racing import front
-from train.studies.space import Space
+from train.studies.space import StudySpace
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
 pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
-from train.studies.search import Search
+from train.studies.search import CandidateSearch
 
 
 def search_of(configs, folder, make=synthetic, **changes):
     """Return the search of a study without missions, and its field."""
     study = load_study("planted", [configs]).model_copy(update=changes)
-    space = Space(study, knowledge_of(load_family("small", [configs]).mission, [configs]), (configs,))
+    space = StudySpace(study, knowledge_of(load_family("small", [configs]).mission, [configs]), (configs,))
     journal = MissionJournal(RunFolder(folder, {"identity": {}}, resume=False), len(FIGURES))
-    field = Field(make, journal, lambda tasks: (run for task in tasks for run in task.each()))
-    return Search(study, space, field, Candidate("unchanged", space.unchanged())), field
+    field = MissionField(make, journal, lambda tasks: (run for task in tasks for run in task.each()))
+    return CandidateSearch(study, space, field, Candidate("unchanged", space.unchanged())), field
 
 
 def planted_regret(configs, folder, method, seed):
@@ -69,7 +69,7 @@ def test_a_front_has_several_winners_none_of_which_dominates_another(configs, tm
 
     search, field = search_of(configs, tmp_path / "front", trade_off, objective="front", trials=24)
     winners = search.winners(search.arm("NSGA-II", 0, lambda trials: None))
-    count = min(field.asked(LAST, one) for one in winners)
-    means = field.figures(LAST, winners, count)[:, [DURATION, EVENTS]].mean(axis=-1)
+    count = min(field.asked(LAST_RACE, one) for one in winners)
+    means = field.figures(LAST_RACE, winners, count)[:, [DURATION, EVENT_COUNT]].mean(axis=-1)
     assert len(winners) > 1
     assert sorted(front(means)) == list(range(len(winners)))

@@ -8,14 +8,14 @@ from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from train.studies.config import StudyConfig, load_study
 from train.studies.configured import configured_study
-from train.studies.space import Space
+from train.studies.space import StudySpace
 
 
 def space_of(configs, space, **changes):
     study = load_study("planted", [configs])
     content = {**study.model_dump(), "space": {"AvoidCollision": space}, **changes}
     known = knowledge_of(load_family("small", [configs]).mission, [configs])
-    return Space(StudyConfig.model_validate(content), known, (configs,))
+    return StudySpace(StudyConfig.model_validate(content), known, (configs,))
 
 
 def test_values_stand_at_their_paths_and_nothing_else_changes(configs):
@@ -86,4 +86,4 @@ def test_an_option_is_configured_in_all_its_numbers(configs):
 def test_every_shipped_option_of_avoidance_can_be_configured():
     for option in load_knowledge("avoidance").options("AvoidCollision"):
         study = configured_study(option.name, "table1", None, {})
-        assert Space(study, load_knowledge("avoidance")).dimensions
+        assert StudySpace(study, load_knowledge("avoidance")).dimensions

@@ -1,4 +1,4 @@
-"""Whole studies: the same trials and knowledge whatever happens, marks, storage, store and errors."""
+"""WholeNumber studies: the same trials and knowledge whatever happens, marks, storage, store and errors."""
 
 import json
 import shutil

@@ -32,7 +32,9 @@ def test_the_commands_run_in_their_order(monkeypatch, tmp_path, capsys):
         assert run(*words, *more) == 0, capsys.readouterr().err
     shown = capsys.readouterr().out
     assert "study apart, seed 0" in shown
-    strategies = json.loads((next((tmp_path / "results").glob("pairs-seed0*")) / "summary.json").read_text())["strategies"]
+    strategies = json.loads((next((tmp_path / "results").glob("pairs-seed0*")) / "summary.json").read_text())[
+        "strategies"
+    ]
     assert {"fixed:apart", "fixed:RepulsionFernandez-view1.5", "fixed:Off"} <= set(strategies)
 
 

@@ -6,8 +6,9 @@ import { valueAt } from "./recording.js";
 
 /** Kinds of events, with their words, in the order of the timeline's lines. */
 export const EVENT_WORDS = {
-  found: "item found", recycled: "item recycled", dumped: "item dumped", contact: "contact", switch: "option switched",
-  replan: "new plan", joined: "robot joined", failed: "robot failed or left",
+  found: "item found", recycled: "item recycled", dumped: "item dumped", contact: "contact",
+  stopped: "stopped by a collision", switch: "option switched", replan: "new plan", joined: "robot joined",
+  failed: "robot failed or left", hand: "done by hand",
 };
 
 /** Return all events, in the order of time. @param {Run} run @returns {RunEvent[]} */
@@ -24,8 +25,11 @@ export function eventsOf(run) {
       if (kind) events.push({ frame: Math.floor(at / robots), kind, robot: at % robots });
     }
   };
-  const working = run.tracks.get("working")?.data ?? new Int32Array(0);
-  watch("cargo", (was, is, at) => (was < 0 && is >= 0 ? "found" : was >= 0 && is < 0 && working[at] ? "dumped" : ""));
+  const stage = run.tracks.get("item_stage");
+  /** @param {number} item @param {number} at */
+  const done = (item, at) => stage && stage.data[Math.floor(at / robots) * stage.columns + item] === 2;
+  watch("cargo", (was, is, at) => (was < 0 && is >= 0 ? "found" : was >= 0 && is < 0 && done(was, at) ? "dumped" : ""));
+  watch("standing", (was, is) => (is > was ? "stopped" : ""));
   watch("recycled", (was, is) => (is > was ? "recycled" : ""));
   watch("contact", (_, is) => (is > 0 ? "contact" : ""));
   watch("working", (was, is) => (is > was ? "joined" : is < was ? "failed" : ""));
@@ -39,6 +43,7 @@ export function eventsOf(run) {
       return same || is < 0 ? "" : "replan";
     });
   }
+  for (const change of run.byHand) events.push({ frame: change.tick, kind: "hand", robot: change.robot ?? change.robots?.[0] ?? -1 });
   return events.sort((a, b) => a.frame - b.frame);
 }
 
@@ -116,7 +121,8 @@ export class Field {
     const cell = Math.max(0.1, Math.max(width, height) / 160);
     this.nx = Math.max(3, Math.round(width / cell));
     this.ny = Math.max(3, Math.round(height / cell));
-    this.latest = run.deposits.map(() => new Int32Array(this.nx * this.ny).fill(-1));
+    /** For each kind of deposits the frame in which each cell got one last. @type {Int32Array[]} */
+    this.latest = [];
     this.reach = new Float32Array(this.nx * this.ny);
     this.shown = -1;
   }
@@ -127,6 +133,7 @@ export class Field {
     const deposit = run.tracks.get("deposit")?.data, x = run.tracks.get("x")?.data, y = run.tracks.get("y")?.data;
     if (!deposit || !x || !y || this.shown === frame) return reach;
     const from = this.shown >= 0 && this.shown < frame ? this.shown : 0;
+    while (this.latest.length < run.deposits.length) this.latest.push(new Int32Array(this.nx * this.ny).fill(-1));
     if (!from) for (const latest of this.latest) latest.fill(-1);
     for (let t = from; t < frame; t++)
       for (let at = t * robots; at < (t + 1) * robots; at++)

@@ -1,6 +1,6 @@
 // @ts-check
-/** The page: loads the recordings, plays them on one clock, and shows what is chosen. */
-import { bytesOf, checksums, readRecording, titleOf } from "./recording.js";
+/** The page: plays runs on one clock, and shows what is chosen. */
+import { titleOf } from "./recording.js";
 import { EVENT_WORDS, countsOf, eventsOf, partingFrame } from "./course.js";
 import { PALETTE, WorldView } from "./world.js";
 import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
@@ -9,13 +9,14 @@ import { panelOf, plain } from "./mind.js";
 /** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
  *   charts: HTMLCanvasElement[], caption: HTMLElement}} Shown */
 
-const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
+export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
 const PANEL_PERIOD = 120; // [ms] between two pictures of the panel while the page plays
 
-/** @param {string} id @returns {any} */
-const element = (id) => document.getElementById(id);
+/** Return the element of an id. @param {string} id @returns {any} */
+export const element = (id) => document.getElementById(id);
 
-class Page {
+/** The page; call `begin` once. */
+export class Page {
   /** @param {Run[]} runs */
   constructor(runs) {
     this.period = runs[0].head.period;
@@ -36,6 +37,10 @@ class Page {
       if (this.parting > 0) this.lineOver(over, "parting").style.left = `${(100 * this.parting) / this.frames}%`;
       return this.lineOver(over, "present");
     });
+  }
+
+  /** Listen to the user, and show the moment that the address names. */
+  begin() {
     this.connect();
     this.size();
     this.readLink();
@@ -44,6 +49,11 @@ class Page {
 
   get end() {
     return (this.frames - 1) * this.period;
+  }
+
+  /** Whether the time moves on by itself. */
+  get moving() {
+    return this.playing;
   }
 
   /** Return the frame of a run at the present time. @param {Run} run */
@@ -84,9 +94,19 @@ class Page {
   listen(canvas, view, k) {
     /** @type {{x: number, y: number, moved: boolean} | null} */
     let drag = null;
-    canvas.addEventListener("pointerdown", (e) => { drag = { x: e.clientX, y: e.clientY, moved: false }; canvas.setPointerCapture(e.pointerId); });
+    /** @param {PointerEvent} e @returns {[number, number]} */
+    const shares = (e) => {
+      const box = canvas.getBoundingClientRect();
+      return [(e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height];
+    };
+    canvas.addEventListener("pointerdown", (e) => {
+      drag = { x: e.clientX, y: e.clientY, moved: false };
+      canvas.setPointerCapture(e.pointerId);
+      this.grab(view, ...shares(e));
+    });
     canvas.addEventListener("pointermove", (e) => {
       if (!drag || (!drag.moved && Math.hypot(e.clientX - drag.x, e.clientY - drag.y) < 6)) return;
+      if (this.drag(view, ...shares(e))) { drag.moved = true; return; }
       const box = canvas.getBoundingClientRect(), metre = (box.width / view.run.head.width) * view.zoom;
       view.centre[0] -= (e.clientX - drag.x) / metre;
       view.centre[1] += (e.clientY - drag.y) / metre;
@@ -95,8 +115,8 @@ class Page {
       this.draw();
     });
     canvas.addEventListener("pointerup", (e) => {
-      const box = canvas.getBoundingClientRect();
-      if (drag && !drag.moved) this.choose(k, view.nearest((e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height));
+      if (drag && !drag.moved) this.click(k, view, ...shares(e));
+      else if (drag) this.drop(view, ...shares(e));
       drag = null;
     });
     canvas.addEventListener("wheel", (e) => {
@@ -105,6 +125,22 @@ class Page {
       if (view.zoom === 1) view.centre = [view.run.head.width / 2, view.run.head.height / 2];
       this.draw();
     }, { passive: false });
+  }
+
+  /** Take what is at a place on the canvas [shares of its size]: nothing, in a recording. @param {WorldView} _view @param {number} _px @param {number} _py */
+  grab(_view, _px, _py) {}
+
+  /** Move what was taken; return whether there is anything. @param {WorldView} _view @param {number} _px @param {number} _py */
+  drag(_view, _px, _py) {
+    return false;
+  }
+
+  /** Drop what was taken. @param {WorldView} _view @param {number} _px @param {number} _py */
+  drop(_view, _px, _py) {}
+
+  /** Choose the robot at a place on the canvas of run k. @param {number} k @param {WorldView} view @param {number} px @param {number} py */
+  click(k, view, px, py) {
+    this.choose(k, view.nearest(px, py));
   }
 
   /** Let a canvas set the time. @param {HTMLCanvasElement} canvas */
@@ -122,10 +158,10 @@ class Page {
     element("time").max = String(this.end);
     element("time").step = String(this.period);
     element("time").addEventListener("input", () => this.go(Number(element("time").value)));
-    element("play").addEventListener("click", () => this.play(!this.playing));
+    element("play").addEventListener("click", () => this.toggle());
     element("speed").innerHTML = SPEEDS.map((speed, k) => `<option value="${k}">${speed}x</option>`).join("");
     element("speed").value = String(this.speed);
-    element("speed").addEventListener("change", () => { this.speed = Number(element("speed").value); element("speed").blur(); });
+    element("speed").addEventListener("change", () => { this.setSpeed(Number(element("speed").value)); element("speed").blur(); });
     element("follow").addEventListener("click", () => this.follow(!this.following));
     element("theme").addEventListener("click", () => {
       const dark = this.colours().paper !== "#fbfaf7";
@@ -153,7 +189,7 @@ class Page {
     const robots = this.shown[this.chosen].run.head.robots, step = e.shiftKey ? 5 : 1;
     /** @type {Record<string, () => void>} */
     const keys = {
-      " ": () => this.play(!this.playing),
+      " ": () => this.toggle(),
       ArrowRight: () => this.go(this.time + step * this.period),
       ArrowLeft: () => this.go(this.time - step * this.period),
       ArrowUp: () => this.choose(this.chosen, (this.robot + 1) % robots),
@@ -209,6 +245,11 @@ class Page {
     if (wanted) this.draw();
   }
 
+  /** Play or stop. */
+  toggle() {
+    this.play(!this.playing);
+  }
+
   /** @param {boolean} wanted */
   play(wanted) {
     if (wanted && this.time >= this.end) this.time = 0;
@@ -238,7 +279,7 @@ class Page {
   }
 
   writeLink() {
-    if (this.playing) return;
+    if (this.moving) return;
     const run = this.shown.length > 1 ? `&run=${this.chosen}` : "";
     history.replaceState(null, "", `#t=${Number(this.time.toFixed(3))}&robot=${this.robot}${run}`);
   }
@@ -283,18 +324,18 @@ class Page {
     element("time").value = String(this.time);
     element("now").textContent = `${this.time.toFixed(1)} s`;
     this.shown.forEach(({ run, view, counts, caption }, k) => {
-      const frame = this.frameOf(run), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
+      const frame = this.frameOf(run), counted = Math.min(frame, counts.items.length - 1), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
       const over = this.time >= (run.frames - 1) * this.period && run.result;
-      caption.textContent = `${counts.items[frame]} items dumped, ${counts.contacts[frame]} collisions` +
+      caption.textContent = `${counts.items[counted]} items dumped, ${counts.contacts[counted]} collisions` +
         (over ? (run.result?.completed ? `, completed after ${run.result.duration_s} s` : ", not completed") : "");
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
     });
     if (this.timelineOf !== this.chosen) this.pictures();
     const share = (100 * this.time) / this.period / this.frames;
     for (const line of this.lines) line.style.left = `${share}%`;
-    if (!this.playing || performance.now() - this.panelAt > PANEL_PERIOD) {
+    if (!this.moving || performance.now() - this.panelAt > PANEL_PERIOD) {
       const { run } = this.shown[this.chosen];
       element("panel").innerHTML = panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1));
       this.panelAt = performance.now();
@@ -314,15 +355,4 @@ class Page {
     this.time = time;
     return spent;
   }
-}
-
-try {
-  const files = [...document.querySelectorAll("script[type='text/plain']")].map((file) => bytesOf(file.textContent ?? ""));
-  const runs = await Promise.all(files.map(readRecording));
-  const page = new Page(runs);
-  Object.assign(globalThis, { replay: { page, runs, checksums: () => runs.map(checksums), events: () => page.shown.map(({ events }) => events) } });
-  document.body.dataset.ready = "true";
-} catch (error) {
-  element("panel").textContent = `The recording cannot be shown: ${error instanceof Error ? error.message : error}`;
-  throw error;
 }

@@ -10,10 +10,12 @@
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
  *   networks?: Record<string, NetworkNames>}} Head
- * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[]}} Directory
- * @typedef {{channel: Channel, columns: number, data: Int32Array}} Track frame-major: number k of frame t is at t * columns + k
- * @typedef {{head: Head, frames: number, tracks: Map<string, Track>, deposits: DepositKind[],
- *   result: Record<string, any> | null}} Run
+ * @typedef {{tick: number, do: string, robot?: number, robots?: number[]}} Change what was done by hand before a frame was decided
+ * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[], by_hand?: Change[], made?: number}} Directory
+ * @typedef {{channel: Channel, columns: number, data: Int32Array, room: Int32Array}} Track frame-major: number k of frame t is at
+ *   t * columns + k of data, which is the beginning of room
+ * @typedef {{head: Head, frames: number, tracks: Map<string, Track>, deposits: DepositKind[], byHand: Change[], made: number,
+ *   result: Record<string, any> | null}} Run made: time at which the last frame of a session was made [s since 1970]
  */
 
 const MAGIC = "\x93SWARM\r\n";
@@ -32,15 +34,19 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Return the recording that a file holds. @param {Uint8Array} bytes @returns {Promise<Run>} */
-export async function readRecording(bytes) {
-  const begins = String.fromCharCode(...bytes.subarray(0, 8));
+/** Return the bytes with which a recording begins, MAGIC and version, checked. @param {Uint8Array} bytes */
+function checkBeginning(bytes) {
+  const version = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength).getUint32(8, true);
+  if (String.fromCharCode(...bytes.subarray(0, 8)) !== MAGIC) throw new Error("expected a recording, got other data");
+  if (version !== 1) throw new Error(`expected a recording of version 1, got ${version}`);
+}
+
+/** Return kind and content of the whole blocks in bytes. @param {Uint8Array} bytes @returns {Promise<[string, Uint8Array][]>} */
+export function blocksIn(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  if (begins !== MAGIC) throw new Error("expected a recording, got other data");
-  if (view.getUint32(8, true) !== 1) throw new Error(`expected a recording of version 1, got ${view.getUint32(8, true)}`);
   /** @type {Promise<[string, Uint8Array]>[]} */
   const waiting = [];
-  for (let at = 12; at + 12 <= bytes.length; ) {
+  for (let at = 0; at + 12 <= bytes.length; ) {
     const kind = String.fromCharCode(...bytes.subarray(at, at + 4));
     const length = view.getUint32(at + 4, true);
     if (at + 12 + length > bytes.length) break;
@@ -48,28 +54,60 @@ export async function readRecording(bytes) {
     waiting.push(inflate(content).then((inflated) => [kind, inflated]));
     at += 12 + length;
   }
-  const blocks = await Promise.all(waiting);
-  const text = new TextDecoder();
-  /** @type {Head} */
-  const head = JSON.parse(text.decode(blocks[0][1]));
-  const done = blocks.find(([kind]) => kind === "DONE");
-  const parts = blocks.filter(([kind]) => kind === "DATA").map(([, content]) => {
-    const length = new DataView(content.buffer).getUint32(0, true);
-    /** @type {Directory} */
-    const directory = JSON.parse(text.decode(content.subarray(4, 4 + length)));
-    return { directory, content, at: 4 + length };
+  return Promise.all(waiting);
+}
+
+/** Return the recording that a file holds, or the beginning of one. @param {Uint8Array} bytes @returns {Promise<Run>} */
+export async function readRecording(bytes) {
+  checkBeginning(bytes);
+  const [[, head], ...blocks] = await blocksIn(bytes.subarray(12));
+  const run = newRun(JSON.parse(new TextDecoder().decode(head)));
+  const parts = blocks.filter(([kind]) => kind === "DATA");
+  reserve(run, parts.reduce((sum, [, content]) => sum + directoryOf(content).directory.frames, 0));
+  for (const [kind, content] of blocks) addBlock(run, kind, content);
+  return run;
+}
+
+/** Return a run without frames. @param {Head} head @returns {Run} */
+function newRun(head) {
+  const tracks = new Map(head.channels.map((channel) => {
+    const columns = channel.shape.reduce((a, b) => a * b, 1), data = new Int32Array(0);
+    return [channel.name, { channel, columns, data, room: data }];
+  }));
+  return { head, frames: 0, tracks, deposits: [], byHand: [], made: 0, result: null };
+}
+
+/** Make room for so many frames. @param {Run} run @param {number} frames */
+function reserve(run, frames) {
+  for (const track of run.tracks.values()) {
+    if (track.room.length >= frames * track.columns) continue;
+    track.room = new Int32Array(frames * track.columns);
+    track.room.set(track.data);
+  }
+}
+
+/** Return the directory of a part, and where its channels begin. @param {Uint8Array} content @returns {{directory: Directory, at: number}} */
+function directoryOf(content) {
+  const length = new DataView(content.buffer, content.byteOffset).getUint32(0, true);
+  return { directory: JSON.parse(new TextDecoder().decode(content.subarray(4, 4 + length))), at: 4 + length };
+}
+
+/** Append a block to a run. @param {Run} run @param {string} kind @param {Uint8Array} content */
+export function addBlock(run, kind, content) {
+  if (kind === "DONE") run.result = JSON.parse(new TextDecoder().decode(content));
+  if (kind !== "DATA") return;
+  const part = { ...directoryOf(content), content }, frames = run.frames + part.directory.frames;
+  const fits = [...run.tracks.values()].every(({ room, columns }) => room.length >= frames * columns);
+  if (!fits) reserve(run, Math.max(frames, 2 * run.frames, 64));
+  run.head.channels.forEach((channel, c) => {
+    const track = /** @type {Track} */ (run.tracks.get(channel.name));
+    part.at = unpack(part, c, channel.order, track.columns, track.room);
+    track.data = track.room.subarray(0, frames * track.columns);
   });
-  const frames = parts.reduce((sum, part) => sum + part.directory.frames, 0);
-  /** @type {Map<string, Track>} */
-  const tracks = new Map();
-  head.channels.forEach((channel, c) => {
-    const columns = channel.shape.reduce((a, b) => a * b, 1);
-    const data = new Int32Array(frames * columns);
-    for (const part of parts) part.at = unpack(part, c, channel.order, columns, data);
-    tracks.set(channel.name, { channel, columns, data });
-  });
-  const last = parts[parts.length - 1];
-  return { head, frames, tracks, deposits: last?.directory.deposits ?? [], result: done ? JSON.parse(text.decode(done[1])) : null };
+  run.frames = frames;
+  run.deposits = part.directory.deposits ?? [];
+  run.byHand.push(...(part.directory.by_hand ?? []));
+  run.made = part.directory.made ?? 0;
 }
 
 /**
@@ -123,7 +161,7 @@ export function crc32(bytes) {
 export function checksums(run) {
   /** @type {Record<string, number>} */
   const found = {};
-  for (const [name, track] of run.tracks) found[name] = crc32(new Uint8Array(track.data.buffer));
+  for (const [name, track] of run.tracks) found[name] = crc32(new Uint8Array(track.data.buffer, 0, track.data.byteLength));
   return found;
 }
 

@@ -66,6 +66,29 @@ export class WorldView {
     return best;
   }
 
+  /** Return the point of the world at a place on the canvas [shares of its size]. @param {number} px @param {number} py @returns {[number, number]} */
+  pointAt(px, py) {
+    const { width, height } = this.run.head, { canvas, scale } = this;
+    const x = this.centre[0] + ((px - 0.5) * canvas.width) / scale, y = this.centre[1] - ((py - 0.5) * canvas.height) / scale;
+    return [((x % width) + width) % width, ((y % height) + height) % height];
+  }
+
+  /**
+   * Return the robot or the lying item at a place on the canvas [shares of its size]; its number is -1 where nothing is.
+   * @param {number} px @param {number} py @param {number} frame @returns {{kind: "robot" | "item", number: number}}
+   */
+  thingAt(px, py, frame) {
+    const { run } = this, [x, y] = [px * this.canvas.width, py * this.canvas.height];
+    /** @param {number} mx @param {number} my @param {number} size */
+    const near = (mx, my, size) => Math.hypot(this.place(mx, my)[0] - x, this.place(mx, my)[1] - y) <= Math.max(8, size * this.scale);
+    const robot = this.nearest(px, py);
+    if (robot >= 0 && near(this.x[robot], this.y[robot], run.head.mission.robots.radius)) return { kind: "robot", number: robot };
+    for (let k = 0; k < run.head.items; k++)
+      if (valueAt(run, "item_stage", frame, k) === 0 && near(valueAt(run, "item_x", frame, k), valueAt(run, "item_y", frame, k), 0.15))
+        return { kind: "item", number: k };
+    return { kind: "robot", number: -1 };
+  }
+
   /** Robots that are there. @type {number[]} */
   rows = [];
 
@@ -138,6 +161,7 @@ export class WorldView {
 
   /** @param {CanvasRenderingContext2D} c @param {number} frame */
   drawStations(c, frame) {
+    if (!this.run.tracks.has("station_x")) return;
     const reach = this.run.head.mission.stations.reach, s = this.scale;
     /** @type {[string, string][]} */
     const kinds = [["R", "#009E73"], ["D", "#8C6BB1"]];

@@ -1,0 +1,152 @@
+"""Pictures of a recorded mission at any time, robots between two frames included."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from pydantic import BaseModel
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
+from clean_swarm_env.recording.channels import AnyArray
+from clean_swarm_env.recording.fields import traces_at
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.world.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.world.minds import PHEROMONES
+from selector.documents.errors import validated
+from selector.documents.fields import NonNegative, Number, Positive
+
+ROBOT, ITEM, STATION = "robot", "item", "station"
+CHANNELS = {
+    "x": ROBOT,
+    "y": ROBOT,
+    "heading": ROBOT,
+    "present": ROBOT,
+    "working": ROBOT,
+    "cargo": ROBOT,
+    "recycled": ROBOT,
+    "deposit": ROBOT,
+    "item_x": ITEM,
+    "item_y": ITEM,
+    "item_stage": ITEM,
+    "item_leftover": ITEM,
+    "station_x": STATION,
+    "station_y": STATION,
+}
+"""Channels of which a picture is made, and what each has a number for."""
+TRAILS = (PHEROMONES, "trail")
+"""Channels of the gradients that are drawn: those of missions and of the scene Foraging."""
+LEAST_AREA = 0.2
+"""Least radius of an area [m]."""
+FRAME_ROUNDING = 1e-6
+"""A time this little beside a frame is that of the frame [periods]."""
+
+
+class _Robots(BaseModel):
+    radius: Positive
+
+
+class _Stations(BaseModel):
+    reach: NonNegative
+
+
+class _Around(BaseModel):
+    """Gradients that are there from the start on, in a scene."""
+
+    channel: str
+    places: tuple[tuple[Number, Number], ...]
+    goal_radius: tuple[NonNegative, ...]
+
+
+class _Scene(BaseModel):
+    """What a picture takes from the head of a scene."""
+
+    around: tuple[_Around, ...] = ()
+
+
+class _Sizes(BaseModel):
+    """What a picture takes from the mission in the head."""
+
+    robots: _Robots
+    stations: _Stations
+
+
+class RecordedCourse:
+    """The course of a recorded mission, as canvases.
+
+    Raises:
+        ConfigurationError: the recording lacks what a picture shows.
+
+    """
+
+    def __init__(self, recording: RecordedMission) -> None:
+        head = recording.head
+        self._recording = recording
+        self._sizes = validated(_Sizes, head["mission"], f"{recording.path}: head.mission")
+        around = validated(_Scene, head, f"{recording.path}: head").around
+        self._areas = tuple(
+            Area(lying.channel, x, y, max(radius, LEAST_AREA))
+            for lying in around
+            for (x, y), radius in zip(lying.places, lying.goal_radius, strict=False)
+        )
+        self._options = {goal: names for goal, names in head["options"].items() if f"held/{goal}" in recording}
+        counts = {ROBOT: head["robots"], ITEM: head["items"]}
+        kinds = CHANNELS | {f"held/{goal}": ROBOT for goal in self._options}
+        self._values: dict[str, AnyArray] = {}
+        for name, kind in kinds.items():
+            shape = recording.channels[name].shape if name in recording else None
+            if shape is None or (len(shape) != 1 or shape[0] != counts.get(kind, shape[0])):
+                expected = f"channel {name} with a number for each {kind}"
+                raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
+            self._values[name] = recording[name]
+        stage = self._values["item_stage"]
+        before = np.concatenate([np.full_like(stage[:1], ABSENT), stage[:-1]])
+        self._dumped = ((stage == DONE) & (before != DONE)).sum(axis=1).cumsum()
+        self._arrived = ((stage < DONE) & (before >= DONE)).sum(axis=1).cumsum()
+        self._frame = lru_cache(2)(self._canvas)  # several pictures lie between two frames
+
+    @property
+    def end(self) -> float:
+        """Time of the last frame [s]."""
+        return float(self._recording.times[-1])
+
+    def at(self, time: float) -> Canvas:
+        """Return the canvas at a time [s] from 0 to `end`."""
+        frame = min(int(time / self._recording.period + FRAME_ROUNDING), self._recording.frames - 1)
+        now = self._frame(frame)
+        share = time / self._recording.period - frame
+        if share < FRAME_ROUNDING or frame + 1 == self._recording.frames:
+            return now
+        return between(now, self._frame(frame + 1), share)
+
+    def _canvas(self, frame: int) -> Canvas:
+        head = self._recording.head
+        now = {name: values[frame] for name, values in self._values.items()}
+        there, lying = now["present"] == 1, now["item_stage"] == LYING
+        loaded = np.where(now["recycled"] == 1, LEFTOVERS, GARBAGE)
+        goal = next(iter(self._options), None)
+        traces = traces_at(self._recording, frame)
+        kinds = self._recording.notes.get("deposits", [])
+        trail = np.isin(traces.kind, [k for k, kind in enumerate(kinds) if kind.get("channel") in TRAILS])
+        counted = f"{self._dumped[frame]} of {self._arrived[frame]} items dumped" if head["items"] else ""
+        return Canvas(
+            np.stack([now["x"], now["y"]], axis=1)[there],
+            now["heading"][there],
+            width=head["width"],
+            height=head["height"],
+            time=frame * self._recording.period,
+            state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
+            radius=self._sizes.robots.radius,
+            cargo=np.where(now["cargo"] == NOTHING, SEARCHING, loaded)[there],
+            working=now["working"][there] == 1,
+            options=tuple(self._options[goal]) if goal is not None else (),
+            held=now[f"held/{goal}"][there] if goal is not None else None,
+            garbage=np.stack([now["item_x"], now["item_y"]], axis=1)[lying] if head["items"] else no_places(),
+            leftover=now["item_leftover"][lying] == 1,
+            stations=np.stack([now["station_x"], now["station_y"]], axis=1),
+            station_radius=self._sizes.stations.reach,
+            areas=self._areas,
+            pheromones=traces.positions[trail],
+            pheromone_diffusions=traces.diffusion[trail],
+        )

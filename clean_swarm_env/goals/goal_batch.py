@@ -1,0 +1,291 @@
+"""W worlds with one goal of self-organisation, stepped by decision periods as missions are.
+
+All episodes last the time of the scene, so all worlds begin and end together. Rows are robots, R = W * N.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.config.starts import run_seed
+from clean_swarm_env.goals.goal_state import GoalState
+from clean_swarm_env.goals.observer import GoalObserver
+from clean_swarm_env.goals.play import Play
+from clean_swarm_env.goals.settings import GoalAction, GoalObservation, GoalRewards, GoalSettings, key_of, setting_of
+from clean_swarm_env.learning.actions import ActionConfig, OptionActions
+from clean_swarm_env.learning.batch import whole_mission
+from clean_swarm_env.learning.given import config_from, directories_from, seeds_from, whole_number
+from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended, FigureColumns
+from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.learning.reward import OwnRewards, own_rewards
+from clean_swarm_env.learning.warm_up import compile_once
+from clean_swarm_env.scenes import find
+from clean_swarm_env.scenes.arena import CONTROL_PERIOD
+from clean_swarm_env.scenes.served import KNOWLEDGE, expertise
+from clean_swarm_env.world.world_state import from_bytes, to_bytes
+from selforg.arrays import Flags, Floats, Ints
+
+TICKS_PER_STEP = 5
+"""Control periods in a decision period, which thus lasts 1 s."""
+
+
+@dataclass(frozen=True)
+class GoalEnd(Ended):
+    """An episode that ended in the last period."""
+
+    figures: dict[str, Any]
+    """The figures of its world at the end."""
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """The figures that borders report at the end."""
+        return self.figures
+
+
+class GoalBatch(AnyBatch):
+    """The scene of one goal in W worlds, whose robots learn.
+
+    Args:
+        goal: its name, as `clean-swarm run` takes it.
+        worlds: W.
+        observation: terms of the observation.
+        reward: weights of the measures, see `GoalRewards`, or a function of the batch that returns the rewards (R,).
+        action: what an action is.
+        settings: see `GoalSettings`.
+
+    Episode 0 of a world after `reset` with seed S is the run of `clean-swarm run GOAL --seed S`; with the default
+    option held all the time it has the same measures.
+
+    Attributes:
+        play: the episode under way.
+        took_part: (R,) bool, all robots.
+
+    >>> batch = GoalBatch("Foraging", worlds=2)
+    >>> batch.reset([5, 6]).shape == (24, len(batch.observer.names))
+    True
+    >>> step = batch.step(np.full(24, batch.choices.default[0]))
+    >>> step.truncated.tolist()
+    [False, False]
+
+    """
+
+    action: GoalAction
+    observer: GoalObserver
+
+    def __init__(
+        self,
+        goal: str,
+        worlds: int = 1,
+        *,
+        observation: GoalObservation | Mapping[str, Any] | None = None,
+        reward: Mapping[str, Any] | OwnRewards | str | None = None,
+        action: GoalAction | Mapping[str, Any] | None = None,
+        **settings: Unpack[GoalSettings],
+    ) -> None:
+        unknown = settings.keys() - GoalSettings.__optional_keys__
+        if unknown:
+            raise TypeError(f"goal {goal}: unexpected settings {sorted(unknown)}")
+        self.mission, self.period, self.decision_period = None, CONTROL_PERIOD, TICKS_PER_STEP * CONTROL_PERIOD
+        self.count, self._kind = whole_number(worlds, "worlds", 1), find(goal)
+        self.setting = setting_of(self._kind, settings)
+        self.action = config_from(GoalAction, action, "action")
+        self.begin_anew = settings.get("begin_anew", True)
+        directories, knowledge = directories_from(settings.get("directories")), settings.get("knowledge")
+        self._expert = expertise(goal, None, directories, str(knowledge or KNOWLEDGE))
+        self.options: Mapping[str, tuple[str, ...]] = {goal: self._expert.model.options}
+        self.choices = OptionActions([self._expert.model], ActionConfig())
+        self._own_rewards = own_rewards(reward)
+        self._rewards = GoalRewards(self._kind, None if self._own_rewards else reward)  # type: ignore[arg-type]
+        compile_once(whole_mission)
+        self.play = self._played([0] * self.count)  # until `reset`, for names and sizes
+        self.robots = self.setting.robots
+        self.rows = self.count * self.robots
+        seen = config_from(GoalObservation, observation, "observation")
+        self.observer = GoalObserver(seen if self.action.mode != "velocity" else steered(seen), self.play)
+        self.observations: Observations = np.zeros((self.rows, len(self.observer.names)), dtype=np.float32)
+        self._final, self._gained = np.zeros_like(self.observations), np.zeros(self.rows)
+        self.took_part: Flags = np.ones(self.rows, dtype=np.bool_)
+        self._collisions: Ints = np.zeros(self.rows, dtype=np.int64)  # of the last period
+        self._series: list[tuple[int, int] | None] = [None] * self.count  # seed and number of the next episode
+        self._finished: list[GoalEnd] = []
+        self._begun = False
+
+    def reset(
+        self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
+    ) -> Observations:
+        """Begin an episode in every world and return the observations (R, F), valid until the next call.
+
+        A world without a seed (None) continues its series of episodes, or begins one with a seed from the system.
+        """
+        if any(start is not None for start in starts or ()):
+            raise ValueError("start: expected none with a goal, whose scene places the robots")
+        for world, seed in enumerate(seeds_from(seeds, self.count)):
+            if seed is not None or self._series[world] is None:
+                self._series[world] = (int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed, 0)
+        self._finished.clear()
+        self._collisions[:] = 0
+        self._begin()
+        self.observer.observe(self.play, self.observations)
+        return self.observations
+
+    def begin(
+        self,
+        worlds: Ints,
+        seeds: Sequence[int | None] | None = None,
+        starts: Sequence[StartConfiguration | None] | None = None,
+    ) -> Observations:
+        """Begin an episode in all worlds: `worlds` (K,) must name them all."""
+        if len(worlds) != self.count:
+            raise ValueError(f"goal {self._kind.goal}: all {self.count} worlds begin together, got {len(worlds)}")
+        return self.reset(seeds, starts)
+
+    def step(self, actions: NDArray[Any]) -> BatchStep:
+        """Run one decision period, which ends early with the episode.
+
+        `actions` are options (R,), vectors (R, 2) for mode "velocity", or (R, 3) for "both", the option first.
+        """
+        if not self._begun:
+            raise RuntimeError("step: call reset first")
+        self._finished.clear()
+        play, ran = self.play, not self.play.scene.over
+        play.act(actions, self.choices)
+        collided, before = play.scene.arena.entered.copy(), self._measured()
+        for _ in range(TICKS_PER_STEP):
+            if not play.scene.over:
+                play.tick()
+        self._collisions = play.scene.arena.entered - collided
+        if self._own_rewards is None:
+            self._gained = self._rewards.of(self._measured() - before, self._collisions)
+        else:
+            self._gained = self._own_rewards(self)
+        over = np.full(self.count, play.scene.over)
+        if play.scene.over and ran:
+            self._end()
+        self.observer.observe(self.play, self.observations)
+        return BatchStep(self.observations, self._gained, np.zeros_like(over), over, self._final)
+
+    def _end(self) -> None:
+        """Keep the figures and the last observations of the episode, and begin the next one if that is wanted."""
+        self.observer.observe(self.play, self._final)
+        columns = self.team_figures()
+        self._finished += [
+            GoalEnd(world, dict(zip(columns, values, strict=True)))
+            for world, values in enumerate(zip(*columns.values(), strict=True))
+        ]
+        if self.begin_anew:
+            self._begin()
+
+    def _begin(self) -> None:
+        seeds = []
+        for world, following in enumerate(self._series):
+            assert following is not None
+            seed, number = following
+            seeds.append(run_seed(seed, f"episode {number}") if number else seed)
+            self._series[world] = (seed, number + 1)
+        self.play, self._begun = self._played(seeds), True
+
+    def _played(self, seeds: Sequence[int]) -> Play:
+        """Return a new episode in worlds with these seeds."""
+        try:
+            return Play(self._kind(self.setting, seeds), self._expert, self.action.mode)
+        except ConfigurationError as error:
+            raise ConfigurationError(
+                str(error).removeprefix("--")
+            ) from error  # scenes name options of the command line
+
+    def _measured(self) -> Floats:
+        """Return the measures (K, W) as they stand."""
+        values = self.play.scene.measured()
+        return np.stack([values[measure.name] for measure in self._kind.measures])
+
+    def masks(self) -> Flags:
+        """Return which options (R, O) can serve in the coming period: all of them.
+
+        Raises:
+            ValueError: actions are vectors.
+
+        """
+        if self.action.mode == "velocity":
+            raise ValueError("masks: expected options as actions, got mode 'velocity'")
+        return self.choices.masks(np.zeros(self.rows, dtype=np.int64))
+
+    def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
+        """Return the state of all worlds as bytes that say their version; they cannot be taken one by one."""
+        self._check_all(worlds)
+        return to_bytes((self._likeness(), self.play, self._series, self.observations, self._begun))
+
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Go on from `get_state` of a batch with the same goal, setting, options and terms; return the observations.
+
+        The further course has the same bits; what the last period counted is no part of a state.
+        """
+        self._check_all(worlds)
+        likeness, play, series, observations, begun = from_bytes(state)
+        if likeness != self._likeness():
+            raise ValueError(f"state: expected {self._likeness()}, got {likeness}")
+        self.play, self._begun = play, begun
+        self._series[:], self.observations[:], self._collisions[:] = series, observations, 0
+        self._finished.clear()
+        return self.observations
+
+    def _likeness(self) -> tuple[Any, ...]:
+        """Return what batches must have in common to go on from each other's states."""
+        return self._kind.goal, self.setting, self.count, self.options, self.action.mode, self.observer.names
+
+    def _check_all(self, worlds: Sequence[int] | None) -> None:
+        if worlds is not None and list(worlds) != list(range(self.count)):
+            raise ValueError(f"worlds: expected all {self.count} together with a goal, got {list(worlds)}")
+
+    def steps(self, world: int) -> int:
+        """Return how many decision periods of its episode a world has done."""
+        return -(-self.play.scene.arena.ticks // TICKS_PER_STEP)
+
+    @property
+    def over(self) -> Flags:
+        """(W,) whether the episode is over and no other has begun."""
+        return np.full(self.count, self.play.scene.over)
+
+    @property
+    def working(self) -> Flags:
+        """(R,) whether there is a robot that works: all do."""
+        return self.took_part
+
+    @property
+    def finished(self) -> tuple[GoalEnd, ...]:
+        """The episodes that ended in the last period."""
+        return tuple(self._finished)
+
+    def team_figures(self) -> FigureColumns:
+        """Return time, collisions, measures as they stand, and whether all meet their targets, of each world."""
+        measures, arena = self._kind.measures, self.play.scene.arena
+        values = dict(zip(measures, self._measured().tolist(), strict=True))
+        met = [
+            all(m.met(v) for m, v in zip(measures, of_world, strict=True))
+            for of_world in zip(*values.values(), strict=True)
+        ]
+        time = arena.ticks * CONTROL_PERIOD
+        counted = {"mission_collision_events": arena.collisions.events[:, 0].tolist(), "completed": met}
+        times = {"time_s": [time] * self.count, "duration_s": [time] * self.count}
+        return times | counted | {key_of(m.name): values[m] for m in measures}
+
+    def own_figures(self) -> FigureColumns:
+        """Return the collision events of each robot in the last period."""
+        return {"own_collisions": self._collisions.tolist()}
+
+    def global_state(self) -> GoalState:
+        """Return what tells the global state of the worlds."""
+        return GoalState(self, options=self.action.mode != "velocity")
+
+
+def steered(seen: GoalObservation) -> GoalObservation:
+    """Return the observation of robots that are steered by vectors: they hold no options."""
+    if "holds" in seen.terms and "terms" in seen.model_fields_set:
+        raise ConfigurationError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
+    return seen.model_copy(update={"terms": tuple(term for term in seen.terms if term != "holds")})

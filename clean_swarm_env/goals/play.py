@@ -1,0 +1,71 @@
+"""One episode of a goal in all worlds: a scene, its robots, and the learner's actions on them."""
+
+from __future__ import annotations
+
+from reprlib import repr as brief
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.goals.settings import Mode
+from clean_swarm_env.learning.actions import OptionActions, checked_vectors, turn_to_world
+from clean_swarm_env.scenes.scene import Scene
+from clean_swarm_env.scenes.served import Expertise, ServedTeam
+from selforg.arrays import Floats
+from selforg.components import Commands
+
+
+class Play:
+    """A scene whose robots are commanded by the mechanism of an option, by a learner's vectors, or by both.
+
+    In mode "velocity" a vector takes the place of the mechanism's. In mode "both" it is added; a zero vector changes
+    nothing. All else that mechanisms do goes on: they take and bring food, leave pheromones, tell and decide. Vectors
+    are ahead and left in the robot's frame, in shares of the largest speed, and keep their direction in the world for
+    a decision period.
+
+    Attributes:
+        scene, team: the scene, and its robots with the mechanisms.
+        asked: (R, 2) [m/s] what the mechanisms, with the errand of the scene, asked for last; 0 for nothing.
+        facts: names of the facts that robots know.
+
+    """
+
+    def __init__(self, scene: Scene, expert: Expertise, mode: Mode) -> None:
+        self.scene, self._mode = scene, mode
+        self.team = ServedTeam(scene, expert)
+        scene.begin(lambda _: self.team)
+        self.asked: Floats = np.zeros((scene.arena.rows, 2))
+        self._vectors: Floats = np.zeros((scene.arena.rows, 2))
+        self.facts = tuple(name for name, kind in self.team.memory.kinds.items() if kind == "fact")
+
+    def act(self, actions: NDArray[Any], choices: OptionActions) -> None:
+        """Take the actions of a period: options (R,), vectors (R, 2), or both (R, 3), the option first."""
+        given, rows, arena = np.asarray(actions), len(self.asked), self.scene.arena
+        vectors = given
+        if self._mode == "both":
+            if given.shape != (rows, 3) or (given[:, 0] % 1.0 != 0.0).any():
+                raise ValueError(
+                    f"actions: expected an option and a vector for each of {rows} rows, got {brief(given)}"
+                )
+            given, vectors = given[:, 0].astype(np.int64), given[:, 1:]
+        if self._mode != "velocity":
+            self.team.hold(choices.check(given, rows)[:, 0])
+        if self._mode != "option":
+            turn_to_world(checked_vectors(vectors, rows), arena.headings, arena.body.max_speed, self._vectors)
+
+    def tick(self) -> None:
+        """Run one control period."""
+        self.scene.advance(self._change)
+
+    def _change(self, commands: Commands) -> None:
+        """Note what the mechanisms ask for, and write what the learner makes of it."""
+        self.asked[:] = np.where(commands.commanded[:, None], commands.vectors, 0.0)
+        if self._mode == "velocity":
+            commands.vectors[:] = self._vectors
+            commands.commanded[:], commands.in_place[:] = True, False
+        elif self._mode == "both":
+            rows = np.flatnonzero(self._vectors.any(axis=1))
+            driving = self.asked * ~commands.in_place[:, None]
+            commands.vectors[rows] = driving[rows] + self._vectors[rows]
+            commands.commanded[rows], commands.in_place[rows] = True, False

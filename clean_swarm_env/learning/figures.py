@@ -1,0 +1,50 @@
+"""Figures of missions for the infos of all borders: their keys, and their values as columns."""
+
+from __future__ import annotations
+
+from clean_swarm_env.learning.interface import FigureColumns
+from clean_swarm_env.learning.progress import MissionProgress
+from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.worlds import Worlds
+
+TEAM = {
+    "time_s": "Time since the mission began [s].",
+    "dumped": "Items that the team dumped in the period.",
+    "garbage_done": "Items that the team dumped in the mission so far.",
+    "mission_collision_events": "Times in the mission so far that a pair came closer than the collision distance.",
+    "completed": "Whether all garbage of the mission is dumped.",
+    "duration_s": "Time of the mission so far; at its end when the last item was dumped, or the time limit [s].",
+}
+"""Key -> meaning of values that are the same for all robots of a world."""
+OWN = {
+    "own_picked": "Items that the robot picked in the period.",
+    "own_recycled": "Items that the robot recycled in the period.",
+    "own_dumped": "Items that the robot dumped in the period.",
+    "own_collisions": "Collision events of the period in which the robot took part.",
+    "own_contact_s": "Time of the period at which somebody was closer than the collision distance [s].",
+    "own_avoiding_s": "Time of the period in which the robot avoided others [s].",
+}
+"""Key -> meaning of values of each robot, in the order of `EVENTS`."""
+TIMES = ("own_contact_s", "own_avoiding_s")
+"""Keys of `OWN` that are times; their events are ticks."""
+
+
+def team_columns(worlds: Worlds, progress: MissionProgress) -> FigureColumns:
+    """Return the values of `TEAM` of each world."""
+    times = [ticks * worlds.period for ticks in progress.elapsed.tolist()]
+    return {
+        "time_s": times,
+        "dumped": progress.dumped.tolist(),
+        "garbage_done": worlds.garbage.done.tolist(),
+        "mission_collision_events": worlds.collisions.events[:, 0].tolist(),
+        "completed": (progress.outcome == COMPLETED).tolist(),
+        "duration_s": times.copy(),
+    }
+
+
+def own_columns(progress: MissionProgress, period: float) -> FigureColumns:
+    """Return the values of `OWN` of each row; `period` is the length of a tick [s]."""
+    columns = dict(zip(OWN, progress.events.tolist(), strict=True))
+    for name in TIMES:
+        columns[name] = [ticks * period for ticks in columns[name]]
+    return columns

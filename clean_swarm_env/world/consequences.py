@@ -1,0 +1,144 @@
+"""Consequences of collisions for the robots that take part: they stand, lose their cargo, and are damaged (compiled).
+
+A robot that stands is held by its bumper: it does not move, decides nothing and handles no cargo. Rows are robots,
+R = W * N. `ConsequencesConfig` has the settings.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.cells import distance
+from clean_swarm_env.physics.drive import Orders, open_orders
+from clean_swarm_env.world.garbage import LYING, NOTHING
+from clean_swarm_env.world.records import FloorRecord, open_floor
+from selforg.arrays import Flags, Ints, Lasting
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Packed, Recording, Words
+
+
+class Consequence(NamedTuple):
+    """What collisions have done to the robots, and what they do."""
+
+    standing: Annotated[Ints, "R"]  # ticks for which the robot stands, that of the collision included
+    collisions: Annotated[Ints, "R"]  # of each robot since it was last as new
+    lost: Annotated[Ints, "R"]  # rows whose cargo was lost in this tick, the first ones
+    stop: int  # ticks for which a robot that collides stands
+    drop: int  # 1 where it loses its cargo
+    damage_after: int  # collisions after which a robot is damaged, 0: never
+    damaged_speed: float  # largest speed of a damaged robot [m/s]
+    mending: int  # ticks for which a damaged robot stands at a station
+
+
+CONSEQUENCE = Recording(Consequence)
+open_consequence = CONSEQUENCE.open
+
+
+class Consequences:
+    """The owner of what collisions have done to the robots of a batch of worlds.
+
+    Attributes:
+        active: whether collisions have any consequence in this mission.
+        standing: (R,) int64, ticks for which a robot stands, that of the collision included; 0 for others.
+        collisions: (R,) int64, collisions of each robot since it was last as new.
+
+    """
+
+    def __init__(self, mission: MissionConfig, rows: int) -> None:
+        config, rate = mission.consequences, mission.world.control_rate
+        self.active = config.stop > 0.0 or config.drop or config.damage_after > 0
+        self._damage_after = config.damage_after
+        self.standing: Ints = np.zeros(rows, dtype=np.int64)
+        self.collisions: Ints = np.zeros(rows, dtype=np.int64)
+        self._packed: Packed[Consequence] = CONSEQUENCE.pack(
+            Consequence(
+                standing=self.standing,
+                collisions=self.collisions,
+                lost=np.zeros(rows, dtype=np.int64),
+                stop=round(config.stop * rate),
+                drop=int(config.drop),
+                damage_after=config.damage_after,
+                damaged_speed=config.damaged_speed * mission.robots.max_speed,
+                mending=round(config.mending * rate),
+            )
+        )
+
+    @property
+    def damaged(self) -> Flags:
+        """Which robots (R,) are damaged."""
+        damaged: Flags = (self._damage_after > 0) & (self.collisions >= self._damage_after)
+        return damaged
+
+    def reset(self, rows: Ints) -> None:
+        """Begin anew in `rows` (K,)."""
+        self.standing[rows] = 0
+        self.collisions[rows] = 0
+
+    def lasting(self) -> Lasting:
+        """Return what robots hand on to the next tick."""
+        return Lasting((self.standing, self.collisions))
+
+    def begin(self, at_work: Ints | None) -> Ints | None:
+        """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
+        if not self.standing.any():
+            return at_work
+        np.maximum(self.standing - 1, 0, out=self.standing)
+        free = self.standing == 0
+        return np.flatnonzero(free) if at_work is None else at_work[free[at_work]]
+
+    def hold_back(self, orders: Packed[Orders]) -> None:
+        """Order robots that stand not to move, and damaged ones to be slow."""
+        hold_back(orders.words, self._packed.words)
+
+    def follow(self, entered: Ints, working: Flags, floor: Packed[FloorRecord]) -> Ints:
+        """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
+
+        entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to.
+        """
+        count = suffer(entered, working, floor.words, self._packed.words)
+        return self._packed.record.lost[:count]
+
+
+@lean_kernel
+def hold_back(orders: Words[Orders], consequence: Words[Consequence]) -> None:
+    """Change the orders of robots that stand or are damaged."""
+    o, c = open_orders(orders), open_consequence(consequence)
+    for row in range(c.standing.shape[0]):
+        if c.standing[row] > 0:
+            o.vectors[row, 0] = o.vectors[row, 1] = 0.0
+            o.commanded[row], o.in_place[row] = True, False
+        elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
+            x, y = o.vectors[row, 0], o.vectors[row, 1]
+            length = np.sqrt(x * x + y * y)
+            if length > c.damaged_speed:
+                o.vectors[row, 0] = x * c.damaged_speed / length
+                o.vectors[row, 1] = y * c.damaged_speed / length
+
+
+@lean_kernel
+def suffer(entered: Ints, working: Flags, floor: Words[FloorRecord], consequence: Words[Consequence]) -> int:
+    """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.follow`."""
+    f, c = open_floor(floor), open_consequence(consequence)
+    count, per_world = 0, f.robots.shape[0] // f.stations.shape[0]
+    for row in range(entered.shape[0]):
+        world, x, y = row // per_world, f.robots[row, 0], f.robots[row, 1]
+        if entered[row] > 0 and working[row]:
+            c.collisions[row] += entered[row]
+            c.standing[row] = max(c.standing[row], c.stop + 1)
+            if c.drop == 1 and f.cargo[row] != NOTHING:
+                item = f.cargo[row]
+                f.items[world, item, 0], f.items[world, item, 1] = x, y
+                f.stage[world, item], f.leftover[world, item] = LYING, f.recycled[row]
+                f.cargo[row], f.recycled[row] = NOTHING, 0
+                c.lost[count] = row
+                count += 1
+        elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
+            for station in range(2):
+                place = f.stations[world, station]
+                if distance(x, y, place[0], place[1], f.extent) <= f.at_station:
+                    c.collisions[row] = 0
+                    c.standing[row] = max(c.standing[row], c.mending + 1)
+    return count

@@ -1,0 +1,149 @@
+"""Predictive steering: of several velocities near the commanded one, take the one that promises most (compiled).
+
+A velocity promises progress in the wanted direction, less what turning costs, less the threat of each other robot that
+would come too near if it kept its velocity.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.decorators import lean_kernel, part
+from selforg.compiler.records import Recording, Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, open_poses
+from selforg.mechanisms.kernels.others import (
+    OTHER_VX,
+    OTHER_VY,
+    OTHER_X,
+    OTHER_Y,
+    Commanded,
+    note_others,
+    open_commanded,
+)
+from selforg.randomness import take_direction
+from selforg.space import nearest_image
+
+PLACE_X, PLACE_Y, PLACE_KNOWN = 0, 1, 2  # columns of `Foresight.places`
+SINCE, DARING_UNTIL = 0, 1  # columns of `Foresight.times`
+
+
+class Foresight(NamedTuple):
+    """The parameters of `PredictiveSteering`, what rows remember, and room for the others of one row."""
+
+    candidates: Annotated[Floats, "K 2"]  # direction beside the wanted one [rad], share of its speed
+    others: Annotated[Floats, "N OTHER"]  # columns OTHER_
+    places: Annotated[Floats, "N PLACE"]  # where each row was when it last got on; columns PLACE_
+    times: Annotated[Floats, "N TIME"]  # columns SINCE and DARING_UNTIL [s]
+    directions: Annotated[Floats, "N BLOCK 3"]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "N"]  # next direction of each row
+    low: Annotated[Flags, "1"]  # set when a row has used half of its directions
+    view_distance: float  # from here on: see `PredictiveSteering`
+    distance: float
+    margin: float
+    horizon: float
+    caution: float
+    urgency: float
+    turn_cost: float
+    turn_beyond: float
+    patience: float
+    circle: float
+    daring: float
+
+
+FORESIGHT = Recording(Foresight)
+open_foresight = FORESIGHT.open
+
+
+@lean_kernel
+def foresee_rows(
+    now: float, rows: Ints, commands: Words[Commanded], foresight: Words[Foresight], poses: Words[Poses]
+) -> None:
+    """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
+    m, f = open_commanded(commands), open_foresight(foresight)
+    own = open_poses(poses).own
+    known = open_poses(poses).rows
+    for row in rows:
+        x, y = m.vectors[row, 0], m.vectors[row, 1]
+        speed = np.sqrt(x * x + y * y)
+        if not m.commanded[row] or m.in_place[row] or speed == 0.0 or known[row, c.ROW_POSES] == 0:
+            continue
+        daring = is_stuck(row, now, foresight, poses)
+        count = note_others(row, now, f.view_distance, f.others, poses)
+        if count == 0:
+            continue
+        x, y = x / speed, y / speed
+        caution = f.caution * (f.daring if daring else 1.0)
+        angle, share = best_candidate(row, count, x, y, speed, caution, foresight, own)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        m.vectors[row, 0] = share * speed * (cosine * x - sine * y)
+        m.vectors[row, 1] = share * speed * (sine * x + cosine * y)
+
+
+@part
+def best_candidate(
+    row: int, count: int, x: float, y: float, speed: float, caution: float, foresight: Words[Foresight], own: Floats
+) -> tuple[float, float]:
+    """Return direction beside the unit vector (x, y) [rad] and share of `speed` [m/s] that promise most.
+
+    Of equal ones the first counts. Threats only lessen what a candidate promises, so hopeless ones are not looked at.
+    """
+    f = open_foresight(foresight)
+    hx, hy = own[row, 0, c.POSE_HEADING], own[row, 0, c.POSE_HEADING + 1]
+    heading = np.arctan2(x * hy - y * hx, x * hx + y * hy)  # beside the wanted direction
+    best, chosen = -np.inf, 0
+    for k in range(len(f.candidates)):
+        angle, share = f.candidates[k, 0], f.candidates[k, 1]
+        turn = abs(angle - heading)
+        turn = min(turn, 2.0 * np.pi - turn) if share > 0.0 else 0.0
+        cosine, sine = np.cos(angle), np.sin(angle)
+        promise = share * cosine - f.turn_cost * turn / np.pi
+        if promise <= best:
+            continue
+        vx, vy = 0.0, 0.0
+        if turn <= f.turn_beyond:  # the robot goes half of the way as it looks now
+            half = 0.5 * share * speed
+            vx, vy = half * (cosine * x - sine * y + hx), half * (sine * x + cosine * y + hy)
+        for other in range(count):
+            promise -= caution * threat(other, vx, vy, foresight)
+        if promise > best:
+            best, chosen = promise, k
+    return f.candidates[chosen, 0], f.candidates[chosen, 1]
+
+
+@part
+def threat(other: int, vx: float, vy: float, foresight: Words[Foresight]) -> float:
+    """Return the threat [-] of an other robot to one with the velocity (vx, vy) [m/s]: 0 unless they come nearer."""
+    f = open_foresight(foresight)
+    dx, dy = f.others[other, OTHER_X], f.others[other, OTHER_Y]
+    ux, uy = f.others[other, OTHER_VX] - vx, f.others[other, OTHER_VY] - vy
+    nearing = -(dx * ux + dy * uy)
+    if nearing <= 0.0:
+        return 0.0
+    squared = ux * ux + uy * uy
+    time = min(nearing / squared, f.horizon)
+    dx, dy = dx + time * ux, dy + time * uy
+    nearest = np.sqrt(dx * dx + dy * dy)
+    if nearest >= f.distance + f.margin:
+        return 0.0
+    late = 1.2 - time / f.horizon
+    weight: float = (f.distance + f.margin - nearest) / f.margin + f.urgency * max(f.distance - nearest, 0.0) * late
+    return weight
+
+
+@part
+def is_stuck(row: int, now: float, foresight: Words[Foresight], poses: Words[Poses]) -> bool:
+    """Return whether a row dares more, because it has not got on for too long; note whether it gets on."""
+    p, f = open_poses(poses), open_foresight(foresight)
+    place, times = f.places[row], f.times[row]
+    dx = nearest_image(p.own[row, 0, c.X] - place[PLACE_X], p.extent[0])
+    dy = nearest_image(p.own[row, 0, c.Y] - place[PLACE_Y], p.extent[1])
+    if place[PLACE_KNOWN] == 0.0 or dx * dx + dy * dy > f.circle * f.circle:
+        place[PLACE_X], place[PLACE_Y], place[PLACE_KNOWN] = p.own[row, 0, c.X], p.own[row, 0, c.Y], 1.0
+        times[SINCE] = now
+    elif now - times[SINCE] > f.patience:
+        # robots that block each other must not try again at the same time
+        cosine, sine, _ = take_direction(f.directions, f.cursor, f.low, row)
+        times[SINCE], times[DARING_UNTIL] = now, now + 2.5 + 1.5 * np.arctan2(sine, cosine) / np.pi
+    return bool(now < times[DARING_UNTIL])

@@ -1,0 +1,65 @@
+"""The other robots as a robot knows them: where they are now and how they move, by the poses that it received.
+
+An other is a row of a table, float64 (M, OTHER_COLUMNS). Its velocity is that between the last two poses received; its
+place is the last one received, carried on with that velocity for as long as the pose is old.
+"""
+
+from typing import Annotated, NamedTuple
+
+from selforg.arrays import Flags, Floats
+from selforg.compiler.decorators import part
+from selforg.compiler.records import Recording, Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, open_poses
+from selforg.space import nearest_image
+
+OTHER_X, OTHER_Y = 0, 1  # offset from the robot [m]
+OTHER_VX, OTHER_VY = 2, 3  # velocity [m/s], zero after a single pose
+OTHER_COLUMNS = 4
+
+
+class Commanded(NamedTuple):
+    """The commands of all robots in one tick, which steering changes."""
+
+    vectors: Annotated[Floats, "N 2"]  # direction and speed [m/s]
+    commanded: Annotated[Flags, "N"]  # whether there is a command
+    in_place: Annotated[Flags, "N"]  # whether the robot turns without moving
+
+
+COMMANDED = Recording(Commanded)
+open_commanded = COMMANDED.open
+
+
+@part
+def note_others(row: int, now: float, view: float, others: Floats, poses: Words[Poses]) -> int:
+    """Write the other robots of the team whose gradients reach within `view` [m] of a row; return how many there are.
+
+    What never reached the row, or is forgotten, is not known to it.
+    """
+    p = open_poses(poses)
+    team = p.rows[row, c.ROW_TEAM]
+    begin, members = p.first[team], p.first[team + 1] - p.first[team]
+    hearing, room = p.rows.shape[1] > c.ROW_HEARD, (p.rows.shape[1] - c.ROW_HEARD) // 2
+    x, y, count = p.own[row, 0, c.X], p.own[row, 0, c.Y], 0
+    for index in range(members):
+        other = p.members[begin + index]
+        last = p.rows[row, c.ROW_HEARD + index] if hearing else 0
+        before = p.rows[row, c.ROW_HEARD + room + index] if hearing else 1
+        known = p.rows[other, c.ROW_POSES]
+        if other == row or last < 0 or last >= known:
+            continue
+        dx = nearest_image(p.own[other, last, c.X] - x, p.extent[0])
+        dy = nearest_image(p.own[other, last, c.Y] - y, p.extent[1])
+        reach = view + p.own[other, last, c.DIFFUSION] + p.own[other, last, c.GOAL_RADIUS]
+        if dx * dx + dy * dy > reach * reach:
+            continue
+        vx, vy = 0.0, 0.0
+        if 0 <= before < known:
+            elapsed = p.own[other, last, c.POSE_STAMP] - p.own[other, before, c.POSE_STAMP]
+            vx = nearest_image(p.own[other, last, c.X] - p.own[other, before, c.X], p.extent[0]) / elapsed
+            vy = nearest_image(p.own[other, last, c.Y] - p.own[other, before, c.Y], p.extent[1]) / elapsed
+        age = now - p.own[other, last, c.POSE_STAMP]
+        others[count, OTHER_X], others[count, OTHER_Y] = dx + vx * age, dy + vy * age
+        others[count, OTHER_VX], others[count, OTHER_VY] = vx, vy
+        count += 1
+    return count

@@ -1,0 +1,82 @@
+"""The canvas of a recording is that of the world that was recorded, at every moment and between two."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.learning.given import mission_from
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.world.mission import Course, MissionRun
+
+EVENTS = [{"at": 20.0, "do": "fail", "robots": [1]}, {"at": 30.0, "do": "join", "robots": 2}]
+MISSION = mission_from({"base": "table1", "time_limit": 150.0, "events": EVENTS, "garbage": {"count": 8}})
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory):
+    """Canvases of a world after each tick, and the recording of it."""
+    folder: Path = tmp_path_factory.mktemp("seen")
+    course = Course(MissionRun(MISSION, random_start(MISSION, 1, 0), 2, {}))
+    recorder = MissionRecorder(course.worlds, RecordSettings(folder, name="run"))
+    recorder.begin(0, {})
+    canvases = [canvas_of(course.worlds, 0)]
+    while course.in_progress:
+        course.tick()
+        recorder.take()
+        canvases.append(canvas_of(course.worlds, 0))
+    recorder.close()
+    return canvases, RecordedMission(folder / "run.swarm")
+
+
+def test_every_moment_is_as_it_was(seen):
+    canvases, recording = seen
+    course = RecordedCourse(recording)
+    assert course.end == pytest.approx(149.8)
+    for tick in range(1, recording.frames, 7):
+        before, now = canvases[tick], course.at(tick * recording.period)
+        decided = course.at((tick - 1) * recording.period)  # what is decided in a period is seen after it
+        if len(now.positions) == len(before.positions):
+            assert np.allclose(now.positions, before.positions, atol=0.001)
+            assert np.allclose(now.headings, before.headings, atol=0.001)
+        assert np.allclose(decided.garbage, before.garbage, atol=0.001)
+        for name in ("cargo", "held", "working", "leftover"):
+            assert np.array_equal(getattr(decided, name), getattr(before, name)), (tick, name)
+        assert decided.state.endswith(before.state)
+        assert (now.options, now.radius) == (before.options, before.radius)
+        assert now.time == pytest.approx(before.time)
+    assert {int(load) for canvas in canvases for load in canvas.cargo} == {0, 1, 2}
+    assert sorted({len(canvas.positions) for canvas in canvases}) == [5, 7]
+
+
+def test_pheromones_are_where_they_were_left(seen):
+    canvases, recording = seen
+    tick = max(range(recording.frames), key=lambda k: len(canvases[k].pheromones))
+    then, now = canvases[tick], RecordedCourse(recording).at(tick * recording.period)
+    assert len(then.pheromones) > 20
+    gaps = np.abs(then.pheromones[:, None] - now.pheromones[None])
+    nearest = np.hypot(*np.moveaxis(np.minimum(gaps, 11.0 - gaps), -1, 0)).min(axis=1)
+    assert np.median(nearest) < 0.002
+
+
+def test_between_two_frames_robots_have_moved_a_share_of_the_way(seen):
+    _, recording = seen
+    course = RecordedCourse(recording)
+    first, middle, second = (course.at(time) for time in (10.0, 10.05, 10.2))
+    assert middle.time == pytest.approx(10.05)
+    way, part = ((b.positions - first.positions + 5.5) % 11.0 - 5.5 for b in (second, middle))
+    assert np.allclose(part, 0.25 * way, atol=1e-9)
+    assert np.abs(way).max() > 0.05
+
+
+def test_a_recording_without_robots_or_items_is_refused_by_name(seen):
+    _, recording = seen
+    lacking = RecordedMission(recording.path)
+    del lacking.channels["cargo"]
+    with pytest.raises(ConfigurationError, match="expected channel cargo with a number for each robot, got shape None"):
+        RecordedCourse(lacking)

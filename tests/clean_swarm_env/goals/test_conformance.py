@@ -1,0 +1,178 @@
+"""Every goal as an environment passes the checks of the cleaning environment, at every border and with all actions."""
+
+import copy
+import gc
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+
+import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
+from clean_swarm_env import clean_swarm_v0
+from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
+from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
+from clean_swarm_env.scenes import goals
+from clean_swarm_env.wrappers import AllRobots, MaskedObservations
+from tests.clean_swarm_env.courses import long_course
+from tests.object_graph import arrays_of, pointing_into
+
+MODES = ("option", "velocity", "both")
+SECONDS = 4.0
+every_goal = pytest.mark.parametrize("goal", goals())
+every_mode = pytest.mark.parametrize("mode", MODES)
+
+
+def environment(goal, mode="option", **settings):
+    return clean_swarm_v0.parallel_env(goal=goal, action={"mode": mode}, **{"seconds": SECONDS, **settings})
+
+
+def sampled(env):
+    return {agent: env.action_space(agent).sample() for agent in env.agents}
+
+
+def course(env, steps):
+    """Return what an environment answers to sampled actions, and its global states."""
+    seen = []
+    for _ in range(steps):
+        if not env.agents:
+            env.reset(seed=9)
+        observations, *others, infos = env.step(sampled(env))
+        seen.append(({agent: own.tobytes() for agent, own in observations.items()}, *others, repr(infos)))
+        seen.append(env.state().tobytes())
+    return seen
+
+
+@every_mode
+@every_goal
+def test_pettingzoos_tests_pass(goal, mode):
+    parallel_api_test(environment(goal, mode), num_cycles=10)
+    parallel_seed_test(lambda: environment(goal, mode), num_cycles=3)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
+@every_goal
+def test_the_turn_based_environment_passes_pettingzoos_test(goal):
+    api_test(clean_swarm_v0.env(goal=goal, seconds=SECONDS), num_cycles=20)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@every_goal
+def test_gymnasiums_check_passes(goal):
+    check_env(gymnasium.make("CleanSwarm-v0", goal=goal, seconds=SECONDS).unwrapped, skip_render_check=True)
+
+
+@every_mode
+@every_goal
+def test_all_components_lie_in_their_spaces_and_names_are_single(goal, mode):
+    env = environment(goal, mode)
+    observations, _ = env.reset(seed=2)
+    assert len(set(env.observation_names)) == len(env.observation_names)
+    assert len(set(env.state_names)) == len(env.state_names)
+    while env.agents:
+        for agent in env.agents:
+            assert env.observation_space(agent).contains(observations[agent])
+        assert env.state_space.contains(env.state())
+        observations, *_ = env.step(sampled(env))
+
+
+@every_goal
+def test_the_time_of_the_scene_and_max_cycles_truncate(goal):
+    for settings, steps in (({}, 4), ({"max_cycles": 2}, 2), ({"seconds": 2.2}, 3)):
+        env = environment(goal, **settings)
+        env.reset(seed=1)
+        for step in range(steps):
+            assert env.agents
+            _, _, terminations, truncations, infos = env.step(sampled(env))
+            assert set(terminations.values()) == {False}
+            assert set(truncations.values()) == {step == steps - 1}
+        assert env.agents == []
+        assert infos["robot_0"]["time_s"] == pytest.approx(min(steps, settings.get("seconds", 9.0)))
+
+
+@every_mode
+@every_goal
+def test_copies_and_states_go_on_with_the_same_bits(goal, mode):
+    env = environment(goal, mode)
+    env.reset(seed=3)
+    course(env, 2)
+    state = env.get_state()
+    twin, orphan = copy.deepcopy(env), pickle.loads(pickle.dumps(env))
+    assert pointing_into(arrays_of(twin), arrays_of(env)) == []
+    expected = course(env, 5)
+    assert course(twin, 5) == expected
+    del env, twin
+    gc.collect()
+    further = copy.deepcopy(orphan)
+    assert course(orphan, 5) == expected
+    course(further, 5)
+    further.set_state(state)
+    again = [further.step(dict.fromkeys(further.agents, action_of(mode))) for _ in range(2)]
+    further.set_state(state)
+    for first in again:
+        assert repr(further.step(dict.fromkeys(further.agents, action_of(mode)))) == repr(first)
+
+
+def action_of(mode):
+    vector = np.array([0.5, -0.25], dtype=np.float32)
+    return {"option": 0, "velocity": vector, "both": {"option": 0, "correction": vector}}[mode]
+
+
+def parted(actions, work):
+    """Return the result of `work` on an action, or on each part of it."""
+    return {name: work(part) for name, part in actions.items()} if isinstance(actions, dict) else work(actions)
+
+
+@every_mode
+def test_all_borders_have_one_course(mode):
+    settings = {"goal": "Foraging", "seconds": SECONDS, "action": {"mode": mode}}
+    parallel, team = clean_swarm_v0.parallel_env(**settings), CleanSwarmTeam(**settings)
+    robots, teams = RobotVectorEnv(1, **settings), TeamVectorEnv(1, **settings)
+    first, _ = parallel.reset(seed=4)
+    for border in (team, robots, teams):
+        assert np.array_equal(border.reset(seed=4)[0].ravel(), np.concatenate(list(first.values())))
+    robots.action_space.seed(1)
+    for _ in range(4):
+        actions = robots.action_space.sample()
+        parts = (
+            {name: part.reshape(1, -1) for name, part in actions.items()} if mode == "both" else actions.reshape(1, -1)
+        )
+        alone = {name: part[0] for name, part in parts.items()} if mode == "both" else parts[0]
+        each = [{n: p[k] for n, p in actions.items()} if mode == "both" else actions[k] for k in range(12)]
+        seen, paid, _, cut, infos = parallel.step(dict(zip(parallel.agents, each, strict=True)))
+        one, many, row = team.step(alone), teams.step(parts), robots.step(actions)
+        final = row[4].get("final_obs", row[0])
+        assert np.array_equal(np.stack(list(final)), np.stack(list(seen.values())))
+        assert np.array_equal(one[0], np.concatenate(list(seen.values())))
+        assert row[1].tolist() == list(paid.values())
+        assert one[1] == many[1][0] == pytest.approx(np.mean(list(paid.values())))
+        assert row[3].tolist() == list(cut.values())
+        assert one[4].keys() == infos["robot_0"].keys()
+        ended = row[4].get("final_info", row[4])
+        assert {name: ended[name][0] for name in ("time_s", "items_brought_per_minute", "own_collisions")} == {
+            name: infos["robot_0"][name] for name in ("time_s", "items_brought_per_minute", "own_collisions")
+        }
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_worlds_begin_anew_together(mode):
+    envs = RobotVectorEnv(2, goal="CircleFormation", seconds=3.0, autoreset_mode=mode)
+    envs.reset(seed=1)
+    cut = [envs.step(envs.action_space.sample())[3] for _ in range(8)]
+    expected = [2, 5] if mode == "SameStep" else [2, 6]
+    assert [step for step, flags in enumerate(cut) if flags.all()] == expected
+    assert [step for step, flags in enumerate(cut) if flags.any()] == expected
+
+
+def test_only_some_worlds_cannot_begin():
+    envs = RobotVectorEnv(2, goal="CircleFormation", seconds=3.0, autoreset_mode="Disabled")
+    envs.reset(seed=1)
+    with pytest.raises(ValueError, match="goal CircleFormation: all 2 worlds begin together, got 1"):
+        envs.reset(options={"reset_mask": np.arange(20) < 10})
+
+
+@long_course
+def test_wrappers_take_goals():
+    parallel_api_test(MaskedObservations(AllRobots(environment("Foraging"))), num_cycles=10)

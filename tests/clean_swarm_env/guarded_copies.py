@@ -1,0 +1,77 @@
+"""`python -m tests.clean_swarm_env.guarded_copies [COUNT] [FAULT]`: copies of random batches between guard pages.
+
+Copies go on after their originals are gone, with the bits that the originals would have had. An address of an original
+that survives in a copy ends the process by SIGSEGV. FAULT plants one: `address` gives a copy the words of its original,
+`behind` lets a kernel write behind the end of an array.
+"""
+
+import faulthandler
+import gc
+import sys
+
+import numpy as np
+
+from clean_swarm_env.goals.goal_batch import GoalBatch
+from clean_swarm_env.learning.batch import Batch, whole_mission
+from clean_swarm_env.scenes import goals
+from selforg.arrays import Floats
+from selforg.compiler.decorators import lean_kernel
+from tests.clean_swarm_env.copies import advance, random_batch
+from tests.clean_swarm_env.test_copies import WAYS
+from tests.guard_pages import guard
+from tests.soaking import report, rounds
+
+FAULTS = ("none", "address", "behind")
+
+
+@lean_kernel
+def write(array: Floats, place: int) -> None:
+    """Write to a place of `array` (K,), whether it has that or not."""
+    array[place] = 1.0
+
+
+def random_kind(rng: np.random.Generator) -> Batch | GoalBatch:
+    """Return a batch of missions, or now and then of a goal, that has just begun."""
+    if rng.random() < 0.7:
+        return random_batch(rng)
+    batch = GoalBatch(goals()[int(rng.integers(len(goals())))], seconds=10.0)
+    batch.reset([int(rng.integers(1 << 30))])
+    return batch
+
+
+def check(number: int, fault: str) -> None:
+    """Copy a random batch at a random moment; the copy goes on alone, and so do states and copies of the copy."""
+    rng = np.random.default_rng((2028, number))
+    batch = random_kind(rng)
+    advance(batch, rng, int(rng.integers(0, 20)))
+    way, state = WAYS[list(WAYS)[number % len(WAYS)]], batch.get_state()
+    orphan, course = way(batch), advance(batch, np.random.default_rng(number), 6)
+    if fault == "address":
+        orphan.worlds.floor.packed.words[:] = batch.worlds.floor.packed.words
+    del batch
+    gc.collect()
+    assert advance(orphan, np.random.default_rng(number), 6) == course, number
+    orphan.set_state(state)
+    assert advance(way(orphan), np.random.default_rng(number), 6) == course, number
+
+
+def main(count: int, fault: str) -> None:
+    """Compile without guards, then check `count` batches."""
+    faulthandler.enable()
+    whole_mission()
+    array = np.zeros(3)
+    write(array, 0)
+    guard()
+    if fault == "behind":
+        array = np.zeros(3)
+        write(array, array.size)
+    tried = 0
+    for number in rounds(count):
+        check(number, fault)
+        tried += 1
+    print(f"{tried} copies between guard pages: equal bits, no access outside")
+    report(tried, tried)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 100, sys.argv[2] if len(sys.argv) > 2 else "none")

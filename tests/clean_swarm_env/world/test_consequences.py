@@ -1,0 +1,164 @@
+"""Consequences of collisions: who collides stands, loses its cargo, is damaged and mended; nobody else does."""
+
+import json
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.progress import DUMPINGS
+from clean_swarm_env.recording.mission_recording import record_mission
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
+from clean_swarm_env.world.mission import MissionRun
+from tests.clean_swarm_env.courses import CROWD, course, difference, mission, worlds_at_start
+from tests.train.commands import run
+
+STOP = 3.0
+FACING = StartConfiguration(id="facing", robots=((5.0, 9.0, 0.0), (6.0, 9.0, np.pi), (1.0, 1.0, 0.0)), items=())
+
+
+def crowd(**consequences):
+    return CROWD.model_validate({**CROWD.model_dump(), "consequences": consequences})
+
+
+def steered(config, start=FACING, speeds=(1.0, -1.0, 0.5)):
+    """Return one world whose robots are steered along x at `speeds`."""
+    batch = Batch(config, action={"mode": "velocity"})
+    batch.reset([1], [start])
+    batch.worlds.steer(np.array([[speed, 0.0] for speed in speeds]))
+    return batch.worlds
+
+
+def open_mission(**changes):
+    return mission(
+        robots={"count": 3}, garbage={"count": 0}, events=[{"at": 900.0, "do": "land", "items": 1}], **changes
+    )
+
+
+def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
+    worlds = steered(open_mission(consequences={"stop": STOP}))
+    while not worlds.tick().any():
+        pass
+    places = worlds.physics.positions.copy()
+    worlds.tick()  # brakes act at once, but in the tick of the collision both were still driving
+    stopped = worlds.physics.positions.copy()
+    for _ in range(round(STOP / worlds.period) - 1):
+        worlds.tick()
+        moved = np.abs(worlds.physics.positions - stopped).max(axis=1)
+        assert moved[:2].max() < 0.03  # the solver moves discs that overlap apart
+        assert moved[2] > 0.05
+    assert (worlds.floor.consequences.standing > 0).tolist() == [True, True, False]
+    worlds.steer(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]))
+    for _ in range(20):
+        worlds.tick()
+    assert np.abs(worlds.physics.positions - places)[:2, 0].min() > 0.3
+
+
+def test_who_stands_decides_nothing_and_handles_nothing():
+    worlds = worlds_at_start(crowd(stop=STOP), [5, 6])
+    network, garbage, stood = worlds.network, worlds.garbage, 0
+    for _ in range(200):
+        before, cargo = network.state.value_table.copy(), garbage.cargo.copy()
+        held = worlds.floor.consequences.standing > 1
+        worlds.tick()
+        stood += int(held.sum())
+        assert np.array_equal(network.state.value_table[held], before[held])
+        assert np.array_equal(garbage.cargo[held], cargo[held])
+    assert stood > 100
+
+
+def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
+    batch = Batch(mission(robots={"count": 10}, consequences={"stop": STOP, "drop": True}), 2)
+    batch.reset([5, 6])
+    worlds, garbage, lost = batch.worlds, batch.worlds.garbage, 0
+    cargo = garbage.cargo.copy()
+    for _ in range(200):
+        for _ in batch.ticks(np.ones(batch.rows, dtype=np.int64)):
+            hit = worlds.collisions.entered_in_tick > 0
+            assert (garbage.cargo[hit] == NOTHING).all()
+            for row in np.flatnonzero(hit & (cargo != NOTHING)):
+                if garbage.stage[row // 10, cargo[row]] == LYING:
+                    assert np.array_equal(garbage.positions[row // 10, cargo[row]], worlds.physics.positions[row])
+                    lost += 1
+            for world in range(2):
+                assert worlds.minds.items.count(world, "garbage") == (garbage.stage[world] == LYING).sum()
+            cargo = garbage.cargo.copy()
+        assert batch.progress.events[DUMPINGS].sum() == batch.progress.dumped.sum()
+    assert lost > 10
+    assert (garbage.stage == CARRIED).sum() == (garbage.cargo != NOTHING).sum()
+    assert (garbage.stage == DONE).sum() == garbage.done.sum() > 0
+
+
+def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
+    stations = {"recycling": [5.5, 3.0], "dump": [9.0, 9.0]}
+    config = open_mission(stations=stations, consequences={"damage_after": 1, "damaged_speed": 0.4, "mending": 2.0})
+    worlds, consequences = steered(config), None
+    consequences = worlds.floor.consequences
+    while not worlds.tick().any():
+        pass
+    assert consequences.damaged.tolist() == [True, True, False]
+    worlds.steer(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+    for _ in range(10):
+        worlds.tick()
+    speeds = np.hypot(*worlds.physics.velocities.T)
+    assert speeds == pytest.approx([0.4, 0.4, 1.0], abs=1e-6)
+    ticks = 0
+    while consequences.damaged[1]:  # it drives to the dump at [9, 9]
+        worlds.tick()
+        ticks += 1
+    assert ticks > 10
+    assert consequences.standing[1] == round(2.0 / worlds.period) + 1
+    assert consequences.damaged.tolist() == [True, False, False]
+
+
+def test_a_world_with_consequences_goes_on_from_its_state_in_another_batch():
+    config = crowd(stop=STOP, drop=True, damage_after=3)
+    worlds, others = worlds_at_start(config, [5, 6, 7]), worlds_at_start(config, [8, 9])
+    for _ in range(57):
+        worlds.tick()
+    assert worlds.floor.consequences.standing.any()
+    others.tick()
+    others.set_state(worlds.get_state(1), 0)
+    assert difference(course(worlds, 1, 60), course(others, 0, 60)) == ""
+
+
+def test_a_world_with_consequences_has_the_course_that_it_has_alone():
+    config = crowd(stop=STOP, drop=True, damage_after=3)
+    assert (
+        difference(course(worlds_at_start(config, [5, 6]), 1, 120), course(worlds_at_start(config, [6]), 0, 120)) == ""
+    )
+
+
+def test_recordings_say_who_stands_and_how_often_it_collided(tmp_path):
+    config = crowd(stop=STOP).model_copy(update={"time_limit": 20.0})
+    start = StartConfiguration(id="1", robots=tuple((0.7 * k % 4.0, 1.0 + k // 5, 0.0) for k in range(8)),
+                               items=((3.5, 3.5), (0.5, 3.5)))  # fmt: skip
+    record_mission(MissionRun(config, start, 3, {}), RecordSettings(tmp_path, name="run"), {})
+    recording = RecordedMission(tmp_path / "run.swarm")
+    standing, collided, contact = recording["standing"], recording["collisions"], recording["contact"]
+    assert np.array_equal(collided, np.cumsum(contact, axis=0))
+    assert (standing[contact > 0] == round(STOP * 5) + 1).all()
+    assert contact.any()
+
+
+def test_explain_says_that_a_collision_stops_a_robot(tmp_path, capsys):
+    experiment = {"name": "x", "mission": {**crowd(stop=STOP).model_dump(mode="json"), "time_limit": 30.0},
+                  "conditions": [{"name": "by score"}]}  # fmt: skip
+    (tmp_path / "x.yaml").write_text(json.dumps(experiment))
+    out = tmp_path / "run"
+    assert run("evaluate", tmp_path / "x.yaml", "--scenarios", 1, "--workers", 1, "--record", "--output", out) == 0
+    recording = RecordedMission(next((out / "recordings").iterdir()))
+    frame, robot = np.argwhere(recording["standing"] > 0)[-1].tolist()
+    capsys.readouterr()
+    assert run("explain", out, "--robot", robot, "--time", frame * 0.2) == 0
+    seconds = recording["standing"][frame, robot] * 0.2
+    assert f"a collision stops it for {seconds:g} s" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("wrong", [{"stop": -1.0}, {"stop": 1e9}, {"damaged_speed": 0.0}, {"bounce": 1.0}])
+def test_settings_have_bounds(wrong):
+    with pytest.raises(ValueError, match="consequences"):
+        mission(consequences=wrong)

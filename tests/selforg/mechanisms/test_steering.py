@@ -1,0 +1,170 @@
+"""Steering mechanisms beside naive references in plain Python, and what all of them promise."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from selforg.compiler.decorators import kernel
+from selforg.components import Commands
+from selforg.gradients.poses import PoseDelivery
+from selforg.mechanisms import MECHANISMS, PredictiveSteering, SteeringMechanism
+from selforg.mechanisms.kernels.others import OTHER_COLUMNS, note_others
+from selforg.space import Torus
+from tests.selforg.worlds import directions, make_world
+
+NAMES = [name for name in MECHANISMS.names() if issubclass(MECHANISMS.find(name), SteeringMechanism)]
+DT, SIDE = 0.2, 11.0
+
+
+@kernel
+def noted(row, now, view, others, poses):
+    return note_others(row, now, view, others, poses)
+
+
+def moving(rows=8, side=4.0, seed=0, teams=None, **options):
+    """Robots that crowd in a corner of a torus, with two poses each, one tick apart."""
+    rng = np.random.default_rng(seed)
+    world = make_world(Torus(SIDE, SIDE), rows=rows, teams=teams, seed=seed, size=side, **options)
+    velocities, headings = rng.uniform(-1, 1, (rows, 2)), rng.uniform(-np.pi, np.pi, rows)
+    places = world.poses.positions + DT * velocities
+    world.poses.update(places, headings, DT)
+    return world.poses, places, headings, velocities
+
+
+def wishes(rows, seed=0):
+    rng = np.random.default_rng(seed + 1000)
+    commands = Commands.none(rows, 2)
+    angles = rng.uniform(-np.pi, np.pi, rows)
+    commands.vectors[:] = rng.uniform(0.3, 1.0, (rows, 1)) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    commands.commanded[:] = True
+    return commands
+
+
+def nearest(offset):
+    return (offset + SIDE / 2) % SIDE - SIDE / 2
+
+
+def seen_by(row, places, velocities, reach):
+    """Return offset and velocity of the robots within `reach` of a row."""
+    offsets = [nearest(place - places[row]) for place in places]
+    near = [k for k, offset in enumerate(offsets) if k != row and np.hypot(*offset) <= reach]
+    return [(offsets[k], velocities[k]) for k in near]
+
+
+def predicted(wish, heading, others, distance=0.591, margin=0.05, horizon=1.64, caution=0.46, urgency=37.6):
+    """Return the velocity that promises most, in plain Python."""
+    speed, forward = math.hypot(*wish), math.atan2(wish[1], wish[0])
+    best = -math.inf, (0.0, 0.0)
+    degrees = (0, 15, -15, 30, -30, 50, -50, 75, -75, 105, -105, 150, -150)
+    tried = [*itertools.product(degrees, (1.0, 0.5, 0.2)), (0, 0.0)]
+    for degree, share in tried:
+        direction = forward + math.radians(degree)
+        turn = abs(math.remainder(direction - heading, 2 * math.pi)) if share else 0.0
+        candidate = np.array([math.cos(direction), math.sin(direction)]) * share * speed
+        drives = candidate / 2 + share * speed / 2 * np.array([math.cos(heading), math.sin(heading)])
+        if turn > math.pi / 3:
+            drives = np.zeros(2)
+        promise = share * math.cos(math.radians(degree)) - 0.14 * turn / math.pi
+        for offset, velocity in others:
+            closing = velocity - drives
+            if offset @ closing >= 0:
+                continue
+            time = min(-(offset @ closing) / (closing @ closing), horizon)
+            d = np.linalg.norm(offset + time * closing)
+            near = max(distance + margin - d, 0) / margin
+            promise -= caution * (near + urgency * max(distance - d, 0) * (1.2 - time / horizon))
+        if promise > best[0] + 1e-12:
+            best = promise, tuple(candidate)
+    return best[1]
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_predictive_steering_takes_what_promises_most(seed):
+    poses, places, headings, velocities = moving(side=2.5, seed=seed)
+    commands = wishes(8, seed)
+    before = commands.vectors.copy()
+    PredictiveSteering(poses, view_distance=1.0).steer(DT, np.arange(8), commands.packed.words)
+    for row in range(8):
+        others = seen_by(row, places, velocities, 2.5)
+        expected = predicted(before[row], headings[row], others) if others else before[row]
+        np.testing.assert_allclose(commands.vectors[row], expected, atol=1e-9)
+    assert (commands.vectors != before).any()
+
+
+def test_who_did_not_get_on_dares_to_come_near_for_some_seconds():
+    poses, *_ = moving(rows=2, side=0.1)
+    steering = PredictiveSteering(poses, view_distance=1.0, daring=0.0, directions=directions(2))
+    blocked = []
+    for tick in range(70):
+        now = DT * (tick + 2)
+        poses.update(np.array([[5.0, 5.0], [5.55, 5.0]]), np.zeros(2), now)
+        commands = Commands.none(2, 2)
+        commands.vectors[:], commands.commanded[:] = (1.0, 0.0), True
+        steering.steer(now, np.array([0]), commands.packed.words)
+        blocked.append(commands.vectors[0].tolist() != [1.0, 0.0])
+    assert all(blocked[1:24])
+    dared = blocked.index(False, 1)
+    assert 24 <= dared <= 27
+    assert 5 <= blocked[dared:].index(True) <= 20  # 1 to 4 s
+
+
+def build(name, poses):
+    return MECHANISMS.create(name, poses, view_distance=1.0, **MECHANISMS.find(name).example())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rows_that_nobody_is_near_to_or_that_do_not_move_keep_their_commands(name):
+    poses, *_ = moving(rows=6, teams=[0, 1, 2, 3, 3, 3], side=1.0)
+    commands = wishes(6)
+    commands.commanded[3], commands.in_place[4] = False, True
+    commands.vectors[5] = 0.0
+    before = commands.vectors.copy()
+    build(name, poses).steer(DT, np.arange(6), commands.packed.words)
+    np.testing.assert_array_equal(commands.vectors, before)
+    assert commands.commanded.tolist() == [True, True, True, False, True, True]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_steering_keeps_to_the_speed_and_only_to_its_rows(name):
+    poses, *_ = moving(side=2.0)
+    commands = wishes(8)
+    before = commands.vectors.copy()
+    build(name, poses).steer(DT, np.array([6, 1, 3]), commands.packed.words)
+    np.testing.assert_array_equal(np.delete(commands.vectors, [1, 3, 6], axis=0), np.delete(before, [1, 3, 6], axis=0))
+    assert (commands.vectors[[1, 3, 6]] != before[[1, 3, 6]]).any()
+    speeds = np.linalg.norm(commands.vectors, axis=1)
+    assert (speeds <= np.linalg.norm(before, axis=1) + 1e-9).all()
+    again = wishes(8)
+    for row in (3, 6, 1):
+        build(name, moving(side=2.0)[0]).steer(DT, np.array([row]), again.packed.words)
+    np.testing.assert_array_equal(again.vectors, commands.vectors)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_steering_needs_a_plane(name):
+    with pytest.raises(ValueError, match="expected a space of 2 dimensions, got 3"):
+        MECHANISMS.create(name, make_world("volume").poses)
+
+
+def test_places_and_velocities_are_those_of_the_poses_received():
+    poses = make_world(Torus(SIDE, SIDE), rows=2, history=6, hearing=True).poses
+    delivery = PoseDelivery(poses, np.array([3.0]), np.zeros(1), [np.random.default_rng(0)] * 2)
+    place, seen = 10.0, []
+    for tick in range(9):
+        now = DT * tick
+        poses.update(np.array([[1.0, 5.0], [place % SIDE, 5.0]]), np.zeros(2), now + 1.0)
+        delivery.reaches[0] = 3.0 if tick in (0, 2, 3) else 0.0
+        delivery.deliver()
+        others = np.zeros((2, OTHER_COLUMNS))
+        count = noted(0, now + 1.0, 10.0, others, poses.packed.words)
+        seen.append(others[0, [0, 2]].round(9).tolist() if count else None)
+        place += 0.1 * (tick + 1)  # ever faster
+    assert seen[0] == [-2.0, 0.0]  # a single pose has no velocity
+    assert seen[1] == [-2.0, 0.0]
+    assert seen[2] == [-1.7, 0.75]  # 0.3 m in two ticks: the pose between got lost
+    assert seen[3] == [-1.4, 1.5]
+    assert seen[4] == [-1.1, 1.5]  # carried on
+    assert seen[7] == [-0.2, 1.5]
+    assert seen[8] == [-1.4, 0.0]  # the pose before is forgotten

@@ -1,0 +1,102 @@
+"""`make soak`: all long random tests side by side within half an hour, and a table of what they tried.
+
+`python -m tests.soak [--write] [NAME...]` runs those whose names begin so, or all. Each has a limit of time for two
+CPUs; fewer CPUs shorten it. `--write` puts the table into docs/reliability.md.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+from tests.attacks.targets import TARGETS
+from tests.paths import ROOT
+from tests.soaking import SECONDS
+from train.running.runs import usable_cpus
+
+PAGE = ROOT / "docs" / "reliability.md"
+BEGIN, END = "<!-- begin: soak -->\n", "<!-- end: soak -->\n"
+CPUS = 2
+"""Processors for which the limits of time are made: together they take 27 minutes there."""
+FUZZ_SECONDS = 50.0
+
+
+class Soak(NamedTuple):
+    """A long random test: a module that ends with the line of `tests.soaking.report`."""
+
+    name: str
+    words: tuple[str, ...]
+    """Module and arguments."""
+    asked: int
+    """What it tries if there is time enough."""
+    seconds: float
+    """Limit of time."""
+
+
+class Outcome(NamedTuple):
+    """What a soak did."""
+
+    soak: Soak
+    tried: int
+    survived: int
+    seconds: float
+    passed: bool
+    said: str
+
+
+SOAKS = (
+    Soak("hours of a week of one mission", ("tests.clean_swarm_env.soak_week",), 168, 700.0),
+    Soak("copies and states of random missions", ("tests.clean_swarm_env.soak_copies",), 1000, 350.0),
+    Soak("copies between guard pages", ("tests.clean_swarm_env.guarded_copies",), 100, 150.0),
+    Soak("random networks, 50 steps", ("tests.selforg.network.soak",), 10_000, 250.0),
+    Soak("sequences of messages", ("tests.selforg.gradients.fuzz",), 100_000, 250.0),
+    Soak("kills of processes with a store", ("tests.selector.store.soak",), 2000, 250.0),
+    Soak("periods of switching options", ("tests.selector.coordination.soak_switching",), 3600, 250.0),
+    *(Soak(f"contents: {name}", ("tests.attacks.soak", name), 100_000, FUZZ_SECONDS) for name in TARGETS),
+)
+"""The longest first, so that all processors are busy to the end."""
+
+
+def outcome_of(soak: Soak, share: float) -> Outcome:
+    """Run a soak in a process of its own, with a share of its time."""
+    began = time.monotonic()
+    environment = {**os.environ, SECONDS: f"{share * soak.seconds:g}"}
+    command = [sys.executable, "-m", *soak.words]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    lines = re.findall(r"^tried (\d+), survived (\d+)$", done.stdout, re.MULTILINE)
+    tried, survived = map(int, lines[-1]) if lines else (0, 0)
+    passed = done.returncode == 0 and tried == survived > 0
+    return Outcome(soak, tried, survived, time.monotonic() - began, passed, done.stdout[-3000:] + done.stderr[-3000:])
+
+
+def table(outcomes: list[Outcome]) -> str:
+    """Return the table as Markdown."""
+    lines = ["| soak | asked | tried | survived | seconds |", "|---|---:|---:|---:|---:|"]
+    lines += [
+        f"| {o.soak.name} | {o.soak.asked:,} | {o.tried:,} | {o.survived:,} | {o.seconds:.0f} |" for o in outcomes
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str]) -> int:
+    """Run the soaks; return 1 if one failed."""
+    names = tuple(word for word in arguments if word != "--write")
+    chosen = [soak for soak in SOAKS if not names or soak.name.startswith(names)]
+    cpus, outcomes, began = usable_cpus(), list[Outcome](), time.monotonic()
+    with ThreadPoolExecutor(cpus) as pool:
+        for outcome in pool.map(lambda soak: outcome_of(soak, min(1.0, cpus / CPUS)), chosen):
+            outcomes.append(outcome)
+            words = "passed" if outcome.passed else f"FAILED\n{outcome.said}"
+            print(f"{outcome.soak.name}: {outcome.tried} tried, {outcome.seconds:.0f} s, {words}", flush=True)
+    print(f"\n{table(outcomes)}\n{(time.monotonic() - began) / 60:.1f} minutes on {cpus} CPUs")
+    if "--write" in arguments:
+        before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+        PAGE.write_text(before + BEGIN + table(outcomes) + END + rest.split(END)[1], encoding="utf-8")
+    return 0 if all(outcome.passed for outcome in outcomes) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

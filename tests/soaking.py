@@ -1,0 +1,22 @@
+"""What long random tests have in common: a limit of time, and a last line that the table of `make soak` reads."""
+
+import os
+import time
+from collections.abc import Iterator
+
+SECONDS = "SOAK_SECONDS"
+"""Variable of the environment: seconds after which a soak begins no further round; no limit unless set."""
+
+
+def rounds(count: int, first: int = 0) -> Iterator[int]:
+    """Yield numbers of rounds from `first` on until there were `count`, or the time is over."""
+    end = time.monotonic() + float(os.environ.get(SECONDS, "inf"))
+    for number in range(first, first + count):
+        if time.monotonic() > end:
+            return
+        yield number
+
+
+def report(tried: int, survived: int) -> None:
+    """Print the line that the table reads."""
+    print(f"tried {tried}, survived {survived}", flush=True)

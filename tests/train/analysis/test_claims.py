@@ -1,0 +1,51 @@
+"""Claims over families: Holm's correction, intervals that hold together, and directories that cannot be compared."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.errors import ConfigurationError
+from train.analysis.claims import claims_of, holm
+from train.evaluation.claims import claims_over
+
+
+def test_holm_is_between_nothing_and_bonferroni():
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        ps = rng.uniform(0.0, 0.2, 6)
+        corrected = np.array(holm(ps.tolist()))
+        assert (corrected >= ps).all()
+        assert (corrected <= np.minimum(6 * ps, 1.0) + 1e-12).all()
+        assert (
+            np.array_equal(np.argsort(ps), np.argsort(corrected, kind="stable"))
+            or (np.diff(np.sort(corrected)) == 0).any()
+        )
+        assert corrected[ps.argmin()] == pytest.approx(min(6 * ps.min(), 1.0))
+
+
+def test_of_many_families_without_a_difference_hardly_any_is_claimed():
+    rng = np.random.default_rng(0)
+    wrong, alone = 0, 0
+    for _ in range(40):
+        families = {
+            str(k): {"a": rng.gamma(4.0, 25.0, (1, 30, 1)), "b": rng.gamma(4.0, 25.0, (1, 30, 1))} for k in range(6)
+        }
+        claims = claims_of(families, ["a"], dict.fromkeys(families, "b"))
+        wrong += any(claim.holm < 0.05 for claim in claims)
+        alone += any(claim.p < 0.05 for claim in claims)
+        assert all(c.corrected[0] <= c.ci95[0] <= c.ratio <= c.ci95[1] <= c.corrected[1] for c in claims)
+    assert wrong <= 8  # of 40 at 5 %: more would be rarer than one in a thousand
+    assert wrong < alone
+
+
+def test_a_real_difference_is_claimed_on_every_family():
+    rng = np.random.default_rng(2)
+    families = {str(k): {"a": (b := rng.gamma(9.0, 10.0, (1, 60, 2))) * 0.8, "b": b} for k in range(6)}
+    for claim in claims_of(families, ["a"], dict.fromkeys(families, "b")):
+        assert claim.holm < 0.01
+        assert claim.corrected == pytest.approx((0.8, 0.8))
+
+
+def test_a_directory_without_results_of_a_family_is_refused(tmp_path):
+    (tmp_path / "manifest.json").write_text('{"identity": {"configuration": {}}}')
+    with pytest.raises(ConfigurationError, match="expected results of `evaluate --family`"):
+        claims_over([tmp_path], ["Random"], "")

@@ -1,0 +1,121 @@
+"""`clean-swarm video` and `picture`: files that are what was asked for, and one line for what cannot be."""
+
+import importlib.util
+import shutil
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.pixels import pixels_of
+from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+from clean_swarm_env.recording.mission_recording import record_mission
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission import MissionRun
+from tests.train.commands import run
+
+OPENCV = importlib.util.find_spec("cv2") is not None
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recorded")
+    mission = load_mission("table1").model_copy(update={"time_limit": 6.0})
+    record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), RecordSettings(folder, name="run"), {})
+    return folder / "run.swarm"
+
+
+@pytest.mark.parametrize("suffix", ["webp", "gif"])
+def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suffix, capsys):
+    output = tmp_path / "new" / f"out.{suffix}"
+    assert run("video", recorded, output, "--from", 1, "--to", 3, "--size", 200) == 0
+    assert capsys.readouterr().out == f"{output}: 41 pictures, 2.05 s\n"
+    video = Image.open(output)
+    assert (video.n_frames, video.info["loop"]) == (41, 0)
+    course = RecordedCourse(RecordedMission(recorded))
+    video.seek(20)
+    shown = np.asarray(video.convert("RGB")).astype(float)
+    assert video.info["duration"] == 50
+    own, other = (np.abs(shown - pixels_of(course.at(time), 200)).mean() for time in (2.0, 3.0))
+    assert own < 4.0
+    assert own < 0.8 * other
+    assert run("video", recorded, output, "--speed", 4) == 0
+    assert "30 pictures" in capsys.readouterr().out
+    assert [path.name for path in output.parent.iterdir()] == [output.name]
+
+
+@pytest.mark.skipif(not OPENCV, reason="needs the extra 'video'")
+@pytest.mark.parametrize(("suffix", "codec"), [("webm", "VP80"), ("mp4", "VP90")])
+def test_a_video_of_opencv_can_be_read_again(recorded, tmp_path, suffix, codec, capfd):
+    import cv2
+
+    output = tmp_path / f"out.{suffix}"
+    assert run("video", recorded, output, "--size", 250, "--speed", 2) == 0
+    assert "OpenCV" not in capfd.readouterr().err
+    video = cv2.VideoCapture(str(output))
+    code = int(video.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").decode()
+    assert (code, video.get(cv2.CAP_PROP_FPS)) == (codec, 20.0)
+    frames = []
+    while (frame := video.read())[0]:
+        frames.append(frame[1][:, :, ::-1])
+    assert len(frames) == 59
+    course = RecordedCourse(RecordedMission(recorded))
+    assert np.abs(frames[20].astype(float) - pixels_of(course.at(2.0), 250)).mean() < 6.0
+
+
+@pytest.mark.skipif(OPENCV, reason="the extra 'video' is installed")
+def test_without_opencv_its_videos_are_one_line(recorded, tmp_path, capsys):
+    assert run("video", recorded, tmp_path / "out.mp4") == 2
+    assert "needs OpenCV, which is not installed: pip install 'clean-swarm[video]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png", "webp"])
+def test_a_picture_is_the_moment_that_was_asked_for(recorded, tmp_path, suffix):
+    output = tmp_path / f"out.{suffix}"
+    assert run("picture", recorded, output, "--time", 2.5, "--size", 300) == 0
+    if suffix == "svg":
+        assert "2.5 s" in "".join(ElementTree.parse(output).getroot().itertext())
+    else:
+        expected = pixels_of(RecordedCourse(RecordedMission(recorded)).at(2.5), 300)
+        assert np.array_equal(np.asarray(Image.open(output).convert("RGB")), expected)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("picture", "RUN", "a.jpeg", "--time", 1), "a.jpeg: expected a name that ends with .svg, .png, .webp"),
+        (("picture", "RUN", "a.svg", "--time", 6), "--time: expected seconds from 0 to 5.8, got 6"),
+        (("picture", "RUN", "a.svg", "--time", "nan"), "--time: expected seconds from 0 to 5.8, got nan"),
+        (("picture", "RUN", "a.svg", "--time", 1, "--size", 9999), "--size: expected a whole number of at most 4000"),
+        (("video", "RUN", "a.avi"), "a.avi: expected a name that ends with .webp, .gif, .webm, .mp4"),
+        (("video", "RUN", "a.webp", "--from", 3, "--to", 2), "--to: expected at least --from, 3, got 2"),
+        (("video", "RUN", "a.webp", "--speed", 0), "--speed: expected a positive number up to 1000, got 0"),
+        (("video", "RUN", "a.gif", "--speed", 0.01), "a.gif: expected at most 2000 pictures in a GIF, got 11601"),
+        (("video", "RUN", "run.swarm/a.webp"), "run.swarm/a.webp: cannot be written (File exists)"),
+        (("video", "nowhere", "a.webp"), "nowhere: cannot be read (No such file or directory)"),
+    ],
+)
+def test_what_cannot_be_is_one_line(recorded, tmp_path, words, message, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(recorded, "run.swarm")
+    assert run(*("run.swarm" if word == "RUN" else word for word in words)) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {message}")
+    assert error.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["run.swarm"]
+
+
+def test_a_truncated_recording_is_shown_as_far_as_it_goes(tmp_path, capsys):
+    mission = load_mission("table1").model_copy(update={"time_limit": 120.0})
+    settings = RecordSettings(tmp_path, name="run")
+    record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), settings, {})
+    path = tmp_path / "run.swarm"
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) * 3 // 4])
+    assert run("picture", path, tmp_path / "a.png", "--time", 10) == 0
+    assert run("picture", path, tmp_path / "a.png", "--time", 119) == 2
+    assert "--time: expected seconds from 0 to" in capsys.readouterr().err

@@ -1,0 +1,59 @@
+"""The headroom of a family: the search finds what is planted, and is judged on other scenarios."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.load import load_family
+from selector.documents.errors import DocumentError
+from tests.train.commands import run
+from train.evaluation import headroom
+from train.evaluation.headroom import RULE_FOUND, SINGLE, HeadroomRequest, RuleSearch, headroom_of
+
+SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
+
+
+def request(**changes):
+    family = load_family("random-bumpers")
+    family = family.model_copy(update={"mission": family.mission.model_copy(update={"time_limit": 30.0})})
+    return replace(HeadroomRequest(family, SITUATIONS, 0, searched=2, judged=4), **changes)
+
+
+def test_the_search_finds_the_planted_rule(monkeypatch):
+    planted = np.array([2, 0, 1, 3])
+    search = RuleSearch(request())
+
+    def excess(self, scenarios, rules):
+        wrong = (rules != planted).sum(axis=1)
+        return np.repeat(10.0 + wrong[:, None] + (rules[:, :1] == 5), len(scenarios), axis=1)
+
+    monkeypatch.setattr(RuleSearch, "excess", excess)
+    single, rule = search.best()
+    assert single in planted
+    assert rule.tolist() == planted.tolist()
+    assert search.missions <= 2 * (7 + 3 * 4 * 7)
+
+
+def test_what_was_found_is_judged_on_test_scenarios(monkeypatch):
+    splits, trials = [], headroom.run_trials
+
+    def noted(scenarios, maker, settings):
+        splits.append({scenario.id.partition("-")[0] for scenario in scenarios})
+        return trials(scenarios, maker, settings)
+
+    monkeypatch.setattr(headroom, "run_trials", noted)
+    monkeypatch.setattr(headroom, "MOST_ROUNDS", 1)
+    found = headroom_of(request())
+    assert splits[-3:] == [{"test"}] * 3
+    assert set().union(*splits[:-3]) == {"train"}
+    assert set(found.excesses) == {SINGLE, RULE_FOUND, "fixed:Off", "Random"}
+    assert [claim.against for claim in found.claims] == [SINGLE] * 3
+    assert found.excesses[RULE_FOUND] / found.excesses[SINGLE] == pytest.approx(found.claims[0].ratio)
+
+
+def test_unknown_situations_are_one_line(capsys):
+    assert run("headroom", "random", "--situations", "free_far,asleep") == 2
+    assert "--situations: unknown component 'asleep'" in capsys.readouterr().err
+    with pytest.raises(DocumentError):
+        RuleSearch(request(situations=("asleep",)))

@@ -1,0 +1,119 @@
+"""Strategies under disturbances, by the command line: figures, going on, repeated runs, mistakes."""
+
+import json
+
+import pytest
+import yaml
+
+from clean_swarm_env.config.load import load_robustness
+from clean_swarm_env.config.mission import MissionConfig
+from selector.documents.errors import DocumentError
+from tests.train.commands import run
+from train.evaluation.repeat import task_of
+
+SMALL = {
+    "name": "small",
+    "description": "Two disturbances.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0, "garbage": {"count": 3}},
+    "items": [3, 3],
+    "scenarios": 2,
+    "strategies": ["fixed:RepulsionGradient", "rule"],
+    "disturbances": [
+        {"kind": "loss", "level": "all", "mission": {"delivery": {"loss": 1.0}}},
+        {"kind": "failing", "level": "1", "mission": {"events": [{"at": 2.0, "do": "fail", "robots": [0]}]}},
+    ],
+}
+"""An experiment that takes seconds."""
+
+
+BESIDE = ("fixed:Off", "Random")
+"""Strategies that come beside those of the document."""
+
+
+def written(path, **changes):
+    path.write_text(yaml.safe_dump(SMALL | changes))
+    return path
+
+
+def test_a_disturbance_changes_the_mission_and_nothing_else(tmp_path):
+    families = load_robustness(str(written(tmp_path / "small.yaml"))).disturbed
+    assert list(families) == ["none", "loss all", "failing 1"]
+    base, lossy, failing = (family.scenario(3, 1, "test") for family in families.values())
+    assert base.seed == lossy.seed == failing.seed
+    assert base.start == lossy.start == failing.start
+    assert lossy.mission.delivery.loss == 1.0
+    assert [event.do for event in failing.events] == ["fail"]
+    assert base.mission == lossy.mission.model_copy(update={"delivery": base.mission.delivery})
+
+
+def test_the_shipped_experiment_has_the_disturbances_that_are_asked_for():
+    missions = [family.mission for family in load_robustness("robustness").disturbed.values()]
+    assert {mission.delivery.loss for mission in missions} == {0.0, 0.25, 0.5, 0.75}
+    assert {mission.delivery.delay for mission in missions} >= {0.0, 2.0}
+    assert {len(mission.events) for mission in missions} == {0, 1, 2, 3}
+    assert max(mission.robots.pose_noise for mission in missions) > 0.0
+    kinds = {name.partition(":")[0] for name in load_robustness("robustness").strategies}
+    assert kinds >= {"fixed", "rule", "learned", "policy"}
+
+
+def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tmp_path):
+    words = ("evaluate", written(tmp_path / "small.yaml"), "--workers", 1, "--output")
+    assert run(*words, tmp_path / "whole") == 0
+    assert run(*words, tmp_path / "cut") == 0
+    journal = tmp_path / "cut" / "runs.jsonl"
+    assert len(journal.read_text().splitlines()) == 2 * 3 * len((*SMALL["strategies"], *BESIDE))
+    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[::3]))
+    assert run(*words, tmp_path / "cut", "--resume") == 0
+    whole, cut = ((tmp_path / name / "summary.json").read_text() for name in ("whole", "cut"))
+    assert whole == cut
+    for by_strategy in json.loads(whole)["disturbances"].values():
+        for figures in by_strategy.values():
+            assert all(each["ci95"][0] <= each["value"] <= each["ci95"][1] for each in figures.values())
+    repeated = task_of(tmp_path / "whole", "test-2", "loss all - rule")
+    assert (repeated.mission.delivery.loss, repeated.member) == (1.0, "rule")
+    assert run("explain", tmp_path / "whole", "--condition", "failing 1 - rule", "--robot", 1, "--time", 3) == 0
+
+
+def test_strategies_can_be_added_later(tmp_path):
+    path = written(tmp_path / "small.yaml", scenarios=1, disturbances=SMALL["disturbances"][:1])
+    words = ("evaluate", path, "--workers", 1, "--output", tmp_path / "grown")
+    assert run(*words) == 0
+    written(path, scenarios=1, disturbances=SMALL["disturbances"][:1], strategies=[*SMALL["strategies"], "MaxScore"])
+    assert run(*words, "--resume") == 0
+    summary = json.loads((tmp_path / "grown" / "summary.json").read_text())
+    assert list(summary["disturbances"]["none"]) == [*SMALL["strategies"], "MaxScore", *BESIDE]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"disturbances": [{"kind": "a", "level": "1", "mission": {"delivery": {"los": 1.0}}}]}, "delivery.los"),
+        ({"disturbances": [SMALL["disturbances"][0]] * 2}, "'loss all' twice"),
+        ({"disturbances": 3}, "disturbances"),
+        ({"disturbances": [{"kind": "a", "level": "1", "mission": 3}]}, r"disturbances\.0\.mission"),
+        ({"changes": {"number": [1, 1], "kinds": ["fail"]}}, "none where events are drawn"),
+        ({"strategies": []}, "strategies"),
+    ],
+)
+def test_mistakes_are_one_line_before_anything_runs(tmp_path, changes, message):
+    with pytest.raises(DocumentError, match=rf"small\.yaml: .*{message}") as error:
+        load_robustness(str(written(tmp_path / "small.yaml", **changes)))
+    assert len(str(error.value).splitlines()) == 1
+
+
+def test_options_that_have_no_meaning_here_are_refused(tmp_path, capsys):
+    path = written(tmp_path / "small.yaml")
+    assert run("evaluate", path, "--condition", "rule") == 2
+    assert "--condition: expected with experiments without disturbances only" in capsys.readouterr().err
+
+
+def test_events_of_a_family_happen_in_each_of_its_scenarios():
+    family = load_robustness("robustness")
+    joining = family.mission.model_dump() | {
+        "events": [{"at": 1.0, "do": "join"}, {"at": 2.0, "do": "land", "items": 3}]
+    }
+    grown = type(family).model_validate(family.model_dump() | {"mission": joining, "disturbances": family.disturbances})
+    mission = grown.scenario(0, 5, "test").mission
+    assert isinstance(mission, MissionConfig)
+    assert [event.do for event in mission.events] == ["join", "land"]
+    assert (mission.rows, mission.item_rows) == (6, 13)

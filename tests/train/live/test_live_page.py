@@ -1,0 +1,259 @@
+"""The page of a session in a headless Chromium: it shows what runs, and what is done by hand happens in the world."""
+
+import shutil
+import statistics
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.recording.reader import RecordedMission
+from tests.train.live.sessions import SMALL, ordered, play_of, served
+from train.live.server import LiveServer
+from train.live.session import Session
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+CHROMIUM = shutil.which("chromium")
+pytestmark = [
+    pytest.mark.page,
+    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium"),
+]
+CALM = 60_000
+"""Time that the page may take on a busy machine [ms]."""
+FRAMES = "() => replay.page.run.frames"
+COURSE = (
+    "([name, robot]) => { const { data, columns } = replay.page.run.tracks.get(name);"
+    " return [...Array(28).keys()].map(k => data[(k + 1) * columns + robot] / 1000); }"
+)
+"""A coordinate of a robot in the frames from 1 on [m]."""
+SET_LOSS = (
+    "() => { const loss = document.querySelector('#loss'); loss.value = 0.6; loss.dispatchEvent(new Event('change')); }"
+)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def session(tmp_path):
+    return Session(play_of(SMALL), tmp_path / "run.swarm")
+
+
+@pytest.fixture
+def opened(browser):
+    """Open the page of a server, which has made a step; it must log nothing."""
+    pages, said = [], []
+
+    def open_page(server: LiveServer):
+        if not server.conductor.stream.state["playing"] and not server.conductor.session.ticks:
+            assert ordered(server, do="step") == ""
+        page = browser.new_page(viewport={"width": 1500, "height": 950})
+        pages.append(page)
+        page.set_default_timeout(CALM)
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.goto(server.address)
+        page.wait_for_selector("body[data-ready]")
+        return page
+
+    yield open_page
+    for page in pages:
+        page.close()
+    assert [words for words in said if not words.startswith("Failed to load resource")] == []
+
+
+def until(page, condition: str, *words: object) -> None:
+    """Wait until a condition of the page holds."""
+    page.wait_for_function(condition, arg=list(words) or None)
+
+
+def on_screen(page, x: float, y: float) -> tuple[float, float]:
+    """Return where a point of the world [m] is on the screen."""
+    box = page.locator(".world").bounding_box()
+    return box["x"] + x / 11.0 * box["width"], box["y"] + (1.0 - y / 11.0) * box["height"]
+
+
+def drag(page, begin: tuple[float, float], end: tuple[float, float]) -> None:
+    page.mouse.move(*on_screen(page, *begin))
+    page.mouse.down()
+    for share in (0.3, 0.6, 1.0):
+        page.mouse.move(*on_screen(page, *(np.array(begin) + share * (np.array(end) - begin))))
+    page.mouse.up()
+
+
+def free_place(session) -> tuple[float, float]:
+    """A place far from all robots and items."""
+    things = np.concatenate(
+        [session.worlds.physics.positions[session.worlds.physics.present], session.worlds.garbage.positions[0]]
+    )
+    places = [(x + 0.5, y + 0.5) for x in range(1, 10) for y in range(1, 10)]
+    return max(places, key=lambda place: np.hypot(*(things - place).T).min())
+
+
+def step(page) -> None:
+    frames = page.evaluate(FRAMES)
+    page.click("#step")
+    until(page, "([frames]) => replay.page.run.frames > frames && !replay.page.waiting", frames)
+
+
+def test_a_robot_that_is_dragged_is_there_and_the_world_goes_on(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        shown = [page.evaluate(f"replay.page.shown[0].view.{axis}[2]") for axis in "xy"]
+        place = free_place(session)
+        drag(page, shown, place)
+        until(page, "() => !replay.page.taken")
+        step(page)
+        there = [page.evaluate(f"replay.page.shown[0].view.{axis}[2]") for axis in "xy"]
+        assert there == pytest.approx(place, abs=0.05)
+        before = session.worlds.physics.positions[2].copy()
+        assert np.hypot(*(before - place)) < 0.3
+        page.click("#play")
+        until(page, "() => replay.page.run.frames > 30")
+        page.click("#play")
+        until(page, "() => !replay.page.state.playing")
+        x, y = (page.evaluate(COURSE, [axis, 2]) for axis in "xy")
+        steps = np.hypot(*((np.diff([x, y]) + 5.5) % 11.0 - 5.5))
+        assert steps.max() <= 0.21
+        assert steps.sum() > 0.5
+    recording = RecordedMission(session.batch.recorder.settings.directory / "run.swarm")
+    assert [(change.do, change.tick) for change in recording.by_hand] == [("put_robot", 1)]
+
+
+def test_items_are_dragged_added_and_taken_away(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        item = session.worlds.garbage.positions[0, 0].tolist()
+        place = free_place(session)
+        drag(page, item, place)
+        until(page, "() => !replay.page.taken")
+        step(page)
+        assert session.worlds.garbage.positions[0, 0] == pytest.approx(place, abs=0.05)
+        page.select_option("#tool", "add_item")
+        other = free_place(session)
+        page.mouse.click(*on_screen(page, *other))
+        step(page)
+        assert session.worlds.garbage.positions[0, 8] == pytest.approx(other, abs=0.05)
+        page.select_option("#tool", "remove_item")
+        page.mouse.click(*on_screen(page, *other))
+        step(page)
+        assert session.worlds.garbage.stage[0, 8] == 3
+
+
+def test_robots_are_added_fail_and_go(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        page.select_option("#tool", "add_robot")
+        place = free_place(session)
+        page.mouse.click(*on_screen(page, *place))
+        step(page)
+        assert session.worlds.physics.present[6]
+        page.evaluate("replay.page.choose(0, 3)")
+        page.click("#fail")
+        step(page)
+        assert "It has failed" in page.text_content("#panel")
+        page.click("#remove")
+        step(page)
+        assert not session.worlds.physics.present[3]
+        page.click("#remove")
+        until(page, "() => document.querySelector('#said').textContent")
+        assert page.text_content("#said") == "robot 3: expected a robot that is there"
+        kinds = page.evaluate("replay.events()[0].filter(e => e.kind === 'hand').map(e => [e.frame, e.robot])")
+        assert kinds == [[1, -1], [2, 3], [3, 3]]
+
+
+def test_options_strategies_and_losses_are_switched(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        page.evaluate("replay.page.choose(0, 4)")
+        page.select_option("#option", "RepulsionFernandez-view2.0")
+        page.click("#hold")
+        step(page)
+        assert page.text_content("[data-held]") == "RepulsionFernandez-view2.0"
+        assert session.worlds.coordinators[0].held[:6].tolist() == [0, 0, 0, 0, 3, 0]
+        page.select_option("#option", "RepulsionGradient")
+        page.click("#hold_all")
+        step(page)
+        assert set(session.worlds.coordinators[0].held.tolist()) == {5}
+        page.select_option("#strategy", "policy:general")
+        until(page, "() => replay.page.state.strategy === 'policy:general'")
+        page.evaluate(SET_LOSS)
+        until(page, "() => replay.page.state.loss === 0.6")
+        assert page.text_content("#loss_now") == "60 %"
+        assert session.strategy.startswith("policy:general sha256")
+        for _ in range(4):
+            step(page)
+        assert page.evaluate("replay.page.run.tracks.get('missed').data.some(missed => missed > 0)")
+
+
+def test_what_was_is_looked_at_while_the_world_goes_on(session, opened):
+    with served(session, playing=True) as server:
+        page = opened(server)
+        until(page, "() => replay.page.run.frames > 20")
+        page.evaluate("replay.page.go(2)")
+        frames = page.evaluate(FRAMES)
+        until(page, "([frames]) => replay.page.run.frames > frames + 10", frames)
+        assert page.text_content("#now") == "2.0 s"
+        page.click("#head")
+        until(page, "() => replay.page.atHead && replay.page.time > 5")
+        page.keyboard.press(" ")
+        until(page, "() => !replay.page.state.playing")
+        frames = session.ticks
+        page.keyboard.press("ArrowRight")
+        until(page, "([frames]) => replay.page.run.frames === frames + 1", frames)
+        other = opened(server)  # a page that is opened later has the whole run
+        assert other.evaluate("replay.checksums()") == page.evaluate("replay.checksums()")
+        other.select_option("#speed", label="20x")
+        until(page, "() => document.querySelector('#speed').selectedOptions[0].textContent === '20x'")
+    page.wait_for_timeout(100)
+    recording = RecordedMission(session.batch.recorder.settings.directory / "run.swarm")
+    assert page.evaluate("replay.checksums()") == [recording.checksums()]
+
+
+def test_a_server_that_goes_is_told_and_what_came_stays(session, opened, tmp_path):
+    with served(session) as server:
+        page = opened(server)
+        port = server.server_address[1]
+        step(page)
+    until(page, "() => document.querySelector('#said').textContent")
+    assert page.text_content("#said") == "The server does not answer. The page tries again; what came until now stays."
+    page.evaluate("replay.page.go(0)")
+    assert page.text_content("#now") == "0.0 s"
+    page.click("#play")
+    until(page, "() => document.querySelector('#said').textContent.startsWith('The server does not answer')")
+    with served(Session(play_of(SMALL), tmp_path / "other.swarm"), port=port):
+        until(page, "() => document.querySelector('#said').textContent.startsWith('This session is over')")
+        assert page.evaluate(FRAMES) == 2
+
+
+def test_a_run_that_is_over_says_so(tmp_path, opened):
+    session = Session(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "short.swarm")
+    with served(session, playing=True) as server:
+        page = opened(server)
+        until(page, "() => replay.page.state.over && !replay.page.waiting")
+        assert page.text_content("#play") == "Over"
+        assert "not completed" in page.text_content(".caption")
+
+
+def test_frames_are_on_the_screen_within_50_ms(tmp_path, opened):
+    session = Session(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
+    medians = []
+    with served(session, playing=True) as server:
+        page = opened(server)
+        while len(medians) < 2 and (not medians or medians[-1] >= 50.0):  # others may have the machine for a while
+            page.evaluate("replay.page.lags.length = 0")
+            until(page, "() => replay.page.lags.length >= 200")
+            medians.append(statistics.median(page.evaluate("replay.page.lags")))
+    print(f"median lags {medians} ms")
+    assert medians[-1] < 50.0
+
+
+def test_walls_are_named_among_the_layers(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        assert page.is_disabled("[name=walls]")
+        assert "walls (this world has none)" in page.text_content("#layers")

@@ -1,0 +1,91 @@
+"""The report of strategies under disturbances: completion, duration and collisions, each with its interval."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import scipy.stats
+
+from clean_swarm_env.config.families import RobustnessConfig
+from clean_swarm_env.world.mission import MissionResult
+from selforg.arrays import Floats
+from train.analysis.statistics import summarise
+from train.analysis.strategy_comparison import Estimate
+from train.running.runs import RunKey, under
+
+FIGURES = ("completed", "duration_s", "collision_events")
+"""Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance."""
+
+
+@dataclass(frozen=True)
+class RobustnessRuns:
+    """The runs of an evaluation under disturbances."""
+
+    robustness: RobustnessConfig
+    seed: int
+    scenarios: tuple[str, ...]
+    """(K,) names."""
+    conditions: Mapping[str, tuple[str, ...]]
+    """Label of a strategy -> (S,) names of its members."""
+
+
+@dataclass(frozen=True)
+class RobustnessReport:
+    """All results of an evaluation under disturbances."""
+
+    runs: RobustnessRuns
+    estimates: Mapping[str, Mapping[str, Mapping[str, Estimate]]]
+    """Disturbance -> label of a strategy -> figure of FIGURES -> its mean and interval."""
+
+    @classmethod
+    def of(cls, runs: RobustnessRuns, results: Mapping[RunKey, MissionResult]) -> RobustnessReport:
+        """Compute everything from the results."""
+        period = 1.0 / runs.robustness.mission.world.control_rate
+        estimates = {
+            name: {
+                label: _estimates(
+                    [[results[scenario, under(name, own)] for scenario in runs.scenarios] for own in members], period
+                )
+                for label, members in runs.conditions.items()
+            }
+            for name in runs.robustness.disturbed
+        }
+        return cls(runs, estimates)
+
+
+def _estimates(results: list[list[MissionResult]], period: float) -> dict[str, Estimate]:
+    """Return the figures of results (S, K) of S members on K scenarios; means over members count once a scenario."""
+    durations = np.array([[r.duration_s for r in row] for row in results])
+    events = np.array([[r.collision_events_per_s[0] * r.ticks * period for r in row] for row in results])
+    completed = np.array([[r.completed for r in row] for row in results])
+    share = scipy.stats.binomtest(int(completed.sum()), completed.size).proportion_ci(method="wilson")
+    return {
+        "completed": Estimate(float(completed.mean()), (float(share.low), float(share.high))),
+        "duration_s": _mean(durations),
+        "collision_events": _mean(events),
+    }
+
+
+def _mean(values: Floats) -> Estimate:
+    summary = summarise(values.mean(axis=0))
+    return Estimate(summary.mean, summary.ci95)
+
+
+def robustness_summary_json(report: RobustnessReport) -> str:
+    """Return the content of `summary.json`."""
+    runs = report.runs
+    content = {
+        "experiment": runs.robustness.name,
+        "seed": runs.seed,
+        "scenarios": len(runs.scenarios),
+        "disturbances": {
+            name: {
+                label: {figure: asdict(estimate) for figure, estimate in own.items()} for label, own in by_label.items()
+            }
+            for name, by_label in report.estimates.items()
+        },
+    }
+    return json.dumps(content, indent=2) + "\n"

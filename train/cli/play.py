@@ -1,0 +1,85 @@
+"""`clean-swarm play`: a mission that runs in the browser and can be changed by hand."""
+
+import os
+import sys
+import webbrowser
+from itertools import count
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clean_swarm_env.config.errors import ConfigurationError
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, check_whole
+
+MOST_PORT = 65_535
+MINDS_UP_TO = 30
+"""Robots up to which minds are shown unless asked for: the page unpacks them all in every control period."""
+
+
+def play_command(
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Name of a mission or a family, or path to its YAML file; or a recording of an earlier play.",
+            metavar="[MISSION|FAMILY|RECORDING]",
+        ),
+    ] = "crowded",
+    strategy: Annotated[
+        str | None, typer.Option(help="Who chooses the options, as for `evaluate --family`; MaxScore unless given.")
+    ] = None,
+    scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    speed: Annotated[float, typer.Option(help="Seconds of the mission in a second; the page can change it.")] = 5.0,
+    port: Annotated[int, typer.Option(help="Port on 127.0.0.1; any free one unless given.")] = 0,
+    output: Annotated[
+        Path | None, typer.Option(help="Recording to write, NAME.swarm; a new one below results/ unless given.")
+    ] = None,
+    minds: Annotated[
+        bool | None,
+        typer.Option(help=f"Show what the robots' networks decide; by default for up to {MINDS_UP_TO} robots."),
+    ] = None,
+    paused: Annotated[bool, typer.Option("--paused", help="Wait for a click on Play.")] = False,
+    browser: Annotated[bool, typer.Option(help="Open the page, where there is a screen.")] = True,
+    configs: Configs = None,
+) -> None:
+    """Run a mission in the browser: pause, step, drag, add and remove robots and garbage, switch strategies.
+
+    What is done by hand is recorded, and `clean-swarm play RECORDING` runs the same mission again.
+    """
+    check_whole({"--scenario": (scenario, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
+    check_whole({"--port": (port, 0, MOST_PORT)})
+    from train.live.chosen import chosen  # imports Numba
+    from train.live.conductor import Conductor, checked_speed
+    from train.live.server import LiveServer
+    from train.live.session import Session
+    from train.replay.page_file import live_page
+
+    checked_speed(speed)
+    play = chosen(name, scenario, seed, strategy, tuple(configs or ()))
+    path = _new_file(play.name) if output is None else output
+    if path.exists():
+        raise ConfigurationError(f"--output: {path} exists already; expected a new file")
+    shown = play.scenario.mission.robots.count <= MINDS_UP_TO if minds is None else minds
+    with LiveServer(port) as server:
+        session = Session(play, path, minds=shown)
+        conductor = Conductor(session, speed, playing=not paused)
+        server.start(conductor, live_page(play.name, session.strategies()))
+        typer.echo(f"{server.address}\nopen this address in a browser; Ctrl-C ends it")
+        if browser and _has_screen():
+            webbrowser.open(server.address)
+        try:
+            conductor.run()
+        finally:
+            typer.echo(f"{session.ticks} steps in {path}; the same again: clean-swarm play {path}")
+
+
+def _new_file(name: str) -> Path:
+    """Return the path of a recording that does not exist yet."""
+    paths = (Path("results") / f"play-{name}-{number}.swarm" for number in count(1))
+    return next(path for path in paths if not path.exists())
+
+
+def _has_screen() -> bool:
+    """Return whether a browser with windows can be opened; one in a terminal would fill it."""
+    return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))

@@ -1,0 +1,1 @@
+"""Commands that show runs and results in files: pictures, videos, reports."""

@@ -1,0 +1,80 @@
+"""Claims over the results of several families: what strategies cost beside another one, corrected for their number."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.families import FamilyConfig, place_of
+from selector.documents.errors import validated
+from selforg.registry import unknown
+from train.analysis.claims import Claim, claims_of
+from train.analysis.family_report import FamilyRuns, excesses_of
+from train.analysis.strategy_comparison import compare_strategies
+from train.evaluation.entrants import Entrant
+from train.evaluation.repeat_trial import evaluation_seed
+from train.reports.text_table import Grid, flat
+from train.running.finished_runs import JOURNAL, runs_of
+from train.running.run_folder import MANIFEST, read_manifest
+
+
+def family_runs(directory: Path) -> FamilyRuns:
+    """Return the runs of a directory of results; ConfigurationError if it is none of a family, or lacks runs."""
+    identity, path = read_manifest(directory)["identity"], directory / MANIFEST
+    if "family" not in identity or not isinstance(identity.get("strategies"), dict):
+        raise ConfigurationError(f"{directory}: expected results of `evaluate --family`")
+    family = validated(FamilyConfig, identity["family"], f"{path}: identity.family")
+    entrants = [Entrant(label, tuple(map(str, members))) for label, members in identity["strategies"].items()]
+    records = runs_of(directory / JOURNAL)
+    places = {place_of(record.scenario) for record in records}
+    scenarios, worlds = (max((place[k] for place in places), default=-1) + 1 for k in (0, 1))
+    missing = scenarios * worlds * sum(len(entrant.members) for entrant in entrants) - len(records)
+    if scenarios < 2 or missing:
+        raise ConfigurationError(f"{directory}: expected all runs of two scenarios or more; {missing} are missing")
+    return FamilyRuns(
+        family=family,
+        goal=str(identity.get("goal")),
+        seed=evaluation_seed(identity, path),
+        scenarios=scenarios,
+        worlds=worlds,
+        conditions={entrant.label: entrant.conditions for entrant in entrants},
+        fixed=tuple(entrant.label for entrant in entrants if entrant.fixed),
+        records=records,
+    )
+
+
+def claims_over(directories: Sequence[Path], strategies: Sequence[str], against: str) -> list[Claim]:
+    """Return the claims about `strategies` beside `against` (a label; empty: the best fixed option of each family)."""
+    families, others = {}, {}
+    for directory in directories:
+        runs = family_runs(directory)
+        name, excesses = runs.family.name, excesses_of(runs)
+        for label in (*strategies, *((against,) if against else ())):
+            if label not in excesses:
+                raise ConfigurationError(f"{directory}: {unknown('strategy', label, list(excesses))}")
+        if name in families:
+            raise ConfigurationError(f"{directory}: expected each family once, got {name} twice")
+        if not (against or runs.fixed):
+            raise ConfigurationError(f"{directory}: expected fixed options, or --against")
+        families[name] = excesses
+        others[name] = against or compare_strategies(excesses, runs.fixed).best_fixed
+    return claims_of(families, strategies, others)
+
+
+def claims_table(claims: Sequence[Claim]) -> Grid:
+    """Return the claims as a table."""
+    rows = [
+        (
+            f"{claim.strategy} on {claim.family}",
+            claim.against,
+            f"{claim.ratio:.3f}",
+            f"[{claim.ci95[0]:.3f}, {claim.ci95[1]:.3f}]",
+            f"[{claim.corrected[0]:.3f}, {claim.corrected[1]:.3f}]",
+            f"{claim.p:.2g}",
+            f"{claim.holm:.2g}",
+        )
+        for claim in claims
+    ]
+    heads = ("against", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
+    return flat(f"{len(claims)} claims, corrected for their number", "strategy", heads, rows)
