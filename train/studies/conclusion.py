@@ -9,7 +9,7 @@ from selforg.arrays import Floats
 from train.analysis.statistics import Ratio, Summary, ratio_of_means, summarise
 from train.studies.config import RANDOM, StudyConfig
 from train.studies.missions import COST, FIGURES, LAST_RACE, STATEMENT, Candidate, MissionField
-from train.studies.search import Arm
+from train.studies.search import Arm, CandidateSearch
 from train.studies.space import NULL_OPTION, StudySpace
 
 UNCHANGED = "unchanged"

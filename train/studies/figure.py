@@ -56,8 +56,8 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
     for number, stated in enumerate((*conclusion.results, *conclusion.yardsticks)):
         own = stated in conclusion.results
         x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
-        look = {"marker": "*", "color": RESULT} if own else {"marker": MARKERS[number % 3], "color": YARDSTICK}
-        axes.scatter(x, y, s=60, zorder=3, label=stated.label, **look)
+        marker, colour = ("*", RESULT) if own else (MARKERS[number % 3], YARDSTICK)
+        axes.scatter(x, y, s=60, zorder=3, label=stated.label, marker=marker, color=colour)
     axes.set(title="duration and collisions of a mission", xlabel="duration s", ylabel="collision events")
     axes.set(xscale="log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
