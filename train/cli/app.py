@@ -34,7 +34,7 @@ from train.cli import (
     tune,
 )
 from train.cli.options import Configs, error_console, print_error
-from train.cli.showing import picture, video
+from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -78,6 +78,7 @@ app.command("replay")(repeat.replay_command)
 app.command("play")(play.play_command)
 app.command("picture")(picture.picture_command)
 app.command("video")(video.video_command)
+app.command("report")(report.report_command)
 app.command("export")(repeat.export_command)
 
 
