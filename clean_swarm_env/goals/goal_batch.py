@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import run_seed
-from clean_swarm_env.goals.episode import GoalEpisode
 from clean_swarm_env.goals.goal_state import GoalState
 from clean_swarm_env.goals.observer import GoalObserver
+from clean_swarm_env.goals.play import Play
 from clean_swarm_env.goals.settings import GoalAction, GoalObservation, GoalRewards, GoalSettings, key_of, setting_of
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions
 from clean_swarm_env.learning.batch import whole_mission
@@ -64,7 +64,7 @@ class GoalBatch(AnyBatch):
     option held all the time it has the same measures.
 
     Attributes:
-        episode: the episode under way.
+        play: the episode under way.
         took_part: (R,) bool, all robots.
 
     >>> batch = GoalBatch("Foraging", worlds=2)
@@ -104,11 +104,11 @@ class GoalBatch(AnyBatch):
         self._own_rewards = own_rewards(reward)
         self._rewards = GoalRewards(self._kind, None if self._own_rewards else reward)  # type: ignore[arg-type]
         compile_once(whole_mission)
-        self.episode = self._new_episode([0] * self.count)  # until `reset`, for names and sizes
+        self.play = self._played([0] * self.count)  # until `reset`, for names and sizes
         self.robots = self.setting.robots
         self.rows = self.count * self.robots
         seen = config_from(GoalObservation, observation, "observation")
-        self.observer = GoalObserver(seen if self.action.mode != "velocity" else steered(seen), self.episode)
+        self.observer = GoalObserver(seen if self.action.mode != "velocity" else steered(seen), self.play)
         self.observations: Observations = np.zeros((self.rows, len(self.observer.names)), dtype=np.float32)
         self._final, self._gained = np.zeros_like(self.observations), np.zeros(self.rows)
         self.took_part: Flags = np.ones(self.rows, dtype=np.bool_)
@@ -132,7 +132,7 @@ class GoalBatch(AnyBatch):
         self._finished.clear()
         self._collisions[:] = 0
         self._begin()
-        self.observer.observe(self.episode, self.observations)
+        self.observer.observe(self.play, self.observations)
         return self.observations
 
     def begin(
@@ -154,26 +154,26 @@ class GoalBatch(AnyBatch):
         if not self._begun:
             raise RuntimeError("step: call reset first")
         self._finished.clear()
-        episode, ran = self.episode, not self.episode.scene.over
-        episode.act(actions, self.choices)
-        collided, before = episode.scene.arena.entered.copy(), self._measured()
+        play, ran = self.play, not self.play.scene.over
+        play.act(actions, self.choices)
+        collided, before = play.scene.arena.entered.copy(), self._measured()
         for _ in range(TICKS_PER_STEP):
-            if not episode.scene.over:
-                episode.tick()
-        self._collisions = episode.scene.arena.entered - collided
+            if not play.scene.over:
+                play.tick()
+        self._collisions = play.scene.arena.entered - collided
         if self._own_rewards is None:
             self._gained = self._rewards.of(self._measured() - before, self._collisions)
         else:
             self._gained = self._own_rewards(self)
-        over = np.full(self.count, episode.scene.over)
-        if episode.scene.over and ran:
+        over = np.full(self.count, play.scene.over)
+        if play.scene.over and ran:
             self._end()
-        self.observer.observe(self.episode, self.observations)
+        self.observer.observe(self.play, self.observations)
         return BatchStep(self.observations, self._gained, np.zeros_like(over), over, self._final)
 
     def _end(self) -> None:
         """Keep the figures and the last observations of the episode, and begin the next one if that is wanted."""
-        self.observer.observe(self.episode, self._final)
+        self.observer.observe(self.play, self._final)
         columns = self.team_figures()
         self._finished += [
             GoalEnd(world, dict(zip(columns, values, strict=True)))
@@ -189,12 +189,12 @@ class GoalBatch(AnyBatch):
             seed, number = following
             seeds.append(run_seed(seed, f"episode {number}") if number else seed)
             self._series[world] = (seed, number + 1)
-        self.episode, self._begun = self._new_episode(seeds), True
+        self.play, self._begun = self._played(seeds), True
 
-    def _new_episode(self, seeds: Sequence[int]) -> GoalEpisode:
+    def _played(self, seeds: Sequence[int]) -> Play:
         """Return a new episode in worlds with these seeds."""
         try:
-            return GoalEpisode(self._kind(self.setting, seeds), self._expert, self.action.mode)
+            return Play(self._kind(self.setting, seeds), self._expert, self.action.mode)
         except ConfigurationError as error:
             raise ConfigurationError(
                 str(error).removeprefix("--")
@@ -202,7 +202,7 @@ class GoalBatch(AnyBatch):
 
     def _measured(self) -> Floats:
         """Return the measures (K, W) as they stand."""
-        values = self.episode.scene.measured()
+        values = self.play.scene.measured()
         return np.stack([values[measure.name] for measure in self._kind.measures])
 
     def masks(self) -> Flags:
@@ -219,7 +219,7 @@ class GoalBatch(AnyBatch):
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the state of all worlds as bytes that say their version; they cannot be taken one by one."""
         self._check_all(worlds)
-        return to_bytes((self._likeness(), self.episode, self._series, self.observations, self._begun))
+        return to_bytes((self._likeness(), self.play, self._series, self.observations, self._begun))
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Go on from `get_state` of a batch with the same goal, setting, options and terms; return the observations.
@@ -227,10 +227,10 @@ class GoalBatch(AnyBatch):
         The further course has the same bits; what the last period counted is no part of a state.
         """
         self._check_all(worlds)
-        likeness, episode, series, observations, begun = from_bytes(state)
+        likeness, play, series, observations, begun = from_bytes(state)
         if likeness != self._likeness():
             raise ValueError(f"state: expected {self._likeness()}, got {likeness}")
-        self.episode, self._begun = episode, begun
+        self.play, self._begun = play, begun
         self._series[:], self.observations[:], self._collisions[:] = series, observations, 0
         self._finished.clear()
         return self.observations
@@ -245,12 +245,12 @@ class GoalBatch(AnyBatch):
 
     def steps(self, world: int) -> int:
         """Return how many decision periods of its episode a world has done."""
-        return -(-self.episode.scene.arena.ticks // TICKS_PER_STEP)
+        return -(-self.play.scene.arena.ticks // TICKS_PER_STEP)
 
     @property
     def over(self) -> Flags:
         """(W,) whether the episode is over and no other has begun."""
-        return np.full(self.count, self.episode.scene.over)
+        return np.full(self.count, self.play.scene.over)
 
     @property
     def working(self) -> Flags:
@@ -264,7 +264,7 @@ class GoalBatch(AnyBatch):
 
     def team_figures(self) -> FigureColumns:
         """Return time, collisions, measures as they stand, and whether all meet their targets, of each world."""
-        measures, arena = self._kind.measures, self.episode.scene.arena
+        measures, arena = self._kind.measures, self.play.scene.arena
         values = dict(zip(measures, self._measured().tolist(), strict=True))
         met = [
             all(m.met(v) for m, v in zip(measures, of_world, strict=True))

@@ -9,8 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-from clean_swarm_env.goals.episode import GoalEpisode
 from clean_swarm_env.goals.observer import kinds_of
+from clean_swarm_env.goals.play import Play
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Floats
 from selforg.elementary import unit_vectors
@@ -18,10 +18,10 @@ from selforg.elementary import unit_vectors
 POSE = ("x", "y", "heading_cos", "heading_sin")
 
 
-class HasEpisode(Protocol):
+class Playing(Protocol):
     """Whatever has an episode under way."""
 
-    episode: GoalEpisode
+    play: Play
 
 
 class GoalState:
@@ -37,9 +37,9 @@ class GoalState:
 
     """
 
-    def __init__(self, owner: HasEpisode, *, options: bool) -> None:
+    def __init__(self, owner: Playing, *, options: bool) -> None:
         self._owner, self._options = owner, options
-        shown = owner.episode
+        shown = owner.play
         held = [f"holds_{option}" for option in shown.team.options] if options else []
         robots = range(shown.scene.arena.robots)
         kinds = zip(kinds_of(shown), shown.scene.around, strict=True)
@@ -49,10 +49,10 @@ class GoalState:
 
     def now(self) -> Observations:
         """Return the state (W, G) of the worlds as they are."""
-        episode = self._owner.episode
-        scene, team = episode.scene, episode.team
+        play = self._owner.play
+        scene, team = play.scene, play.team
         parts = [self._places(scene.arena.positions), *unit_vectors(scene.arena.headings)]
-        parts += [team.memory[name].values for name in episode.facts]
+        parts += [team.memory[name].values for name in play.facts]
         if self._options:
             parts.append(np.eye(len(team.options))[team.held])
         things = [self._places(kind.places).reshape(scene.arena.worlds, -1) for kind in scene.around]
@@ -61,7 +61,7 @@ class GoalState:
         return np.concatenate([robots, *things, time], axis=1).astype(np.float32)
 
     def _places(self, points: Floats) -> Floats:
-        ground = self._owner.episode.scene.ground
+        ground = self._owner.play.scene.ground
         scale = 0.5 * ground.side if ground.kind == "torus" else ground.field_side
         places: Floats = np.clip((points - ground.centre) / scale, -1.0, 1.0)
         return places

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from clean_swarm_env.goals.episode import GoalEpisode
+from clean_swarm_env.goals.play import Play
 from clean_swarm_env.goals.settings import GoalObservation
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.scenes.ground import Ground
@@ -25,7 +25,7 @@ class GoalObserver:
 
     Args:
         config: terms and settings.
-        episode: any episode of the kind; only its names and sizes count.
+        play: any play of the kind; only its names and sizes count.
 
     Attributes:
         names: (F,) names of the components.
@@ -33,14 +33,14 @@ class GoalObserver:
 
     """
 
-    def __init__(self, config: GoalObservation, episode: GoalEpisode) -> None:
+    def __init__(self, config: GoalObservation, play: Play) -> None:
         self.config = config
-        self.names = tuple(name for term in config.terms for name in TERMS_OF_GOALS[term][0](episode))
+        self.names = tuple(name for term in config.terms for name in TERMS_OF_GOALS[term][0](play))
         self.bounds: Observations = np.ones(len(self.names), dtype=np.float32)
 
-    def observe(self, episode: GoalEpisode, out: Observations) -> None:
+    def observe(self, play: Play, out: Observations) -> None:
         """Write what is now into `out` (R, F)."""
-        parts = [TERMS_OF_GOALS[term][1](episode, self.config) for term in self.config.terms]
+        parts = [TERMS_OF_GOALS[term][1](play, self.config) for term in self.config.terms]
         np.clip(np.concatenate(parts, axis=1), -1.0, 1.0, out=out, casting="same_kind")
 
 
@@ -56,7 +56,7 @@ def in_own_frame(vectors: Floats, headings: Floats) -> Floats:
     return np.stack([cosine * x + sine * y, cosine * y - sine * x], axis=1)
 
 
-def way_to_nearest(episode: GoalEpisode, offsets: Floats, seen: Flags) -> Floats:
+def way_to_nearest(play: Play, offsets: Floats, seen: Flags) -> Floats:
     """Return the way (R, 4), see `WAY`, to the nearest of things at offsets (R, M, 2) [m] that is `seen` (R, M)."""
     distances = np.where(seen, np.linalg.norm(offsets, axis=2), np.inf)
     nearest = distances.argmin(axis=1)[:, None]
@@ -65,85 +65,84 @@ def way_to_nearest(episode: GoalEpisode, offsets: Floats, seen: Flags) -> Floats
         np.take_along_axis(offsets, nearest[..., None], axis=1)[:, 0] / np.where(found & (away > 0), away, 1.0)[:, None]
     )
     unit[~found] = 0.0
-    scaled = np.where(found, np.minimum(away / longest(episode.scene.ground), 1.0), 1.0)
-    return np.column_stack((found, scaled, in_own_frame(unit, episode.scene.arena.headings)))
+    scaled = np.where(found, np.minimum(away / longest(play.scene.ground), 1.0), 1.0)
+    return np.column_stack((found, scaled, in_own_frame(unit, play.scene.arena.headings)))
 
 
-def see_command(episode: GoalEpisode, _: GoalObservation) -> Floats:
+def see_command(play: Play, _: GoalObservation) -> Floats:
     """Return the vector that the mechanism asked for last, by the largest speed; longer ones are shortened."""
-    vectors = episode.asked / episode.scene.body.max_speed
+    vectors = play.asked / play.scene.body.max_speed
     short = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1.0)
-    return in_own_frame(short, episode.scene.arena.headings)
+    return in_own_frame(short, play.scene.arena.headings)
 
 
-def see_around(episode: GoalEpisode, config: GoalObservation) -> Floats:
+def see_around(play: Play, config: GoalObservation) -> Floats:
     """Return the ways to the nearest things in sight, kind by kind."""
-    arena, ground = episode.scene.arena, episode.scene.ground
+    arena, ground = play.scene.arena, play.scene.ground
     positions, own, parts = (
-        episode.scene.positions[:, :, None],
-        episode.scene.body.pose_goal_radius,
+        play.scene.positions[:, :, None],
+        play.scene.body.pose_goal_radius,
         [np.zeros((arena.rows, 0))],
     )
-    for kind in episode.scene.around:
+    for kind in play.scene.around:
         offsets = ground.offsets(positions, kind.places[:, None]).reshape(arena.rows, -1, 2)
         clearance = np.linalg.norm(offsets, axis=2) - own - kind.goal_radius
-        parts.append(way_to_nearest(episode, offsets, clearance <= kind.diffusion + config.sight))
+        parts.append(way_to_nearest(play, offsets, clearance <= kind.diffusion + config.sight))
     return np.concatenate(parts, axis=1)
 
 
-def see_neighbour(episode: GoalEpisode, config: GoalObservation) -> Floats:
+def see_neighbour(play: Play, config: GoalObservation) -> Floats:
     """Return the share of the other robots in range, and the way to the nearest of them."""
-    arena, positions = episode.scene.arena, episode.scene.positions
-    offsets = episode.scene.ground.offsets(positions[:, :, None], positions[:, None])
-    offsets = offsets.reshape(arena.rows, arena.robots, 2)
+    arena, positions = play.scene.arena, play.scene.positions
+    offsets = play.scene.ground.offsets(positions[:, :, None], positions[:, None]).reshape(arena.rows, arena.robots, 2)
     near = np.linalg.norm(offsets, axis=2) <= config.neighbour_range
     near[np.arange(arena.rows), np.arange(arena.rows) % arena.robots] = False
-    way = way_to_nearest(episode, offsets, near)
+    way = way_to_nearest(play, offsets, near)
     way[:, 0] = near.sum(axis=1) / max(arena.robots - 1, 1)
     return way
 
 
-def see_movement(episode: GoalEpisode, _: GoalObservation) -> Floats:
+def see_movement(play: Play, _: GoalObservation) -> Floats:
     """Return speed and turn rate of the drive, by the largest ones."""
-    drive = episode.scene.arena.drive
+    drive = play.scene.arena.drive
     limits = drive.settings
     return np.stack([drive.speed / limits.max_speed, drive.turn_rate / limits.max_turn_rate], axis=1)
 
 
-def see_facts(episode: GoalEpisode, _: GoalObservation) -> Floats:
+def see_facts(play: Play, _: GoalObservation) -> Floats:
     """Return what the robot knows: 1 for a fact that is true."""
-    facts = [episode.team.memory[name].values for name in episode.facts]
-    return np.array(facts).reshape(len(facts), len(episode.asked)).T
+    facts = [play.team.memory[name].values for name in play.facts]
+    return np.array(facts).reshape(len(facts), len(play.asked)).T
 
 
-def see_time(episode: GoalEpisode, _: GoalObservation) -> Floats:
+def see_time(play: Play, _: GoalObservation) -> Floats:
     """Return the share of the episode that is left."""
-    return np.full((episode.scene.arena.rows, 1), 1.0 - episode.scene.arena.ticks / episode.scene.chosen.ticks)
+    return np.full((play.scene.arena.rows, 1), 1.0 - play.scene.arena.ticks / play.scene.chosen.ticks)
 
 
-def see_holds(episode: GoalEpisode, _: GoalObservation) -> Floats:
+def see_holds(play: Play, _: GoalObservation) -> Floats:
     """Return one flag for each option: whether it is held."""
-    flags: Floats = np.eye(len(episode.team.options))[episode.team.held]
+    flags: Floats = np.eye(len(play.team.options))[play.team.held]
     return flags
 
 
-def kinds_of(episode: GoalEpisode) -> Sequence[str]:
+def kinds_of(play: Play) -> Sequence[str]:
     """Return the names of the kinds of things around: their channels, with `_repulsive` where one stands twice."""
     names: list[str] = []
-    for kind in episode.scene.around:
+    for kind in play.scene.around:
         names.append(f"{kind.channel}_repulsive" if kind.channel in names else kind.channel)
     return names
 
 
-ComponentNames = Callable[[GoalEpisode], Sequence[str]]
-SeeTerm = Callable[[GoalEpisode, GoalObservation], Floats]
+ComponentNames = Callable[[Play], Sequence[str]]
+SeeTerm = Callable[[Play, GoalObservation], Floats]
 TERMS_OF_GOALS: dict[str, tuple[ComponentNames, SeeTerm]] = {
     "command": (lambda _: ("command_ahead", "command_left"), see_command),
-    "around": (lambda episode: [f"{kind}_{part}" for kind in kinds_of(episode) for part in WAY], see_around),
+    "around": (lambda play: [f"{kind}_{part}" for kind in kinds_of(play) for part in WAY], see_around),
     "neighbour": (lambda _: ("neighbours", *(f"neighbour_{part}" for part in WAY[1:])), see_neighbour),
     "movement": (lambda _: ("speed", "turn_rate"), see_movement),
-    "facts": (lambda episode: episode.facts, see_facts),
+    "facts": (lambda play: play.facts, see_facts),
     "time": (lambda _: ("time_left",), see_time),
-    "holds": (lambda episode: [f"holds_{option}" for option in episode.team.options], see_holds),
+    "holds": (lambda play: [f"holds_{option}" for option in play.team.options], see_holds),
 }
 """Name of a term -> the names of its components, and the function that returns them (R, K)."""

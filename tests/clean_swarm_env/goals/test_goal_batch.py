@@ -36,7 +36,7 @@ def test_the_default_option_is_the_run_of_the_command(goal):
     batch = GoalBatch(goal, worlds=2, seconds=seconds)
     run = kind(batch.setting, [7, 8]).run(lambda scene: ServedTeam(scene, expertise(goal)))
     batch.reset([7, 8])
-    start = batch.episode.scene.measured()
+    start = batch.play.scene.measured()
     total, figures = played(batch, default_of(batch), [7, 8])
     gained = np.zeros(2)
     for measure in kind.measures:

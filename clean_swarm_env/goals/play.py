@@ -16,7 +16,7 @@ from selforg.arrays import Floats
 from selforg.components import Commands
 
 
-class GoalEpisode:
+class Play:
     """A scene whose robots are commanded by the mechanism of an option, by a learner's vectors, or by both.
 
     In mode "velocity" a vector takes the place of the mechanism's. In mode "both" it is added; a zero vector changes
