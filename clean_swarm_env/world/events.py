@@ -12,7 +12,7 @@ import numpy as np
 
 from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.clock import Clock
+from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.garbage import NO_TICK, Arrivals
 from clean_swarm_env.world.minds import Minds

@@ -13,7 +13,7 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import START_GAP, nearest_distance
-from clean_swarm_env.world.clock import Clock
+from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from selforg.arrays import Flags, Floats, Ints, Lasting

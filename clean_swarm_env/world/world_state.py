@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.clock import Clock
+from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.events import Agenda, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds

@@ -13,7 +13,7 @@ import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.world.clock import Clock
+from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds

@@ -19,6 +19,7 @@ from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge
 from selector.store import document
 from train.learning.config import load_training
+from train.studies.config import load_study
 
 MOST_SECONDS, MOST_BYTES, MOST_LETTERS = 1.0, 300e6, 1000
 
@@ -45,6 +46,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "mechanisms": read_configuration,
     "missions": lambda path: load_mission(str(path)),
     "robots": read_robot,
+    "studies": lambda path: load_study(str(path)),
     "training": lambda path: load_training(str(path), "bandit"),
     "given starts": load_starts,
     "exported store": lambda path: document.read(path, "expert"),

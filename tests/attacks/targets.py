@@ -309,7 +309,7 @@ POLICY_TEXT = json.loads((POLICY / "policy.json").read_text(encoding="utf-8"))
 TARGETS: dict[str, Callable[[Path], Target]] = {
     **{
         kind: partial(yaml_document, kind)
-        for kind in ("experiments", "families", "knowledge", "mechanisms", "missions", "robots", "training")
+        for kind in ("experiments", "families", "knowledge", "mechanisms", "missions", "robots", "studies", "training")
     },
     "given starts": partial(json_document, "given starts", STARTS),
     "exported store": partial(json_document, "exported store", STORE),

@@ -4,7 +4,7 @@ import pytest
 
 from tests.attacks.readers import READERS, refused_in_one_line
 
-KINDS = ["experiments", "families", "knowledge", "mechanisms", "missions", "robots", "training"]
+KINDS = ["experiments", "families", "knowledge", "mechanisms", "missions", "robots", "studies", "training"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -22,7 +22,7 @@ from selforg.arrays import Floats
 from train.analysis.statistics import Interval
 from train.analysis.strategy_comparison import Excesses, ratio_p
 
-LEVEL = 0.05
+SIGNIFICANCE = 0.05
 """Probability of a wrong claim among all."""
 
 
@@ -61,14 +61,14 @@ def claims_of(
             drawn = compared.resampled()
             found.append((family, label, float(compared.own.mean() / other.mean()), drawn[0] / drawn[1], len(other)))
     ps = [by_student(ratio_p(ratios) or 1.0, count) for *_, ratios, count in found]
-    tail = LEVEL / 2.0 / max(len(found), 1)
+    tail = SIGNIFICANCE / 2.0 / max(len(found), 1)
     return [
         Claim(
             family=family,
             strategy=label,
             against=against[family],
             ratio=ratio,
-            ci95=_between(ratios, LEVEL / 2.0, count),
+            ci95=_between(ratios, SIGNIFICANCE / 2.0, count),
             corrected=_between(ratios, tail, count),
             p=p,
             holm=corrected,

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from selforg.arrays import Floats
 from train.analysis.statistics import Ratio, Summary, ratio_of_means, summarise
 from train.studies.config import RANDOM, StudyConfig
-from train.studies.missions import COST, FIGURES, LAST, STATEMENT, Candidate, Field
-from train.studies.search import Arm, Search
-from train.studies.space import NULL_OPTION, Space
+from train.studies.missions import COST, FIGURES, LAST_RACE, STATEMENT, Candidate, MissionField
+from train.studies.search import Arm, CandidateSearch
+from train.studies.space import NULL_OPTION, StudySpace
 
 UNCHANGED = "unchanged"
-RANDOM_SEARCH = "random search"
-TO_BEAT = (NULL_OPTION, RANDOM_SEARCH)
+BEST_RANDOM = "random search"
+TO_BEAT = (NULL_OPTION, BEST_RANDOM)
 """Yardsticks that a result has to beat; else it is marked."""
 
 
@@ -55,7 +55,9 @@ class Conclusion:
         return [one.label for one in self.yardsticks if one.label in TO_BEAT and not result.beats(one)]
 
 
-def conclude(study: StudyConfig, space: Space, search: Search, arms: Sequence[Arm], field: Field) -> Conclusion:
+def conclude(
+    study: StudyConfig, space: StudySpace, search: CandidateSearch, arms: Sequence[Arm], field: MissionField
+) -> Conclusion:
     """Run the last race of each method and state what came out; random search counts with its cheapest."""
     winners = {arm.method: search.winners(arm) for arm in arms}
     found = winners[study.method]
@@ -65,14 +67,13 @@ def conclude(study: StudyConfig, space: Space, search: Search, arms: Sequence[Ar
     if off := space.null():
         yardsticks[NULL_OPTION] = Candidate(NULL_OPTION, off)
     if study.method != RANDOM:
-        yardsticks[RANDOM_SEARCH] = min(winners[RANDOM], key=lambda one: _cost(field, one))
+        yardsticks[BEST_RANDOM] = min(winners[RANDOM], key=lambda one: _cost(field, one))
     everyone = {**results, **yardsticks}
     figures = field.figures(STATEMENT, list(everyone.values()), study.last.scenarios)
     stated = [Stated(label, candidate, own) for (label, candidate), own in zip(everyone.items(), figures, strict=True)]
     return Conclusion(tuple(stated[: len(results)]), tuple(stated[len(results) :]))
 
 
-def _cost(field: Field, candidate: Candidate) -> float:
+def _cost(field: MissionField, candidate: Candidate) -> float:
     """Return the mean cost of a candidate in the last race [s]."""
-    count = field.journal.done(LAST, candidate.name)
-    return float(field.journal.figures(LAST, candidate.name, count)[COST].mean())
+    return float(field.figures(LAST_RACE, [candidate], field.asked(LAST_RACE, candidate))[0, COST].mean())

@@ -13,7 +13,7 @@ from selector.documents.errors import impossible
 from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number, Positive
 from selector.documents.find import load_file
 
-Whole = Annotated[int, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
+WholeNumber = Annotated[int, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
 Method = Literal["random", "TPE", "CMA-ES", "NSGA-II", "MAP-Elites"]
 RANDOM: Method = "random"
 MAP_ELITES: Method = "MAP-Elites"
@@ -48,7 +48,7 @@ class Range(Closed):
 class Choices(Closed):
     """One of several values."""
 
-    choices: Annotated[tuple[Flag | Whole | Number | Label, ...], Field(min_length=2, max_length=1000)]
+    choices: Annotated[tuple[Flag | WholeNumber | Number | Label, ...], Field(min_length=2, max_length=1000)]
     """The values."""
 
 

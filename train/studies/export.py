@@ -8,15 +8,16 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import mission_context
+from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.knowledge import knowledge_from
 from selforg.arrays import Floats
 from train.evaluation.pipeline import mission_score
 from train.knowledge_store import StoreRequest
-from train.studies.conclusion import RANDOM_SEARCH, Conclusion, Stated
+from train.studies.conclusion import BEST_RANDOM, Conclusion, Stated
 from train.studies.config import StudyConfig
 from train.studies.missions import COST
-from train.studies.space import Content, Space
+from train.studies.space import StudySpace
 
 
 class Export:
@@ -32,13 +33,13 @@ class Export:
     """
 
     def __init__(
-        self, study: StudyConfig, seed: int, family: FamilyConfig, space: Space, conclusion: Conclusion
+        self, study: StudyConfig, seed: int, family: FamilyConfig, space: StudySpace, conclusion: Conclusion
     ) -> None:
         self._study, self._seed, self._family, self._space = study, seed, family, space
         self._conclusion = conclusion
         self._scores: dict[tuple[str, str], Floats] = {}
         self._goals: dict[str, list[Content]] = {}
-        others = [one for one in conclusion.yardsticks if one.label != RANDOM_SEARCH]
+        others = [one for one in conclusion.yardsticks if one.label != BEST_RANDOM]
         for goal in space.goals:
             options: dict[str, Content] = {}
             for stated in (*conclusion.results, *others):

@@ -8,19 +8,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from selforg.arrays import Floats
-from train.studies.conclusion import UNCHANGED, Conclusion
+from train.studies.conclusion import Conclusion
 from train.studies.config import ArchiveConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENTS
+from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT
 from train.studies.proposals import empty_archive
 from train.studies.racing import front
 from train.studies.search import Arm
-from train.studies.space import NULL_OPTION
 
 COLOURS = ("#0072b2", "#999999")
 """Of the method, and of random search beside it."""
-RESULT, YARDSTICK = "#d55e00", "#000000"
+RESULT, YARDSTICK, MARKERS = "#d55e00", "#000000", "x+d"
 
 
 def draw_study(
@@ -49,20 +49,20 @@ def _draw_plane(axes: Axes, arms: Sequence[Arm], conclusion: Conclusion) -> None
         means = _means(arm)
         if not len(means):
             continue
-        pairs = means[:, [DURATION, EVENTS]]
+        pairs = means[:, [DURATION, EVENT_COUNT]]
         best = front(pairs)
         axes.scatter(pairs[:, 0], pairs[:, 1], s=14, color=colour, alpha=0.5, label=f"{arm.method}: trials and front")
         axes.step(pairs[best, 0], pairs[best, 1], where="post", color=colour, linewidth=1.0)
-    for stated in (*conclusion.results, *conclusion.yardsticks):
-        if stated.label in (UNCHANGED, NULL_OPTION) or stated in conclusion.results:
-            place = stated.figures.mean(axis=1)[[DURATION, EVENTS]]
-            colour = RESULT if stated in conclusion.results else YARDSTICK
-            axes.scatter(
-                place[0], place[1], s=60, marker="*" if stated in conclusion.results else "x", color=colour, zorder=3
-            )
-            axes.annotate(stated.label, place, xytext=(5, 5), textcoords="offset points", fontsize=8)
+    for number, stated in enumerate((*conclusion.results, *conclusion.yardsticks)):
+        own = stated in conclusion.results
+        x, y = stated.figures.mean(axis=1)[[DURATION, EVENT_COUNT]]
+        marker, colour = ("*", RESULT) if own else (MARKERS[number % 3], YARDSTICK)
+        axes.scatter(x, y, s=60, zorder=3, label=stated.label, marker=marker, color=colour)
     axes.set(title="duration and collisions of a mission", xlabel="duration s", ylabel="collision events")
     axes.set(xscale="log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(ScalarFormatter())
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.legend(fontsize=8)
 
 
@@ -70,14 +70,14 @@ def _draw_archive(axes: Axes, arms: Sequence[Arm], config: ArchiveConfig) -> Non
     means = np.concatenate([_means(arm) for arm in arms])
     archive = empty_archive(config, 1)
     if len(means):
-        archive.add(np.zeros((len(means), 1)), -means[:, COST], means[:, [EVENTS, AVOIDING]])
+        archive.add(np.zeros((len(means), 1)), -means[:, COST], means[:, [EVENT_COUNT, AVOIDING]])
     grid = np.full((config.cells, config.cells), np.nan)
     elites = archive.data(["index", "objective"])
     places = archive.int_to_grid_index(elites["index"])
     grid[places[:, 1], places[:, 0]] = -elites["objective"]
     extent = (0.0, config.events, 0.0, 1.0)
     image = axes.imshow(grid, origin="lower", extent=extent, aspect="auto", cmap="viridis_r", norm="log")
-    axes.figure.colorbar(image, ax=axes, label="cost s of the cheapest")
+    axes.figure.colorbar(image, ax=axes, label="cost s of the cheapest", format=ScalarFormatter())
     axes.set(title="archive of all trials", xlabel="collision events", ylabel="share of time avoiding")
 
 

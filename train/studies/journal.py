@@ -1,4 +1,4 @@
-"""The journal of a study: the figures of every finished mission, each on the disk before the next is counted.
+"""The journal of a study: the figures of every finished mission.
 
 A study is a function of its seed and of these figures: one that was killed begins anew, finds its missions here, and
 comes to the same trials.
@@ -46,11 +46,14 @@ class MissionJournal:
         return sum(map(len, self._known.values()))
 
     def add(self, stage: str, candidate: str, number: int, figures: Figures) -> None:
-        """Keep the figures of a finished mission; they are on the disk when the call returns."""
+        """Keep the figures of a finished mission; a kill of this process does not lose them."""
         self._known[stage, candidate][number] = figures
         with self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps([stage, candidate, number, *figures], allow_nan=False) + "\n")
-            file.flush()
+
+    def sync(self) -> None:
+        """Bring all missions to the disk, where a loss of power does not lose them."""
+        with self._path.open("a", encoding="utf-8") as file:
             os.fsync(file.fileno())
 
     def missing(self, stage: str, candidate: str, count: int) -> tuple[int, ...]:
@@ -62,10 +65,6 @@ class MissionJournal:
         """Return the figures (figures, count) of a candidate on the first scenarios."""
         done = self._known[stage, candidate]
         return np.array([done[number] for number in range(count)]).T
-
-    def done(self, stage: str, candidate: str) -> int:
-        """Return the number of scenarios that a candidate has done."""
-        return len(self._known[stage, candidate])
 
     def _read(self, line: str, where: str) -> None:
         match json_value(line, where):

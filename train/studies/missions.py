@@ -14,6 +14,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
@@ -24,15 +25,15 @@ from train.running.run_folder import RunFolder
 from train.running.runs import RunRecord, Task
 from train.running.trials import TrialSettings, each_trial
 from train.studies.journal import MissionJournal
-from train.studies.space import Content, Value
+from train.studies.space import Varied
 
 FIGURES = ("cost_s", "duration_s", "events", "avoiding")
 """Figures of a mission: cost [s]; time [s] and collision events at the first distance, for each item done where garbage
 keeps coming; share of robots and seconds in which a robot avoided others [-]."""
-COST, DURATION, EVENTS, AVOIDING = range(4)
+COST, DURATION, EVENT_COUNT, AVOIDING = range(4)
 STAGES = ("search", "last", "statement")
 """Stages of a study; no two have a scenario in common."""
-SEARCH, LAST, STATEMENT = STAGES
+SEARCH, LAST_RACE, STATEMENT = STAGES
 SEEN = ObservationConfig(terms=("avoidance",))  # type: ignore[arg-type]
 """The observation of the watch; the options do not depend on it."""
 BY_SCORE_MEMBER = "MaxScore"
@@ -47,7 +48,7 @@ class Candidate:
     """Name, unique in the study: method and number, or what it is."""
     goals: dict[str, list[Content]]
     """Options of all goals."""
-    values: tuple[Value, ...] = ()
+    values: tuple[Varied, ...] = ()
     """In the order of the dimensions; none for what candidates are compared with."""
 
 
@@ -156,21 +157,29 @@ class CandidateTasks:
         return CandidateTask(family, self._seeds[stage], places, *named, split="train")
 
 
-class Field:
+class MissionField:
     """The missions of candidates on the common scenarios of a stage; those that the journal has are not run again."""
 
     def __init__(self, make: TaskMaker, journal: MissionJournal, done: Round) -> None:
         """Keep what makes tasks, what keeps figures, and what does tasks."""
         self.journal, self._make, self._done = journal, make, done
+        self._asked: dict[tuple[str, str], int] = {}
+
+    def asked(self, stage: str, candidate: Candidate) -> int:
+        """Return the number of scenarios whose figures were asked for; the journal of a resumed study may have more."""
+        return self._asked[stage, candidate.name]
 
     def figures(self, stage: str, candidates: Sequence[Candidate], count: int) -> Floats:
         """Return the figures (C, figures, count) of C candidates on the first scenarios of a stage."""
         tasks = []
         for candidate in candidates:
+            self._asked[stage, candidate.name] = max(count, self._asked.get((stage, candidate.name), 0))
             missing = self.journal.missing(stage, candidate.name, count)
             for first in range(0, len(missing), TASK_SCENARIOS):
                 tasks.append(self._make(stage, candidate, missing[first : first + TASK_SCENARIOS]))
         for run in self._done(tasks) if tasks else ():
             assert isinstance(run, CandidateRun)
             self.journal.add(stage, run.condition, run.number, run.figures)
+        if tasks:
+            self.journal.sync()
         return np.array([self.journal.figures(stage, candidate.name, count) for candidate in candidates])

@@ -20,7 +20,7 @@ from ribs.archives import GridArchive
 from ribs.emitters import IsoLineEmitter
 
 from train.studies.config import MAP_ELITES, ArchiveConfig, Choices, Method, StudyConfig
-from train.studies.space import Dimension, Space, Value
+from train.studies.space import Dimension, StudySpace, Varied
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Proposer(ABC):
     """A method at work; `ask` and `tell` take turns."""
 
     @abstractmethod
-    def ask(self, count: int) -> list[tuple[Value, ...]]:
+    def ask(self, count: int) -> list[tuple[Varied, ...]]:
         """Return values to try, in the order of the dimensions."""
 
     @abstractmethod
@@ -50,14 +50,14 @@ class Proposer(ABC):
 class _OptunaProposer(Proposer):
     """A sampler of optuna on a study in memory."""
 
-    def __init__(self, sampler: BaseSampler, space: Space, objectives: int) -> None:
+    def __init__(self, sampler: BaseSampler, space: StudySpace, objectives: int) -> None:
         optuna.logging.set_verbosity(optuna.logging.WARNING)
         self._space = space
         self._distributions = distributions(space)
         self._study = optuna.create_study(sampler=sampler, directions=["minimize"] * objectives)
         self._asked: list[optuna.Trial] = []
 
-    def ask(self, count: int) -> list[tuple[Value, ...]]:
+    def ask(self, count: int) -> list[tuple[Varied, ...]]:
         self._asked = [self._study.ask(self._distributions) for _ in range(count)]
         return [
             tuple(
@@ -81,7 +81,7 @@ class _ElitesProposer(Proposer):
     Elites vary along the lines between them (Vassiliades and Mouret 2018, doi:10.1145/3205455.3205602).
     """
 
-    def __init__(self, space: Space, study: StudyConfig, seed: int) -> None:
+    def __init__(self, space: StudySpace, study: StudyConfig, seed: int) -> None:
         self._dimensions, size = space.dimensions, len(space.dimensions)
         self._archive = empty_archive(study.archive, size)
         self._emitter = IsoLineEmitter(
@@ -94,7 +94,7 @@ class _ElitesProposer(Proposer):
             seed=seed,
         )
 
-    def ask(self, count: int) -> list[tuple[Value, ...]]:
+    def ask(self, count: int) -> list[tuple[Varied, ...]]:
         self._asked = self._emitter.ask()[:count]
         return [tuple(one.at(x) for one, x in zip(self._dimensions, row, strict=True)) for row in self._asked.tolist()]
 
@@ -105,7 +105,7 @@ class _ElitesProposer(Proposer):
             self._archive.add(self._asked[good], [-told[k].values[0] for k in good], measures)
 
 
-def proposer_of(method: Method, study: StudyConfig, space: Space, seed: int) -> Proposer:
+def proposer_of(method: Method, study: StudyConfig, space: StudySpace, seed: int) -> Proposer:
     """Return a method of a study at its beginning; methods of one seed draw different numbers."""
     sequence = np.random.SeedSequence([seed, zlib.crc32(method.encode())])
     seed = int(sequence.generate_state(1, np.uint32)[0])
@@ -129,7 +129,7 @@ def empty_archive(config: ArchiveConfig, size: int) -> GridArchive:
     )
 
 
-def distributions(space: Space) -> dict[str, BaseDistribution]:
+def distributions(space: StudySpace) -> dict[str, BaseDistribution]:
     """Return the dimensions as optuna describes them, by name."""
     return {name: _distribution(one) for name, one in zip(space.names, space.dimensions, strict=True)}
 

@@ -19,11 +19,11 @@ from selforg.arrays import Flags, Floats, Ints
 from train.studies.config import RaceConfig
 from train.studies.missions import Candidate
 
-Measure = Callable[[Sequence[Candidate], int], Floats]
+Measuring = Callable[[Sequence[Candidate], int], Floats]
 """Returns the figures that count (C, J, n) of candidates on the first n scenarios."""
 
 
-def race(candidates: Sequence[Candidate], measure: Measure, rules: RaceConfig) -> list[Candidate]:
+def race(candidates: Sequence[Candidate], measure: Measuring, rules: RaceConfig) -> list[Candidate]:
     """Return the candidates that no block showed to be worse than the best ones, in their order."""
     alive = list(candidates)
     for block in range(1, rules.blocks + 1):

@@ -13,17 +13,17 @@ from train.reports.text_table import EMPTY_CELL, Grid, flat
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
 from train.studies.missions import FIGURES
 from train.studies.search import Arm
-from train.studies.space import Space
+from train.studies.space import StudySpace
 
 Importances = Mapping[str, float]
 
 
-def study_tables(conclusion: Conclusion, space: Space, importance: Importances) -> list[Grid]:
+def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importances) -> list[Grid]:
     """Return the tables: what the results cost beside what they must beat, and their values."""
     return [_costs(conclusion), _values(conclusion, space, importance)]
 
 
-def study_summary_json(conclusion: Conclusion, space: Space, arms: Sequence[Arm], importance: Importances) -> str:
+def study_summary_json(conclusion: Conclusion, space: StudySpace, arms: Sequence[Arm], importance: Importances) -> str:
     """Return the content of `summary.json`."""
     content: dict[str, Any] = {
         "results": [
@@ -41,7 +41,7 @@ def study_summary_json(conclusion: Conclusion, space: Space, arms: Sequence[Arm]
     return json.dumps(content, indent=2) + "\n"
 
 
-def trials_csv(arms: Sequence[Arm], space: Space) -> str:
+def trials_csv(arms: Sequence[Arm], space: StudySpace) -> str:
     """Return all trials as CSV: name, values, number of scenarios when the method was told, estimated means."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -51,7 +51,7 @@ def trials_csv(arms: Sequence[Arm], space: Space) -> str:
     return text.getvalue()
 
 
-def _stated(stated: Stated, space: Space) -> dict[str, Any]:
+def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
     figures = {name: asdict(summary) for name, summary in stated.summaries.items()}
     values = dict(zip(space.names, stated.candidate.values, strict=False))
     return {"name": stated.label, "trial": stated.candidate.name, "values": values, "figures": figures}
@@ -80,7 +80,7 @@ def _ratios(stated: Stated, conclusion: Conclusion) -> list[str]:
     return cells
 
 
-def _values(conclusion: Conclusion, space: Space, importance: Importances) -> Grid:
+def _values(conclusion: Conclusion, space: StudySpace, importance: Importances) -> Grid:
     columns = [one for one in (*conclusion.results, *conclusion.yardsticks) if one.candidate.values]
     rows = []
     for k, name in enumerate(space.names):

@@ -15,10 +15,10 @@ import numpy as np
 
 from selforg.arrays import Floats
 from train.studies.config import Method, RaceConfig, StudyConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENTS, LAST, SEARCH, Candidate, Field
+from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, LAST_RACE, SEARCH, Candidate, MissionField
 from train.studies.proposals import Told, proposer_of
 from train.studies.racing import front, race
-from train.studies.space import Space
+from train.studies.space import StudySpace
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Arm:
     """Candidates that no race dropped, best first."""
 
 
-class Search:
+class CandidateSearch:
     """The races of one study.
 
     Args:
@@ -54,9 +54,9 @@ class Search:
 
     """
 
-    def __init__(self, study: StudyConfig, space: Space, field: Field, unchanged: Candidate) -> None:
+    def __init__(self, study: StudyConfig, space: StudySpace, field: MissionField, unchanged: Candidate) -> None:
         self._study, self._space, self._field, self._unchanged = study, space, field, unchanged
-        self._counting = [DURATION, EVENTS] if study.objective == "front" else [COST]
+        self._counting = [DURATION, EVENT_COUNT] if study.objective == "front" else [COST]
 
     def arm(self, method: Method, seed: int, on_batch: Callable[[Sequence[StudyTrial]], None]) -> Arm:
         """Search by a method; `on_batch` gets all trials so far after each batch."""
@@ -81,15 +81,15 @@ class Search:
         """Return who wins the last race, on fresh scenarios: the cheapest, or those on the front."""
         rules = self._study.race
         blocks = -(-self._study.last.scenarios // rules.block)
-        measure = self._measure(LAST)
+        measure = self._measure(LAST_RACE)
         left = race(arm.finalists, measure, RaceConfig(block=rules.block, blocks=blocks, level=rules.level))
-        count = min(self._field.journal.done(LAST, candidate.name) for candidate in left)
+        count = min(self._field.asked(LAST_RACE, candidate) for candidate in left)
         order = front(measure(left, count).mean(axis=-1))
         return [left[k] for k in (order if len(self._counting) > 1 else order[:1])]
 
     def means(self, candidate: Candidate) -> Floats:
         """Return the estimated means (F,) of a candidate on all scenarios of the search."""
-        count, rules = self._field.journal.done(SEARCH, candidate.name), self._study.race
+        count, rules = self._field.asked(SEARCH, candidate), self._study.race
         own = self._field.figures(SEARCH, [candidate], count)[0]
         reference = self._field.figures(SEARCH, [self._unchanged], rules.block * rules.blocks)[0]
         return estimated(own, reference)
@@ -99,8 +99,8 @@ class Search:
             return StudyTrial(candidate, Told(()))
         means = self.means(candidate)
         values = tuple(means[self._counting].tolist())
-        told = Told(values, float(means[EVENTS]), float(means[AVOIDING]))
-        return StudyTrial(candidate, told, tuple(means.tolist()), self._field.journal.done(SEARCH, candidate.name))
+        told = Told(values, float(means[EVENT_COUNT]), float(means[AVOIDING]))
+        return StudyTrial(candidate, told, tuple(means.tolist()), self._field.asked(SEARCH, candidate))
 
     def _best(self, left: Iterable[Candidate]) -> list[Candidate]:
         """Return the best of the candidates that are left, at most as many as there are finalists."""

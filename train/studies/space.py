@@ -11,11 +11,11 @@ from typing import Any, TypeAlias
 from clean_swarm_env.config.load import with_changes
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError, validated, within
+from selector.documents.parameters import Content
 from selector.knowledge import Knowledge, Option, knowledge_from
 from train.studies.config import Choices, Range, StudyConfig
 
-Content: TypeAlias = dict[str, Any]
-Value: TypeAlias = bool | int | float | str
+Varied: TypeAlias = bool | int | float | str
 NULL_OPTION = "Off"
 """Name of the option that does nothing for its goal."""
 DIGITS = 6
@@ -30,7 +30,7 @@ class Dimension:
     """Goal, option and keys below it."""
     values: Range | Choices
 
-    def at(self, share: float) -> Value:
+    def at(self, share: float) -> Varied:
         """Return the value at a share of the way from the first to the last one, from 0 to 1."""
         if isinstance(self.values, Choices):
             return self.values.choices[min(int(share * len(self.values.choices)), len(self.values.choices) - 1)]
@@ -39,7 +39,7 @@ class Dimension:
             return self.plain(math.exp(math.log(low) + share * (math.log(high) - math.log(low))))
         return self.plain(low + share * (high - low))
 
-    def plain(self, value: Value) -> Value:
+    def plain(self, value: Varied) -> Varied:
         """Return a proposed value as it stands in a document."""
         if isinstance(self.values, Choices) or isinstance(value, str):
             return value
@@ -47,7 +47,7 @@ class Dimension:
         return round(near) if self.values.whole else near
 
 
-class Space:
+class StudySpace:
     """The values that vary, and the options in which they stand.
 
     Args:
@@ -87,7 +87,7 @@ class Space:
         """The goals whose options vary."""
         return tuple(self._constants)
 
-    def goals_with(self, values: Sequence[Value]) -> dict[str, list[Content]]:
+    def goals_with(self, values: Sequence[Varied]) -> dict[str, list[Content]]:
         """Return the options of all goals, those of the space with `values` in the order of the dimensions."""
         varied = self._constants
         for dimension, value in zip(self.dimensions, values, strict=True):
@@ -159,7 +159,7 @@ def default_space(knowledge: Knowledge, option: str, directories: tuple[Path, ..
     content = given.model_dump(exclude={"name", "configuration", "score"})
     content["parameters"] = {**library.parameters(given.configuration), **given.parameters}
 
-    def fits(path: tuple[str, ...], value: Value) -> bool:
+    def fits(path: tuple[str, ...], value: Varied) -> bool:
         changed = with_changes(given.model_dump(), _nested(path, value))
         try:
             library.of_option(validated(Option, changed, option))

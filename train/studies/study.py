@@ -34,10 +34,10 @@ from train.studies.export import Export
 from train.studies.figure import draw_study
 from train.studies.installation import study_versions
 from train.studies.journal import MissionJournal
-from train.studies.missions import FIGURES, STAGES, Candidate, CandidateTasks, Field, TaskMaker
+from train.studies.missions import FIGURES, STAGES, Candidate, CandidateTasks, MissionField, TaskMaker
 from train.studies.report import study_summary_json, study_tables, trials_csv
-from train.studies.search import Search, StudyTrial
-from train.studies.space import Space
+from train.studies.search import CandidateSearch, StudyTrial
+from train.studies.space import StudySpace
 from train.studies.trial_storage import TrialStorage, importances
 
 
@@ -99,8 +99,8 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
         compile_first(make(STAGES[0], unchanged, (0,)))
     try:
         with rounds(request.machine.workers) as done, _progress(study) as on_trials:
-            field = Field(make, journal, done)
-            search = Search(study, space, field, unchanged)
+            field = MissionField(make, journal, done)
+            search = CandidateSearch(study, space, field, unchanged)
             arms = []
             for method in study.methods:
 
@@ -133,14 +133,14 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
     return FINISHED
 
 
-def _checked(request: StudyRequest) -> tuple[FamilyConfig, Space]:
+def _checked(request: StudyRequest) -> tuple[FamilyConfig, StudySpace]:
     """Return the family and the space; an error of one line for everything that does not exist or fit."""
     study, directories = request.study, request.directories
     family = load_family(study.family, directories)
     update = {"store": "", **({"knowledge": study.knowledge} if study.knowledge else {})}
     family = family.model_copy(update={"mission": family.mission.model_copy(update=update)})
     with within(study.name):
-        space = Space(study, knowledge_of(family.mission, directories), directories)
+        space = StudySpace(study, knowledge_of(family.mission, directories), directories)
         for goal in space.goals:
             DecidedGoal(Batch(family.scenario(0, 0, "train").mission, directories=directories), goal)
         most = study.trials * len(study.methods) * study.race.block * study.race.blocks

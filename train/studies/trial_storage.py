@@ -17,7 +17,7 @@ from selector.store.errors import reported
 from train.studies.missions import COST, FIGURES
 from train.studies.proposals import distributions
 from train.studies.search import StudyTrial
-from train.studies.space import Space
+from train.studies.space import StudySpace
 
 JOURNAL_SCHEME = "journal:"
 """Begins the URL of a journal file, which processes on several machines may append to (network drives)."""
@@ -46,7 +46,7 @@ class TrialStorage:
         with self._one_line():
             self._storage = RDBStorage(full)
 
-    def keep(self, name: str, trials: Sequence[StudyTrial], space: Space, directions: int) -> None:
+    def keep(self, name: str, trials: Sequence[StudyTrial], space: StudySpace, directions: int) -> None:
         """Add the trials that the study of a `name` lacks; DocumentError if it holds other ones."""
         with self._one_line():
             study = optuna.create_study(
@@ -72,7 +72,7 @@ class TrialStorage:
             raise DocumentError(f"--storage {self._where}: {' '.join(str(error).split())}") from error
 
 
-def importances(trials: Sequence[StudyTrial], space: Space) -> dict[str, float]:
+def importances(trials: Sequence[StudyTrial], space: StudySpace) -> dict[str, float]:
     """Return the share of each dimension in the differences of cost, by PED-ANOVA; nothing for too few trials."""
     study = optuna.create_study()
     study.add_trials([frozen(trial, space, trial.means[COST : COST + 1]) for trial in trials])
@@ -82,7 +82,7 @@ def importances(trials: Sequence[StudyTrial], space: Space) -> dict[str, float]:
     return {name: float(found.get(name, 0.0)) for name in space.names}
 
 
-def frozen(trial: StudyTrial, space: Space, values: Sequence[float]) -> FrozenTrial:
+def frozen(trial: StudyTrial, space: StudySpace, values: Sequence[float]) -> FrozenTrial:
     """Return a trial as optuna keeps it; one without values failed."""
     return create_trial(
         state=TrialState.COMPLETE if values else TrialState.FAIL,

@@ -1,0 +1,75 @@
+"""The methods find a planted optimum through noise, which random search does not."""
+
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.config.load import load_family
+from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
+from train.running.run_folder import RunFolder
+from train.studies.config import Method, load_study
+from train.studies.journal import MissionJournal
+from train.studies.missions import DURATION, EVENT_COUNT, FIGURES, LAST_RACE, Candidate, MissionField
+from train.studies.racing import front
+from train.studies.space import StudySpace
+
+pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
+pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
+
+from train.studies.search import CandidateSearch
+
+
+def search_of(configs, folder, make=synthetic, **changes):
+    """Return the search of a study without missions, and its field."""
+    study = load_study("planted", [configs]).model_copy(update=changes)
+    space = StudySpace(study, knowledge_of(load_family("small", [configs]).mission, [configs]), (configs,))
+    journal = MissionJournal(RunFolder(folder, {"identity": {}}, resume=False), len(FIGURES))
+    field = MissionField(make, journal, lambda tasks: (run for task in tasks for run in task.each()))
+    return CandidateSearch(study, space, field, Candidate("unchanged", space.unchanged())), field
+
+
+def planted_regret(configs, folder, method, seed):
+    """Return the regret of the winner after 60 trials, and how many missions they took."""
+    search, field = search_of(configs, folder, trials=60)
+    arm = search.arm(method, seed, lambda trials: None)
+    assert len(arm.trials) == 60
+    return regret(search.winners(arm)[0].goals["AvoidCollision"][0]), field.journal.missions
+
+
+@pytest.mark.parametrize("method", ["TPE", "CMA-ES"])
+def test_a_planted_optimum_is_found(configs, tmp_path, method):
+    regrets = [planted_regret(configs, tmp_path / str(seed), method, seed)[0] for seed in range(10)]
+    assert sum(one < 0.05 for one in regrets) >= 9
+
+
+def test_random_search_does_not_find_it_and_drops_candidates_early(configs, tmp_path):
+    found = [planted_regret(configs, tmp_path / str(seed), "random", seed) for seed in range(10)]
+    assert sum(regret < 0.05 for regret, _ in found) < 5
+    assert all(missions < 60 * 50 / 2 for _, missions in found)
+
+
+@pytest.mark.parametrize("method", get_args(Method))
+def test_every_method_stays_in_the_space_and_repeats_itself(configs, tmp_path, method):
+    found = []
+    for number, seed in enumerate((1, 1, 2)):
+        search, _ = search_of(configs, tmp_path / str(number), method=method, trials=15)
+        found.append([trial.candidate.values for trial in search.arm(method, seed, lambda trials: None).trials])
+    assert found[0] == found[1] != found[2]
+    low, high = np.array([(0.1, 0.001, 0.2), (2.5, 1.0, 5.0)])
+    assert ((np.array(found[0]) >= low) & (np.array(found[0]) <= high)).all()
+
+
+def test_a_front_has_several_winners_none_of_which_dominates_another(configs, tmp_path):
+    def trade_off(stage, candidate, numbers):
+        option = candidate.goals["AvoidCollision"][0]
+        view = option["parameters"]["view_distance"]
+        return SyntheticTask(stage, candidate.name, regret(option), numbers, rate=0.1 * np.exp(-view))
+
+    search, field = search_of(configs, tmp_path / "front", trade_off, objective="front", trials=24)
+    winners = search.winners(search.arm("NSGA-II", 0, lambda trials: None))
+    count = min(field.asked(LAST_RACE, one) for one in winners)
+    means = field.figures(LAST_RACE, winners, count)[:, [DURATION, EVENT_COUNT]].mean(axis=-1)
+    assert len(winners) > 1
+    assert sorted(front(means)) == list(range(len(winners)))

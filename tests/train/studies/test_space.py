@@ -1,0 +1,89 @@
+"""Spaces say what is wrong with them in one line, and put values where they belong."""
+
+import pytest
+
+from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.config.load import load_family
+from selector.documents.errors import DocumentError
+from selector.knowledge import load_knowledge
+from train.studies.config import StudyConfig, load_study
+from train.studies.configured import configured_study
+from train.studies.space import StudySpace
+
+
+def space_of(configs, space, **changes):
+    study = load_study("planted", [configs])
+    content = {**study.model_dump(), "space": {"AvoidCollision": space}, **changes}
+    known = knowledge_of(load_family("small", [configs]).mission, [configs])
+    return StudySpace(StudyConfig.model_validate(content), known, (configs,))
+
+
+def test_values_stand_at_their_paths_and_nothing_else_changes(configs):
+    space = space_of(
+        configs,
+        {
+            "Near": {
+                "score": {"low": 0.0, "high": 1.0},
+                "parameters": {"presence_threshold": 0.1, "view_distance": {"low": 0.5, "high": 2.0, "log": True}},
+            },
+            "Other": {"configuration": "RepulsionGradient", "score": {"choices": [0.25, 0.75]}},
+        },
+    )
+    assert space.names == ("Near.score", "Near.parameters.view_distance", "Other.score")
+    assert [dimension.at(0.5) for dimension in space.dimensions] == [0.5, 1.0, 0.75]
+    goals = space.goals_with([0.5, 1.0, 0.75])
+    near, other = goals["AvoidCollision"]
+    assert near == {
+        "name": "Near",
+        "configuration": "RepulsionFernandez",
+        "score": 0.5,
+        "parameters": {"view_distance": 1.0, "presence_threshold": 0.1},
+    }
+    assert space.served(goals)["AvoidCollision"] == other
+    assert space.unchanged()["AvoidCollision"][0]["parameters"] == {"view_distance": 0.5, "presence_threshold": 0.1}
+    assert [option["name"] for option in space.null()["AvoidCollision"]] == ["Off"]
+
+
+@pytest.mark.parametrize(
+    ("space", "message"),
+    [
+        ({"Near": {"parameters": {"view_distance": 1.0}}}, "space: expected at least one range or choice"),
+        ({"Near": {"parameters": {"view": {"low": 0, "high": 1}}}}, "space.AvoidCollision.Near.parameters.view: 0.0: "),
+        ({"New": {"score": {"low": 0, "high": 1}}}, "space.AvoidCollision.New: configuration: missing key"),
+        ({"Near": {"score": {"low": 1, "high": 0}}}, "Near.score: high: expected more than low, 1, got 0"),
+        ({"Near": {"score": {"low": 0, "high": 1, "log": True}}}, "Near.score: low: expected more than 0 with log"),
+        ({"Near": {"score": {"low": 0, "hight": 1}}}, "Near.score: hight: unknown key"),
+        (
+            {"Near": {"parameters": {"view_distance": {"low": 0.1, "high": 1}}}, "Off": {}},
+            "space.AvoidCollision: expected a range of a score",
+        ),
+    ],
+)
+def test_a_mistake_is_one_line(configs, space, message):
+    with pytest.raises(DocumentError) as raised:
+        space_of(configs, space)
+    text = str(raised.value)
+    assert message in text
+    assert "\n" not in text
+
+
+def test_an_option_is_configured_in_all_its_numbers(configs):
+    study = configured_study("Near", "small", None, {"trials": 5}, (configs,))
+    assert study.space == {
+        "AvoidCollision": {
+            "Near": {
+                "parameters": {
+                    "view_distance": {"low": 0.125, "high": 2.0, "log": True, "whole": False},
+                    "full_length": {"low": 0.375, "high": 6.0, "log": True, "whole": False},
+                }
+            }
+        }
+    }
+    with pytest.raises(DocumentError, match="no goal has the option 'Far'"):
+        configured_study("Far", "small", None, {}, (configs,))
+
+
+def test_every_shipped_option_of_avoidance_can_be_configured():
+    for option in load_knowledge("avoidance").options("AvoidCollision"):
+        study = configured_study(option.name, "table1", None, {})
+        assert StudySpace(study, load_knowledge("avoidance")).dimensions

@@ -1,0 +1,174 @@
+"""WholeNumber studies: the same trials and knowledge whatever happens, marks, storage, store and errors."""
+
+import json
+import shutil
+
+import pytest
+from rich.console import Console
+
+pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")
+pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
+
+import optuna
+
+from selector.documents.errors import DocumentError
+from selector.knowledge import load_knowledge
+from selector.store import KnowledgeStore
+from tests.train.commands import run
+from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
+from train.knowledge_store import StoreRequest
+from train.running.exit_codes import FINISHED, INTERRUPTED
+from train.running.needs import Machine
+from train.studies.config import load_study
+from train.studies.study import StudyRequest, run_study
+
+CONSOLE = Console(quiet=True)
+SAME = ("trials.csv", "summary.json", "table.md", "knowledge/planted.yaml", "figure.png")
+
+
+def request_of(configs, output, **more):
+    study = load_study("planted", [configs]).model_copy(update=more.pop("study", {}))
+    return StudyRequest(study, ("tune", "planted"), 3, output, directories=(configs,), **more)
+
+
+def contents(folder):
+    return {name: (folder / name).read_bytes() for name in SAME}
+
+
+@pytest.fixture(scope="module")
+def whole(configs, tmp_path_factory):
+    """The directory of a study that nothing disturbed."""
+    folder = tmp_path_factory.mktemp("whole") / "results"
+    assert run_study(request_of(configs, folder), CONSOLE, synthetic) == FINISHED
+    return folder
+
+
+def test_four_workers_come_to_the_same(configs, tmp_path, whole):
+    request = request_of(configs, tmp_path / "four", machine=Machine(4))
+    assert run_study(request, CONSOLE, synthetic) == FINISHED
+    assert contents(tmp_path / "four") == contents(whole)
+
+
+class Stopping(SyntheticTask):
+    """A task during which the user presses Ctrl-C."""
+
+    def each(self):
+        yield from list(super().each())[:4]
+        raise KeyboardInterrupt
+
+
+def test_an_interrupted_study_goes_on_where_it_was(configs, tmp_path, whole, capsys):
+    folder, log, stops = tmp_path / "stopped", tmp_path / "log", {"TPE-9", "random-3"}
+
+    def make(stage, candidate, numbers):
+        kind = Stopping if candidate.name in stops else SyntheticTask
+        stops.discard(candidate.name)
+        return kind(stage, candidate.name, regret(candidate.goals["AvoidCollision"][0]), numbers, str(log))
+
+    assert run_study(request_of(configs, folder), CONSOLE, make) == INTERRUPTED
+    assert "to go on:\n  clean-swarm tune planted --seed 3" in capsys.readouterr().err
+    assert run_study(request_of(configs, folder, resume=True), CONSOLE, make) == INTERRUPTED
+    assert run_study(request_of(configs, folder, resume=True), CONSOLE, make) == FINISHED
+    assert contents(folder) == contents(whole)
+    missions = log.read_text().splitlines()
+    assert len(missions) - len(set(missions)) == 2 * 6  # of ten missions of each stopped task four were kept
+
+
+@pytest.mark.parametrize("share", [0.01, 0.4, 0.9])
+def test_a_killed_study_goes_on_where_it_was(configs, tmp_path, whole, share):
+    killed = tmp_path / "killed"
+    shutil.copytree(whole, killed)
+    journal = killed / "missions.jsonl"
+    kept = journal.read_text()
+    journal.write_text(kept[: int(share * len(kept))])  # as a kill leaves it, in the middle of a line
+    for name in (*SAME, "trials.sqlite"):
+        (killed / name).unlink()
+    assert run_study(request_of(configs, killed, resume=True), CONSOLE, synthetic) == FINISHED
+    assert contents(killed) == contents(whole)
+    assert sorted(journal.read_text().splitlines()) == sorted(kept.splitlines())
+
+
+def test_the_result_is_knowledge_with_scores_and_their_source(configs, tmp_path, whole):
+    store, folder = tmp_path / "store.sqlite", tmp_path / "kept"
+    shutil.copytree(whole, folder)
+    for _ in range(2):  # nothing counts twice
+        request = request_of(configs, folder, resume=True, store=StoreRequest(str(store), learn=True))
+        assert run_study(request, CONSOLE, synthetic) == FINISHED
+    known = load_knowledge("planted", [folder])
+    assert [option.name for option in known.options("AvoidCollision")] == ["planted", "Near", "Off"]
+    assert known.rewards("AvoidCollision")[0].tolist() == [40.0] * 3
+    assert known.scores("AvoidCollision") == pytest.approx(known.rewards("AvoidCollision")[1], abs=1e-6)
+    held = KnowledgeStore(str(store), create=False)
+    learned = held.contents().learned
+    assert {(key.option, key.context, key.source) for key in learned} == {
+        (name, "mission small", "study planted, seed 3") for name in ("planted", "Near", "Off")
+    }
+    assert all(entry.moments.count == 40 for entry in learned.values())
+    held.close()
+
+
+def test_a_result_that_beats_neither_off_nor_random_search_is_marked(configs, tmp_path):
+    def flat(stage, candidate, numbers):
+        return SyntheticTask(stage, candidate.name, 0.0, numbers)
+
+    assert run_study(request_of(configs, tmp_path / "flat"), CONSOLE, flat) == FINISHED
+    assert "NOT SHOWN TO BEAT Off AND random search" in load_text(tmp_path / "flat")
+    (result,) = json.loads((tmp_path / "flat" / "summary.json").read_text())["results"]
+    assert result["not_shown_to_beat"] == ["Off", "random search"]
+
+    def good(stage, candidate, numbers):
+        return SyntheticTask(stage, candidate.name, 0.0 if "TPE" in candidate.name else 0.5, numbers)
+
+    assert run_study(request_of(configs, tmp_path / "good"), CONSOLE, good) == FINISHED
+    assert "NOT SHOWN" not in load_text(tmp_path / "good")
+
+
+def load_text(folder):
+    return " ".join((folder / "knowledge" / "planted.yaml").read_text().split())
+
+
+@pytest.mark.parametrize("scheme", ["sqlite:///", "journal:"])
+def test_optuna_reads_the_trials_from_the_storage(configs, tmp_path, scheme):
+    url = f"{scheme}{tmp_path / 'trials.storage'}"
+    for number in range(2):  # the second study finds its own trials there
+        request = request_of(configs, tmp_path / f"run{number}", storage=url)
+        assert run_study(request, CONSOLE, synthetic) == FINISHED
+    storage = (
+        url
+        if scheme == "sqlite:///"
+        else optuna.storages.JournalStorage(optuna.storages.journal.JournalFileBackend(url.removeprefix(scheme)))
+    )
+    study = optuna.load_study(study_name="planted TPE 3", storage=storage)
+    assert [trial.user_attrs["name"] for trial in study.trials] == [f"TPE-{k}" for k in range(1, 13)]
+    assert set(study.best_params) == {f"parameters.{x}" for x in ("view_distance", "presence_threshold", "full_length")}
+    other = request_of(configs, tmp_path / "other", storage=url, study={"batch": 5})
+    with pytest.raises(DocumentError, match="holds another trial"):
+        run_study(other, CONSOLE, synthetic)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("tune", "nothing"), "unknown study 'nothing'"),
+        (("tune", "planted", "--storage", "mongo://x/y"), "unknown database 'mongo'"),
+        (("tune", "planted", "--storage", "journal:/nowhere/at/all"), "--storage journal:/nowhere/at/all: "),
+        (("configure", "Far", "--family", "small"), "no goal has the option 'Far'"),
+        (("configure", "Near", "--family", "small", "--method", "luck"), "method: expected 'random'"),
+    ],
+)
+def test_mistakes_are_one_line(configs, tmp_path, capsys, words, message):
+    assert run(*words, "--configs", configs, "--output", tmp_path / "new", "--workers", "1") == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_missions_of_the_world_give_an_option_its_costs(configs, tmp_path):
+    changes = ("--trials", "4", "--method", "random", "--workers", "1")
+    folder = tmp_path / "real"
+    assert run("configure", "Near", "--family", "small", "--configs", configs, *changes, "--output", folder) == 0
+    summary = json.loads((folder / "summary.json").read_text())
+    off = next(one for one in summary["yardsticks"] if one["name"] == "Off")
+    assert off["figures"]["avoiding"]["mean"] == 0.0
+    assert 0.0 < off["figures"]["cost_s"]["mean"] <= 200.0
+    assert load_knowledge("Near-small", [folder]).options("AvoidCollision")[0].name == "Near-small"
