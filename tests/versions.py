@@ -28,7 +28,7 @@ def tried(environment: Path, python: str, resolution: str) -> str:
         ("uv", "venv", "-q", "--clear", "--python", python, environment),
         ("uv", "pip", "install", "-q", "--python", bin_folder / "python", "--resolution", resolution, ROOT),
         ("uv", "pip", "install", "-q", "--python", bin_folder / "python", *TOOLS),
-        (bin_folder / "clean-swarm", "list"),
+        (bin_folder / "clean-swarm", "evaluate", "--help"),
         (bin_folder / "clean-swarm", "evaluate", "--scenarios", "1", "--workers", "1"),
         (bin_folder / "python", "-m", "pytest", "-q", "-x", "--rootdir", ROOT, *(ROOT / test for test in TESTS)),
     )
