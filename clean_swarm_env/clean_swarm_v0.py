@@ -44,6 +44,8 @@ from clean_swarm_env.learning.given import GivenMission, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
 
 AgentAction = int | NDArray[np.int64] | NDArray[np.float32]
+INTEGRAL = (int, np.integer)
+"""Types of whole numbers."""
 AgentInfos = dict[str, dict[str, Any]]
 AgentsStep = tuple[dict[str, Observations], dict[str, float], dict[str, bool], dict[str, bool], AgentInfos]
 
@@ -206,7 +208,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
             raise ValueError(f"actions: expected one for each agent, missing {missing}, unknown {unknown}")
         choices = self._choices
         for agent, action in actions.items():
-            if choices and isinstance(action, int | np.integer) and 0 <= action < choices:
+            if choices and isinstance(action, INTEGRAL) and 0 <= action < choices:
                 continue  # the answer of `contains`, in a tenth of its time
             space = self.action_spaces[agent]
             if not space.contains(action):
@@ -214,6 +216,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {brief(action)}")
         if self._batch.action.mode == "both":
             return np.array([[actions[a][OPTION], *actions[a][CORRECTION]] for a in self.possible_agents])  # type: ignore[index,call-overload]
+        if len(actions) == len(self.possible_agents):
+            return np.array([actions[agent] for agent in self.possible_agents])
         default: NDArray[Any] = self._batch.choices.default if self._batch.action.mode == "option" else np.zeros(2)
         first = default.reshape(np.shape(actions[self.agents[0]]))  # the action of robots that join during the period
         return np.array([actions.get(agent, first) for agent in self.possible_agents])

@@ -2,6 +2,7 @@
 
 pip install benchmarl && pip install .
 python examples/benchmarl_task.py mappo --frames 60000
+clean-swarm evaluate --family table1 --strategy fixed --strategy policy:benchmarl.pt --scenarios 10
 """
 
 import argparse
@@ -10,16 +11,17 @@ from collections.abc import Callable
 from benchmarl.algorithms import IppoConfig, MappoConfig, MasacConfig, QmixConfig
 from benchmarl.environments.pettingzoo.common import PettingZooClass
 from benchmarl.experiment import Experiment, ExperimentConfig
-from benchmarl.models.mlp import MlpConfig
+from benchmarl.models.mlp import Mlp, MlpConfig
+from robot_policy import save
 from torchrl.envs import EnvBase, PettingZooWrapper
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.wrappers import AllRobots
 
-MISSION = {"base": "table1", "garbage": {"count": 4}}
+EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}, {"at": 60.0, "do": "join", "robots": 1}]
+MISSION = {"base": "table1", "garbage": {"count": 4}, "knowledge": "avoidance", "events": EVENTS}
+SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 ALGORITHMS = {"mappo": MappoConfig, "ippo": IppoConfig, "qmix": QmixConfig, "masac": MasacConfig}
-
-WRAPPED = {"return_state": True, "categorical_actions": True, "done_on_any": False}
 
 
 class CleanSwarmTask(PettingZooClass):
@@ -29,25 +31,21 @@ class CleanSwarmTask(PettingZooClass):
         self, num_envs: int, continuous_actions: bool, seed: int | None, device: str
     ) -> Callable[[], EnvBase]:
         """Return a function that makes an environment."""
-        action = {"mode": "velocity" if continuous_actions else "option"}
+        action = {"mode": "velocity"} if continuous_actions else {"serves": SERVES}
 
         def make() -> EnvBase:
             env = AllRobots(clean_swarm_v0.parallel_env(action=action, **self.config))
-            return PettingZooWrapper(env, seed=seed, device=device, **WRAPPED)
+            return PettingZooWrapper(
+                env, return_state=True, categorical_actions=True, done_on_any=False, seed=seed, device=device
+            )
 
         return make
 
-    def supports_continuous_actions(self) -> bool:
-        """Return True: movement vectors."""
-        return True
-
-    def supports_discrete_actions(self) -> bool:
-        """Return True: options."""
-        return True
-
     def has_state(self) -> bool:
-        """Return True: the global state."""
+        """Return True: there is a global state, and there are both kinds of actions."""
         return True
+
+    supports_continuous_actions = supports_discrete_actions = has_state
 
 
 def main() -> None:
@@ -60,19 +58,21 @@ def main() -> None:
     settings = ExperimentConfig.get_from_yaml()
     settings.loggers, settings.evaluation, settings.create_json = [], False, False
     settings.prefer_continuous_actions = given.algorithm == "masac"
-    settings.max_n_frames, settings.gamma = given.frames, 0.98
+    settings.max_n_frames, settings.gamma, settings.off_policy_n_optimizer_steps = given.frames, 0.98, 100
     settings.on_policy_collected_frames_per_batch = settings.off_policy_collected_frames_per_batch = given.batch
-    settings.off_policy_n_optimizer_steps = 100
     experiment = Experiment(
         task=CleanSwarmTask("CLEAN_SWARM", {"mission": MISSION, "max_cycles": 100}),
         algorithm_config=ALGORITHMS[given.algorithm].get_from_yaml(),
         model_config=MlpConfig.get_from_yaml(),
-        critic_model_config=MlpConfig.get_from_yaml(),
         seed=1,
         config=settings,
     )
     experiment.run()
     print(f"{given.algorithm}: mean return of the last batch {experiment.mean_return:.3f}")
+    if given.algorithm != "masac":  # vectors, not options
+        network = next(module.mlp for module in experiment.policy.modules() if isinstance(module, Mlp))
+        width = experiment.observation_spec["robot", "observation"].shape[-1]
+        save(network.get_stateful_net(), width - 1, "benchmarl.pt")
 
 
 if __name__ == "__main__":

@@ -1,48 +1,43 @@
-"""A Minari dataset of missions in which the selector chooses at random, with the figures of each mission in its infos.
+"""Behaviour cloning: a network learns from a Minari dataset to decide as the strategy did that was recorded.
 
-pip install 'minari[hdf5,create]' && pip install .
-python examples/minari_dataset.py --missions 10
+pip install '.[minari,train]'
+clean-swarm dataset clean-swarm/rule-v0 --strategy rule --missions 10
+python examples/minari_cloning.py clean-swarm/rule-v0
+clean-swarm evaluate --family table1 --strategy rule --strategy policy:minari_cloning.pt --scenarios 10
 """
 
 import argparse
 
-import gymnasium
 import minari
 import numpy as np
-
-import clean_swarm_env.registration  # noqa: F401  (registers the environment)
-
-DATASET = "clean-swarm/team/random-v0"
-DESCRIPTION = """Random options in the cleaning world: one selector gives each of five robots its way to avoid others.
-Observations are those of all robots, one after the other; infos have the keys of the table in docs/environment.md."""
+import torch
+from torch import nn
 
 
 def main() -> None:
-    """Record the missions, load the dataset again and print its figures."""
+    """Train and save `minari_cloning.pt`."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--missions", type=int, default=10)
-    missions = parser.parse_args().missions
-    mission = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0}
-    env = minari.DataCollector(gymnasium.make("CleanSwarm-v0", mission=mission), record_infos=True)
-    env.action_space.seed(1)
-    for number in range(missions):
-        env.reset(seed=number)
-        over = False
-        while not over:
-            *_, terminated, truncated, _ = env.step(env.action_space.sample())
-            over = terminated or truncated
-    if DATASET in minari.list_local_datasets():
-        minari.delete_dataset(DATASET)
-    env.create_dataset(
-        dataset_id=DATASET,
-        algorithm_name="random options",
-        description=DESCRIPTION,
-        author="Clean Swarm",
-    )
-    dataset = minari.load_dataset(DATASET)
+    parser.add_argument("dataset")
+    parser.add_argument("--epochs", type=int, default=200)
+    given = parser.parse_args()
+    torch.manual_seed(1)
+    dataset = minari.load_dataset(given.dataset)
     episodes = list(dataset.iterate_episodes())
-    done = [int(np.asarray(episode.infos["garbage_done"])[-1]) for episode in episodes]
-    print(f"{dataset.total_episodes} missions, {dataset.total_steps} decisions, items dumped {done}")
+    taken = np.concatenate([episode.actions for episode in episodes])
+    seen = np.concatenate([episode.observations[:-1] for episode in episodes])  # the last one has no action
+    actions = torch.from_numpy(taken.reshape(-1))
+    observations = torch.from_numpy(seen.reshape(len(actions), -1))  # robot by robot
+    width, options = observations.shape[1], int(dataset.action_space.nvec[0])
+    network = nn.Sequential(nn.Linear(width, 64), nn.Tanh(), nn.Linear(64, 64), nn.Tanh(), nn.Linear(64, options))
+    optimiser = torch.optim.Adam(network.parameters(), lr=1e-3)
+    for _ in range(given.epochs):
+        loss = nn.functional.cross_entropy(network(observations), actions)
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    alike = (network(observations).argmax(dim=1) == actions).float().mean()
+    print(f"{len(episodes)} missions, {len(actions)} decisions of robots, {alike:.0%} decided alike")
+    torch.jit.script(network).save("minari_cloning.pt")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 pip install 'ray[rllib]' torch && pip install .
 python examples/rllib_ppo.py --iterations 20
+clean-swarm evaluate --family table1 --strategy fixed --strategy policy:rllib_ppo.pt --scenarios 10
 """
 
 import argparse
@@ -11,19 +12,27 @@ from ray.rllib.core.rl_module import MultiRLModuleSpec, RLModuleSpec
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 from ray.rllib.examples.rl_modules.classes.action_masking_rlm import ActionMaskingTorchRLModule
 from ray.tune.registry import register_env
+from robot_policy import save
+from torch import Tensor, nn
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.wrappers import AllRobots, MaskedObservations
 
 EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}, {"at": 60.0, "do": "join", "robots": 2}]
 MISSION = {"base": "table1", "time_limit": 200.0, "events": EVENTS}
-SERVES = {"RepulsionFernandez": ["patrol", "approach"]}
+SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 
 
 def make(_: object = None) -> ParallelPettingZooEnv:
     """Return the environment with masks in its observations."""
-    swarm = clean_swarm_v0.parallel_env(MISSION, action={"serves": SERVES})
+    swarm = clean_swarm_v0.parallel_env(MISSION, knowledge="avoidance", action={"serves": SERVES})
     return ParallelPettingZooEnv(MaskedObservations(AllRobots(swarm), key="observations"))
+
+
+def options_of(network: nn.Module, seen: Tensor) -> Tensor:
+    """Return the logits of the options from observations without masks."""
+    logits: Tensor = network.pi(network.encoder({"obs": seen})["encoder_out"]["actor"])
+    return logits
 
 
 def main() -> None:
@@ -45,6 +54,8 @@ def main() -> None:
     for _ in range(iterations):
         result = algorithm.train()["env_runners"]
         print(f"return of a team {result.get('episode_return_mean', float('nan')):.2f}")
+    width = make().par_env.observation_space("robot_0")["observations"].shape[0] - 1
+    save(algorithm.get_module("robot"), width, "rllib_ppo.pt", options_of)
     algorithm.stop()
 
 

@@ -12,7 +12,7 @@ from stable_baselines3.common.vec_env import VecMonitor
 
 from clean_swarm_env.sb3 import RobotVecEnv
 
-SERVES = {"RepulsionFernandez": ["patrol", "approach"]}
+SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 
 
 def main() -> None:

@@ -2,11 +2,13 @@
 
 pip install tianshou && pip install .
 python examples/tianshou_dqn.py --epochs 10
+clean-swarm evaluate --family table1 --strategy fixed --strategy policy:tianshou_dqn.pt --scenarios 10
 """
 
 import argparse
 
 from pettingzoo.utils.conversions import parallel_to_aec
+from robot_policy import save
 from tianshou.algorithm.modelfree.dqn import DQN, DiscreteQLearningPolicy
 from tianshou.algorithm.multiagent.marl import MultiAgentOffPolicyAlgorithm
 from tianshou.algorithm.optim import AdamOptimizerFactory
@@ -20,12 +22,12 @@ from clean_swarm_env.wrappers import AllRobots, MaskedObservations
 
 EVENTS = [{"at": 30.0, "do": "fail", "robots": [1]}]
 MISSION = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0, "events": EVENTS}
-SERVES = {"RepulsionFernandez": ["patrol", "approach"]}
+SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 
 
 def make() -> PettingZooEnv:
     """Return the environment in which robots act one after the other, with masks."""
-    swarm = clean_swarm_v0.parallel_env(MISSION, action={"serves": SERVES})
+    swarm = clean_swarm_v0.parallel_env(MISSION, knowledge="avoidance", action={"serves": SERVES})
     return PettingZooEnv(parallel_to_aec(MaskedObservations(AllRobots(swarm))))
 
 
@@ -45,13 +47,14 @@ def main() -> None:
     """Train and print the mean returns of the robots."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--epochs", type=int, default=10)
-    epochs = parser.parse_args().epochs
+    parser.add_argument("--steps", type=int, default=1000, help="decisions of an epoch")
+    given = parser.parse_args()
     env = make()
     algorithm = MultiAgentOffPolicyAlgorithm(algorithms=[learner(env) for _ in env.agents], env=env)
     collector = Collector(algorithm, DummyVectorEnv([make]), VectorReplayBuffer(20_000, 1), exploration_noise=True)
     settings = OffPolicyTrainerParams(
-        max_epochs=epochs,
-        epoch_num_steps=1000,
+        max_epochs=given.epochs,
+        epoch_num_steps=given.steps,
         training_collector=collector,
         test_collector=None,
         collection_step_num_env_steps=100,
@@ -63,6 +66,9 @@ def main() -> None:
     print(algorithm.run_training(settings))
     collector.reset()
     print("returns of the robots:", collector.collect(n_episode=3).returns.mean(axis=0))
+    width = env.observation_space["observation"].shape[0]
+    robot = algorithm.get_algorithm(env.agents[0]).policy.model
+    save(robot, width - 1, "tianshou_dqn.pt", lambda net, seen: net(seen)[0])
 
 
 if __name__ == "__main__":

@@ -2,15 +2,17 @@
 
 pip install torchrl && pip install .
 python examples/torchrl_mappo.py --frames 60000
+clean-swarm evaluate --family table1 --strategy fixed --strategy policy:torchrl_mappo.pt --scenarios 10
 """
 
 import argparse
 
 import torch
+from robot_policy import save
 from tensordict.nn import TensorDictModule
 from torchrl.collectors import SyncDataCollector
 from torchrl.envs import PettingZooWrapper
-from torchrl.modules import MLP, MaskedCategorical, MultiAgentMLP, ProbabilisticActor
+from torchrl.modules import MLP, MaskedCategorical, ProbabilisticActor
 from torchrl.objectives import ClipPPOLoss
 
 from clean_swarm_env import clean_swarm_v0
@@ -18,13 +20,13 @@ from clean_swarm_env.wrappers import AllRobots
 
 EPOCHS, PARTS = 4, 4
 KEYS = {"action": ("robot", "action"), "reward": ("robot", "reward"), "done": ("robot", "done")}
-SERVES = {"RepulsionFernandez": ["patrol", "approach"]}
+SERVES = {"RepulsionFernandez-view2.0": ["patrol", "approach"]}
 
 
 def make() -> PettingZooWrapper:
     """Return missions of 100 s with masks, a global state, and all robots in every step."""
     mission = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0}
-    env = AllRobots(clean_swarm_v0.parallel_env(mission, action={"serves": SERVES}))
+    env = AllRobots(clean_swarm_v0.parallel_env(mission, knowledge="avoidance", action={"serves": SERVES}))
     return PettingZooWrapper(
         env, use_mask=False, return_state=True, categorical_actions=True, done_on_any=False, seed=1
     )
@@ -41,7 +43,7 @@ def main() -> None:
     robots, width = env.observation_spec["robot", "observation"].shape
     options = int(env.full_action_spec["robot", "action"].space.n)
     seen, mask = ("robot", "observation"), ("robot", "action_mask")
-    body = MultiAgentMLP(width, options, robots, centralised=False, share_params=True, depth=2, num_cells=64)
+    body = MLP(width, options, depth=2, num_cells=64)  # of each robot: all share the parameters
     logits = TensorDictModule(body, in_keys=[seen], out_keys=[("robot", "logits")])
     actor = ProbabilisticActor(
         logits,
@@ -70,6 +72,7 @@ def main() -> None:
                 (losses["loss_objective"] + losses["loss_critic"] + losses["loss_entropy"]).backward()
                 optimiser.step()
         print(f"mean reward of a decision {batch['next', 'robot', 'reward'].mean():.4f}")
+    save(body, width - 1, "torchrl_mappo.pt")
 
 
 if __name__ == "__main__":

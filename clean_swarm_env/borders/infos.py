@@ -32,6 +32,11 @@ def robot_infos(batch: AnyBatch) -> list[Info]:
     team, own = team_infos(batch), batch.own_figures()
     if batch.action.mode != "velocity":
         own[MASK] = list(masks_of(batch))
-    names, rows = (*team, *own), zip(*own.values(), strict=True)
-    of_worlds = zip(*team.values(), strict=True)
-    return [dict(zip(names, shared + next(rows), strict=True)) for shared in of_worlds for _ in range(batch.robots)]
+    rows, infos = zip(*own.values(), strict=True), []
+    for values in zip(*team.values(), strict=True):
+        shared = dict(zip(team, values, strict=True))
+        for _ in range(batch.robots):
+            info = shared.copy()
+            info.update(zip(own, next(rows), strict=True))
+            infos.append(info)
+    return infos

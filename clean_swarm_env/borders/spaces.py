@@ -71,7 +71,7 @@ def rows_of(actions: Any, space: spaces.Space[Any], rows: int) -> NDArray[Any]: 
 
 def masks_of(batch: AnyBatch) -> Iterable[Mask]:
     """Return the options that can serve next in each row, in the form that `sample` of one robot's space takes."""
-    whole = batch.masks().astype(np.int8)
+    whole = batch.masks().view(np.int8)
     counts = batch.choices.counts
     return whole if len(counts) == 1 else zip(*np.split(whole, np.cumsum(counts)[:-1], axis=1), strict=True)
 

@@ -74,7 +74,7 @@ class RobotVecEnv(VecEnv):
         self._actions: NDArray[Any] = np.zeros(0)
         self._returns = np.zeros(self._joined.rows)
         self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
-        self._began = time.time()
+        self._began = time.monotonic()
         first = self.batches[0]
         super().__init__(self._joined.rows, observation_space(first), action_space(first))
 
@@ -114,7 +114,7 @@ class RobotVecEnv(VecEnv):
 
     def _add_end(self, infos: list[Info], end: Ended, step: BatchStep) -> None:
         """Add the figures of a mission to the infos, and set the sums of its world to 0."""
-        elapsed, length = round(time.time() - self._began, 6), int(self._lengths[end.world])
+        elapsed, length = round(time.monotonic() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():
             infos[row]["terminal_observation"] = step.final_observations[row].copy()
             infos[row]["TimeLimit.truncated"] = bool(step.truncated[end.world])

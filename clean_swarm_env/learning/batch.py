@@ -349,7 +349,7 @@ class Batch(AnyBatch):
             for end in self._finished:
                 self._begin(end.world)
         self.observer.observe(self.observations)
-        if not self.begin_anew and progress.outcome.any():
+        if not self.begin_anew and np.count_nonzero(progress.outcome):  # a third of the time of `any`
             over = np.repeat(terminated | truncated, self.robots)
             self.observations[over] = self._final[over]
         return BatchStep(self.observations, self._gained, terminated, truncated, self._final)

@@ -37,7 +37,7 @@ def team_columns(worlds: Worlds, progress: MissionProgress) -> FigureColumns:
         "dumped": progress.dumped.tolist(),
         "garbage_done": worlds.garbage.done.tolist(),
         "mission_collision_events": worlds.collisions.events[:, 0].tolist(),
-        "completed": (progress.outcome == COMPLETED).tolist(),
+        "completed": [outcome == COMPLETED for outcome in progress.outcome.tolist()],
         "duration_s": times.copy(),
     }
 

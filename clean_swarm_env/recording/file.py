@@ -50,9 +50,14 @@ class RecordingFile:
         self.beginning = beginning_of(head, channels)
         self._write(self.beginning)
 
-    def add(self, first: int, whole: Sequence[WholeNumbers], notes: Mapping[str, Any]) -> None:
-        """Append frames from number `first` on: whole numbers (T, K) for each channel; `notes` is plain data."""
-        self._write(part_of(self._channels, first, whole, notes))
+    def add(self, first: int, whole: Sequence[WholeNumbers], notes: Mapping[str, Any]) -> bytes:
+        """Append frames from number `first` on: whole numbers (T, K) for each channel; `notes` is plain data.
+
+        Returns the block.
+        """
+        block = part_of(self._channels, first, whole, notes)
+        self._write(block)
+        return block
 
     def close(self, result: Mapping[str, Any] | None = None) -> None:
         """End the file; `result` is that of a mission that ended."""

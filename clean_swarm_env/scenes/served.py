@@ -15,6 +15,7 @@ from clean_swarm_env.scenes.scene import Scene
 from selector.configurations.host import Host, host_memory
 from selector.configurations.library import Library
 from selector.configurations.running import RunningConfiguration
+from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robots import CoordinatedRobots
 from selector.knowledge import Knowledge, load_knowledge
@@ -94,9 +95,14 @@ class ServedTeam(Controller):
         self.hold(np.full(arena.rows, expert.option))
 
     @property
+    def coordinator(self) -> Coordinator:
+        """The coordinator of which the robots consist."""
+        return self._robots.coordinators[0]
+
+    @property
     def held(self) -> Ints:
         """The option (R,) that each robot holds."""
-        return self._robots.coordinators[0].held
+        return self.coordinator.held
 
     @property
     def views(self) -> tuple[float, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.world.cleaning_robot import coordinators_of
+from clean_swarm_env.world.explaining import RobotStep, explain_robot
 from clean_swarm_env.world.mission_end import RUNNING, mission_cost, mission_state, tick_limit, unavoidable_cost
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
@@ -17,6 +19,8 @@ from selector.strategies.registry import StrategySpec
 from selforg.arrays import Floats
 
 Scores = Mapping[str, Mapping[str, float]]
+PERIOD_ROUNDING = 1e-9
+"""A time this little before the beginning of a control period belongs to that period [periods]."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,29 @@ class MissionRun:
     scores: Scores
     strategy: StrategySpec = BY_SCORE
     directories: tuple[Path, ...] = ()
+
+    def explain(self, robot: int, time: float) -> RobotStep:
+        """Run the mission up to the control period in which `time` [s] lies; return what a robot decided then, and why.
+
+        Raises:
+            ValueError: no such robot, or a time at which the mission does not run.
+
+        """
+        course = Course(self, explained=True)
+        if not 0 <= robot < course.worlds.robots:
+            raise ValueError(f"robot: expected a number from 0 to {course.worlds.robots - 1}, got {robot}")
+        ticks = period_of(time, self.mission.world.control_rate) + 1
+        while course.in_progress and course.worlds.ticks[0] < ticks:
+            course.tick()
+        if not 0 < ticks == course.worlds.ticks[0]:
+            ended = result_of(course.worlds, 0).duration_s
+            raise ValueError(f"time: expected seconds from 0 to the end of the mission at {ended:g}, got {time:g}")
+        return explain_robot(course.worlds, robot)
+
+
+def period_of(time: float, control_rate: float) -> int:
+    """Return the number of the control period in which `time` [s] lies; -1 for no time of a mission."""
+    return math.floor(time * control_rate + PERIOD_ROUNDING) if math.isfinite(time) and time >= 0.0 else -1
 
 
 def run_mission(

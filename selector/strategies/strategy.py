@@ -83,6 +83,7 @@ class DecisionStrategy(ABC):
         self.keys: Keys = np.array(keys, dtype=np.uint64)
         self.counters: Keys = np.zeros(self.rows, dtype=np.uint64)
         self.chance: Floats = np.ones(self.rows)
+        self._all_can: Flags = np.broadcast_to(np.True_, (self.rows, self.options))
         self._prepare()
         first = self._first_state()
         self.state_names = tuple(first)
@@ -134,7 +135,9 @@ class DecisionStrategy(ABC):
         """
         rows, seen = np.arange(self.rows), readable("context", context, (self.rows, self.features))
         decisions = Decisions(rows, self.group_of, seen, self._allowed(None, rows), np.zeros((self.rows, 0)))
-        return np.broadcast_to(self._opinions(decisions), (self.rows, self.options))
+        thought = np.empty((self.rows, self.options))
+        thought[:] = self._opinions(decisions)
+        return thought
 
     @final
     def update(
@@ -235,7 +238,7 @@ class DecisionStrategy(ABC):
     def _allowed(self, allowed: Flags | None, rows: Ints) -> Flags:
         shape = (len(rows), self.options)
         if allowed is None:
-            return np.broadcast_to(np.True_, shape)
+            return self._all_can[: len(rows)]
         flags = np.asarray(allowed).view()
         if flags.shape != shape or flags.dtype != np.bool_:
             raise ValueError(f"allowed: expected truth values {shape}, got {flags.shape} of {flags.dtype}")

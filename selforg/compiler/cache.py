@@ -22,6 +22,8 @@ from selforg.compiler.switches import CHECKED, PLAIN
 
 OWN_ROOT = Path(__file__).parents[2]
 """The directory that holds the package `selforg`."""
+ROOM = 100e6
+"""Free room below which nothing is kept [byte]; the kernels of all commands take less."""
 WEEK = 7 * 24 * 3600.0
 """Age [s] from which a folder for older sources is removed; a younger one may serve another branch or process."""
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)\)|(.*))|import[ \t]+(.*))$", re.M)
@@ -29,18 +31,21 @@ IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)
 
 @cache
 def cache_directory() -> Path | None:
-    """Return the directory of all compiled code, or None where nothing can be written.
+    """Return the directory of all compiled code, or None where nothing can be written or there is no room.
 
     This is NUMBA_CACHE_DIR if that is set, else a folder beside the package, else one in the user's cache.
     """
     given = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    home = os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
-    places = [Path(given)] if given else [OWN_ROOT / "selforg" / "__pycache__" / "kernels", Path(home, "clean-swarm")]
+    user = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "clean-swarm")
+    places = [Path(given)] if given else [OWN_ROOT / "selforg" / "__pycache__" / "kernels", user]
     for place in places:
+        if place is user and not user.is_absolute():  # no home is known
+            continue
         try:
             place.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=place):
-                return place
+                if shutil.disk_usage(place).free >= ROOM:
+                    return place
         except OSError:
             continue
     return None

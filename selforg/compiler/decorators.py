@@ -29,8 +29,8 @@ LEAN = NUMPY_ERRORS if PLAIN else {**NUMPY_ERRORS, "no_cfunc_wrapper": True, "_n
 """Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway."""
 
 UNCACHED = (
-    "compiled code cannot be kept: neither the package nor the user's cache can be written. Every start compiles anew, "
-    "about a minute; NUMBA_CACHE_DIR names another directory"
+    "compiled code cannot be kept: neither the package nor the user's cache can be written, or no room is left. Every "
+    "start compiles anew, about a minute; NUMBA_CACHE_DIR names another directory"
 )
 
 

@@ -45,7 +45,7 @@ PATTERNS = (
         "Collision avoidance",
         Purpose.MOVEMENT,
         ("Gradients",),
-        ("CollisionAvoidance", "AvoidAll", "PredictiveSteering"),
+        ("CollisionAvoidance", "AvoidAll", "PredictiveSteering", "ORCA"),
     ),
     Pattern(
         "Chemotaxis",

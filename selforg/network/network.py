@@ -54,6 +54,16 @@ class BehaviourNetwork:
         return self.state.mark_table[:, st.EXECUTING]
 
     @property
+    def activation(self) -> Floats:
+        """(R, B) activation of each behaviour after the last step."""
+        return self.state.value_table[:, st.ACTIVATION]
+
+    @property
+    def components(self) -> dict[str, Floats]:
+        """What the last step added to each activation (R, B), by name."""
+        return {name: self.state.value_table[:, st.PRECONDITIONS + k] for k, name in enumerate(st.COMPONENTS)}
+
+    @property
     def started(self) -> Ints:
         """(R, B) 1 where a behaviour was started in the last step."""
         return self.state.mark_table[:, st.STARTED]

@@ -23,6 +23,14 @@ def test_offsets_cross_the_seam_on_a_torus_only():
     np.testing.assert_allclose(Euclidean(2).offsets(one, other), [[10.0, 6.0]])
 
 
+def test_half_a_torus_away_the_way_goes_as_the_coordinates_do():
+    one, other = np.array([1.0, 1.0]), np.array([3.0, 4.0])
+    torus = Torus(4.0, 6.0)
+    assert torus.offsets(one, other).tolist() == [2.0, 3.0]
+    assert torus.offsets(other, one).tolist() == [-2.0, -3.0]
+    assert (nearest_image(2.0, 4.0), nearest_image(-2.0, 4.0)) == (2.0, -2.0)
+
+
 @pytest.mark.parametrize("size", [0.0, -1.0, np.inf, np.nan])
 def test_a_torus_needs_a_positive_finite_size(size):
     with pytest.raises(ValueError, match="width must be positive"):

@@ -16,7 +16,7 @@ from train.analysis.statistics import summarise
 from train.analysis.strategy_comparison import Estimate
 from train.running.runs import RunKey, under
 
-FIGURES = ("completed", "duration_s", "collision_events")
+ROBUSTNESS_FIGURES = ("completed", "duration_s", "collision_events")
 """Share of missions completed, duration or time limit [s], and collision events of a mission at the first distance."""
 
 
@@ -38,7 +38,7 @@ class RobustnessReport:
 
     runs: RobustnessRuns
     estimates: Mapping[str, Mapping[str, Mapping[str, Estimate]]]
-    """Disturbance -> label of a strategy -> figure of FIGURES -> its mean and interval."""
+    """Disturbance -> label of a strategy -> figure of ROBUSTNESS_FIGURES -> its mean and interval."""
 
     @classmethod
     def of(cls, runs: RobustnessRuns, results: Mapping[RunKey, MissionResult]) -> RobustnessReport:

@@ -21,6 +21,7 @@ from selector.documents.writing import DISK_FULL
 from train.cli import (
     claims,
     configure,
+    dataset,
     draw,
     evaluate,
     headroom,
@@ -33,7 +34,7 @@ from train.cli import (
     tune,
 )
 from train.cli.options import Configs, error_console, print_error
-from train.cli.showing import picture, video
+from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -70,12 +71,14 @@ app.command("configure")(configure.configure_command)
 app.command("claims")(claims.claims_command)
 app.command("headroom")(headroom.headroom_command)
 app.command("draw")(draw.draw_command)
+app.command("dataset")(dataset.dataset_command)
 app.command("explain")(repeat.explain_command)
 app.command("record")(repeat.record_command)
 app.command("replay")(repeat.replay_command)
 app.command("play")(play.play_command)
 app.command("picture")(picture.picture_command)
 app.command("video")(video.video_command)
+app.command("report")(report.report_command)
 app.command("export")(repeat.export_command)
 
 
@@ -129,9 +132,12 @@ def _common(
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
     from clean_swarm_env.config.load import load_experiment, load_family, load_robustness
+    from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
+    from clean_swarm_env.scenes import goals
     from selector.documents.find import KINDS, files_of
     from selector.documents.plain import plain
     from selector.strategies.registry import STRATEGIES
+    from selforg.mechanisms.registry import MECHANISMS
 
     for name in files_of("experiments", configs or ()):
         robustness = load_robustness(name, configs or ())
@@ -149,3 +155,6 @@ def list_everything(configs: Configs = None) -> None:
     for kind in sorted(KINDS.keys() - {"experiments", "families"}):
         typer.echo(f"{kind}: {plain(', '.join(files_of(kind, configs or ())))}")
     typer.echo(f"strategies by name: {', '.join(STRATEGIES.names())}")
+    typer.echo(f"mechanisms by name: {', '.join(MECHANISMS.names())}")
+    typer.echo(f"goals with a scene: {', '.join(goals())}")
+    typer.echo(f"terms of observations: {', '.join(DEFAULT_TERMS)}")

@@ -21,12 +21,15 @@ def play_command(
     name: Annotated[
         str,
         typer.Argument(
-            help="Name of a mission or a family, or path to its YAML file; or a recording of an earlier play.",
-            metavar="[MISSION|FAMILY|RECORDING]",
+            help="Name of a mission, a family or a goal, or path to a YAML file; or a recording of an earlier play.",
+            metavar="[MISSION|FAMILY|GOAL|RECORDING]",
         ),
     ] = "crowded",
     strategy: Annotated[
-        str | None, typer.Option(help="Who chooses the options, as for `evaluate --family`; MaxScore unless given.")
+        str | None,
+        typer.Option(
+            help="Who chooses the options, as for `evaluate --family`; MaxScore, or the best option, unless given."
+        ),
     ] = None,
     scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,
     seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
@@ -52,7 +55,6 @@ def play_command(
     from train.live.chosen import chosen  # imports Numba
     from train.live.conductor import Conductor, checked_speed
     from train.live.server import LiveServer
-    from train.live.session import Session
     from train.replay.page_file import live_page
 
     checked_speed(speed)
@@ -60,9 +62,9 @@ def play_command(
     path = _new_file(play.name) if output is None else output
     if path.exists():
         raise ConfigurationError(f"--output: {path} exists already; expected a new file")
-    shown = play.scenario.mission.robots.count <= MINDS_UP_TO if minds is None else minds
+    shown = play.robots <= MINDS_UP_TO if minds is None else minds
     with LiveServer(port) as server:
-        session = Session(play, path, minds=shown)
+        session = play.open(path, minds=shown)
         conductor = Conductor(session, speed, playing=not paused)
         server.start(conductor, live_page(play.name, session.strategies()))
         typer.echo(f"{server.address}\nopen this address in a browser; Ctrl-C ends it")

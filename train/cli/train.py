@@ -13,7 +13,7 @@ from train.cli.options import MOST_SEED, Configs, Force, Learn, RunStore, check_
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
-Config = Annotated[str | None, typer.Option(help="Name of a training, or path to its YAML file.", metavar="NAME|FILE")]
+Config = Annotated[str, typer.Option(help="Name of a training, or path to its YAML file.", metavar="NAME|FILE")]
 Output = Annotated[Path | None, typer.Option(help="Directory of the training; one below results/ unless given.")]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the directory.")]
@@ -25,7 +25,7 @@ RecordOption = Annotated[
 
 @app.command()
 def ppo(
-    config: Config = None,
+    config: Config = "general",
     output: Output = None,
     seed: Seed = 0,
     resume: Resume = False,
@@ -41,16 +41,14 @@ def ppo(
     from train.learning.ppo import PpoTraining  # imports torch
 
     directories = tuple(configs or ())
-    request = TrainingRequest(
-        "ppo", config or "general", seed, output, resume, directories=directories, record=record, forced=force
-    )
+    request = TrainingRequest("ppo", config, seed, output, resume, directories=directories, record=record, forced=force)
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
 
 @app.command()
 def bandit(
-    config: Config = None,
+    config: Config = "situations",
     output: Output = None,
     seed: Seed = 0,
     resume: Resume = False,
@@ -67,7 +65,7 @@ def bandit(
     from train.learning.session import TrainingRequest, run_training
 
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
-    request = TrainingRequest("bandit", config or "situations", seed, output, resume, kept, directories, record, force)
+    request = TrainingRequest("bandit", config, seed, output, resume, kept, directories, record, force)
     with _one_line():
         raise typer.Exit(run_training(request, BanditTraining, Console(highlight=False)))
 

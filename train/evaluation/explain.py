@@ -5,108 +5,44 @@ The text fits into 80 columns: a table of the terms of each activation, and a tr
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.world.worlds import Worlds
-from selector.coordination.coordinator import Coordinator
-from selector.coordination.inner_network import InnerNetwork, at_any_depth
-from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount, explain
-from selforg.network.explain.recording import Recorder
+from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
+from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount
 from selforg.network.explain.text import TERM_TITLES, header
-from selforg.network.network import BehaviourNetwork
 from train.evaluation.repeat import Repeated, world_at
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short heads of columns, so that the table fits."""
 
 
-@dataclass(frozen=True)
-class Coordinated:
-    """One coordinator of a robot in one step: its option, and the step of the network inside if it ran."""
-
-    goal: str
-    option: str
-    inner: Explanation | None
-
-    @property
-    def title(self) -> str:
-        """Goal and option."""
-        return f"{self.goal}: {self.option}"
-
-
-@dataclass(frozen=True)
-class Nested:
-    """One network inside a behaviour of a robot in one step; the title names the behaviours around it."""
-
-    title: str
-    inner: Explanation | None
-
-
 Inside = Coordinated | Nested
 
 
-def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], Explanation, tuple[Inside, ...]]:
-    """Repeat a run up to `time` [s]; return robot and step as a mapping, the explanation, and the networks inside."""
+def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep]:
+    """Repeat a run up to `time` [s]; return what run it is, and what the robot decided then."""
     count = task.mission.robots.count
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
-    worlds = world_at(task, time)
-    coordinated = (_coordinated(coordinator, robot) for coordinator in worlds.coordinators)
-    nested = (Nested(one.name, _inner_step(one, one.network, robot)) for one in at_any_depth(worlds.minds.nested))
-    return _situation(task, worlds, robot), _step_of(worlds.network, robot), (*coordinated, *nested)
+    names = {"experiment": task.experiment, "scenario": task.scenario, "condition": task.condition, "seed": task.seed}
+    return names, explain_robot(world_at(task, time), robot)
 
 
-def _step_of(network: BehaviourNetwork, robot: int) -> Explanation:
-    return explain(network.model, Recorder(network, np.array([robot])).take(), robot)
-
-
-def _coordinated(coordinator: Coordinator, robot: int) -> Coordinated:
-    option = int(coordinator.held[robot])
-    network = coordinator.contents[option].network
-    inner = _step_of(network, robot) if coordinator.beside[option] else _inner_step(coordinator, network, robot)
-    return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
-
-
-def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, robot: int) -> Explanation | None:
-    """Return the step of a network inside a behaviour; None if the behaviour does not run."""
-    return _step_of(network, robot) if holder.parent.executing[robot, holder.index] == 1 else None
-
-
-def _situation(task: Repeated, worlds: Worlds, robot: int) -> dict[str, Any]:
-    step, consequences = int(worlds.ticks[0]) - 1, worlds.floor.consequences
-    return {
-        "experiment": task.experiment,
-        "scenario": task.scenario,
-        "condition": task.condition,
-        "seed": task.seed,
-        "robot": robot,
-        "step": step,
-        "time_s": round(step * worlds.period, 9),
-        "stopped_s": round(int(consequences.standing[robot]) * worlds.period, 9),
-        "damaged": bool(consequences.damaged[robot]),
-        "options": {c.model.goal: c.model.options[c.held[robot]] for c in worlds.coordinators},
-    }
-
-
-def as_json(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> str:
+def as_json(names: dict[str, Any], step: RobotStep) -> str:
     """Return a step as a JSON object; `plan` is null without a plan, `inner` if the network inside does not run."""
-    held = {
-        "coordinators": [asdict(one) for one in inside if isinstance(one, Coordinated)],
-        "networks": [asdict(one) for one in inside if isinstance(one, Nested)],
-    }
-    return json.dumps(situation | asdict(explanation) | held, indent=2, allow_nan=False)
+    return json.dumps(names | step.as_mapping(), indent=2, allow_nan=False)
 
 
-def step_on_terminal(situation: dict[str, Any], explanation: Explanation, inside: Sequence[Inside]) -> RenderableType:
+def step_on_terminal(names: dict[str, Any], step: RobotStep) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
+    explanation, situation = step.network, names | step.as_mapping()
+    inside: tuple[Inside, ...] = (*step.coordinators, *step.networks)
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
     title = f"{run}\nrobot {situation['robot']} at {situation['time_s']:g} s (step {situation['step']}); {options}"

@@ -118,10 +118,15 @@ class Execution:
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     """Do the missing runs, write the results and print the tables; return the exit code."""
     directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
-    memory = evaluation.memory
-    if memory is not None and not execution.resume:
-        memory.check_new()
+    if evaluation.memory is not None and not execution.resume:
+        evaluation.memory.check_new()
     folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
+    with folder.alone():
+        return _evaluated(evaluation, execution, folder)
+
+
+def _evaluated(evaluation: Evaluation, execution: Execution, folder: RunFolder) -> int:
+    memory = evaluation.memory
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
     results = Results(folder, evaluation.mistake)

@@ -1,13 +1,12 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.world.mission import Course, MissionRun, result_of
+from clean_swarm_env.world.mission import Course, MissionRun, period_of, result_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import shown, validated, within
 from selector.documents.fields import Closed, Number
@@ -24,8 +23,6 @@ Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
 LISTED = 8
 """Largest number of scenarios in an error."""
-ROUNDING = 1e-9
-"""A time this little before the beginning of a control period belongs to that period [periods]."""
 
 
 class _Choice(Closed):
@@ -115,9 +112,9 @@ def world_at(task: Repeated, time: float) -> Worlds:
         ConfigurationError: the mission was not running at this time; the text says when it ended.
 
     """
-    if not (math.isfinite(time) and time >= 0.0):
+    wanted = period_of(time, task.mission.world.control_rate) + 1
+    if not wanted:
         raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
-    wanted = math.floor(time * task.mission.world.control_rate + ROUNDING) + 1
     worlds = None
     for worlds in steps_of(task):
         if worlds.ticks[0] == wanted:

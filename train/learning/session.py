@@ -96,7 +96,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     if not compiled_before():
         announce()
     try:
-        with _progress(config) as on_progress:
+        with folder.alone(), _progress(config) as on_progress:
             training = made(replace(job, on_progress=on_progress))
             on_progress(training.decisions)
             while not training.finished:

@@ -63,7 +63,7 @@ class Conductor:
                 except queue.Empty:
                     if self._playing:
                         self._tick()
-                        due = max(due + self.session.worlds.period / self._speed, monotonic() - MOST_LATE)
+                        due = max(due + self.session.period / self._speed, monotonic() - MOST_LATE)
         finally:
             self.stream.end()
             self.session.close()
@@ -100,14 +100,8 @@ class Conductor:
             self.stream.tell(self._state())
 
     def _state(self) -> dict[str, Any]:
-        session = self.session
-        return {
-            "playing": self._playing,
-            "speed": self._speed,
-            "over": session.result is not None,
-            "strategy": session.strategy.split(" ")[0],
-            "loss": float(session.worlds.minds.reception.of_worlds()[1][0]),
-        }
+        over = self.session.result is not None
+        return {"playing": self._playing, "speed": self._speed, "over": over, **self.session.facts()}
 
 
 def checked_speed(speed: object) -> float:

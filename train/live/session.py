@@ -1,176 +1,74 @@
-"""A mission that runs step by step, is changed by hand, and is recorded so that it can run again."""
+"""A run that goes step by step, is changed by hand, and is recorded so that it can run again."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, final
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.families import Scenario
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.recording.by_hand import AddRobot, ByHand, Change, FollowStrategy, HoldOption
+from clean_swarm_env.recording.by_hand import ByHand, Change
 from clean_swarm_env.recording.file import end_of
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.mission import MissionResult
-from clean_swarm_env.world.mission_end import RUNNING
-from selector.documents.errors import DocumentError, one_line, validated
-from selector.documents.fields import Closed
-from selector.documents.find import files_of
-from selforg.arrays import Ints
-from selforg.registry import unknown
-from train.evaluation.entrants import LEARNED, POLICY, RANDOM, RULE, identified, member_pilot
-from train.evaluation.repeat_trial import DIGEST
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import Pilot
+from selector.documents.errors import one_line
 from train.running.provenance import fingerprints
 
-SPARE_ROBOTS, SPARE_ITEMS = 20, 40
-"""Robots and items that can be added by hand."""
 _CHANGE: TypeAdapter[Change] = TypeAdapter(ByHand)
 
 
-@dataclass(frozen=True)
-class Play:
-    """What is played: one scenario, who chooses the options, and what was done by hand when it was played before."""
-
-    name: str
-    scenario: Scenario
-    strategy: str
-    """As `member_pilot` takes it."""
-    goal: str | None = None
-    """Goal that the strategy chooses options for; see `DecidedGoal`."""
-    directories: tuple[Path, ...] = ()
-    by_hand: Sequence[Change] = ()
+class Played(Protocol):
+    """What is played."""
 
     @property
-    def member(self) -> str:
-        """The strategy without the digest of its file."""
-        return self.strategy.partition(DIGEST)[0]
+    def name(self) -> str:
+        """Name of the mission, the family or the goal."""
 
-    def described(self) -> dict[str, Any]:
-        """Return what the head of the recording says, from which `again` makes the play."""
-        played = _Played(
-            name=self.name,
-            start=self.scenario.start,
-            seed=self.scenario.seed,
-            goal=self.goal or "",
-            strategy=identified(self.member, self.directories),
-            directories=tuple(str(path) for path in self.directories),
-            files=fingerprints(self.directories),
-        )
-        return played.model_dump(mode="json")
+    @property
+    def robots(self) -> int:
+        """Number of robots at the start."""
+
+    def open(self, output: Path, *, minds: bool) -> Session:
+        """Return the session, recorded in a file; one that exists is replaced."""
 
 
-class _Played(Closed):
-    """What the head of a recording says about the play, beside mission, scenario and seed."""
+class Session(ABC):
+    """One run that is played.
 
-    name: str
-    start: StartConfiguration
-    seed: int
-    goal: str
-    strategy: str
-    directories: tuple[str, ...]
-    files: dict[str, str]
-
-
-def again(recording: RecordedMission) -> Play:
-    """Return the play that a recording is of, with all that was done by hand.
-
-    Raises:
-        ConfigurationError: the recording is of something else, or files on which the course depends have changed.
-
-    """
-    about = recording.head["about"]
-    if "play" not in about:
-        raise ConfigurationError(f"{recording.path}: expected a recording of `clean-swarm play`, got one of a mission")
-    where = f"{recording.path}: head"
-    played = validated(_Played, about["play"], f"{where}: about.play")
-    mission = validated(MissionConfig, recording.head["mission"], f"{where}: mission")
-    directories = tuple(Path(name) for name in played.directories)
-    if fingerprints(directories) != played.files:
-        raise ConfigurationError(f"{recording.path}: mechanisms, knowledge or robots have changed since it was played")
-    scenario = Scenario(played.start.id, played.seed, mission, played.start)
-    return Play(played.name, scenario, played.strategy, played.goal or None, directories, recording.by_hand)
-
-
-def with_room(mission: MissionConfig) -> MissionConfig:
-    """Return the mission with room for what may be added by hand, and with messages that can get lost."""
-    parts: dict[str, dict[str, Any]] = {
-        "robots": {"capacity": mission.rows + SPARE_ROBOTS},
-        "garbage": {"capacity": mission.item_rows + SPARE_ITEMS},
-        "delivery": {"own_contents": True},
-    }
-    changed = {name: {**getattr(mission, name).model_dump(), **change} for name, change in parts.items()}
-    return validated(MissionConfig, {**mission.model_dump(), **changed}, "the mission with room for more")
-
-
-class Session:
-    """One mission that is played, in one world.
+    Subclasses implement `ticks`, `facts`, `strategies`, `close`, and what begins with an underscore.
 
     Args:
-        play: what is played; its mission has room (`with_room`).
-        output: the recording; a file that exists is replaced.
-        minds: whether the networks of the robots are recorded, too.
+        beginning: the bytes with which the recording begins.
+        period: length of a control period [s].
+        by_hand: what was done by hand when this was played before.
 
     Attributes:
-        batch: the world.
-        strategy: the strategy that chooses the options.
-        options: names of the options of the decided goal.
-        result: the figures of the mission, None while it runs.
+        result: the figures of the run, None while it goes on.
 
     """
 
-    def __init__(self, play: Play, output: Path, *, minds: bool = True) -> None:
-        scenarios = iter((play.scenario,))
-        about = {"experiment": play.name, "condition": play.member, "play": play.described()}
-        settings = RecordSettings(output.parent, minds, about, output.name, thinking=True)
-        self.batch = Batch(
-            play.scenario.mission,
-            source=lambda _: next(scenarios, None),
-            begin_anew=False,
-            directories=play.directories,
-            record=settings,
-        )
-        assert self.batch.recorder is not None
-        self._recorder, self._play = self.batch.recorder, play
-        self.worlds = self.batch.worlds
-        self._decided = DecidedGoal(self.batch, play.goal)
-        self.goal, self.options = self._decided.problem.goal, self._decided.problem.options
-        self.strategy, self._pilot = self._piloted(play.strategy)
-        self._by_hand: Ints = np.full(self.batch.rows, -1)  # the option that each robot holds by hand, -1 for none
-        self._coming, self._added = list(play.by_hand), 0
+    def __init__(self, beginning: bytes, period: float, by_hand: Sequence[Change]) -> None:
+        self.beginning, self.period = beginning, period
+        self.result: Mapping[str, Any] | None = None
+        self._coming = list(by_hand)
         self._made: list[dict[str, Any]] = []  # since the last frame
-        self.result: MissionResult | None = None
-        self._observations = self.batch.reset()
-        self._pilot.begin(self.worlds.rows_of(0), play.scenario.seed)
-        self.beginning = self._recorder.beginning
-        self._course = self._periods()
 
-    @property
-    def ticks(self) -> int:
-        """Control periods that have been run."""
-        return int(self.worlds.ticks[0])
-
+    @final
     def tick(self) -> bytes:
-        """Run one control period and return it as blocks of a recording; nothing once the mission is over."""
+        """Run one control period and return it as blocks of a recording; nothing once the run is over."""
         if self.result is not None:
             return b""
-        next(self._course)
-        frame = self._recorder.latest({"by_hand": self._made, "made": time.time()})
+        while self._coming and self._coming[0].tick <= self.ticks:
+            self._make(self._coming.pop(0))
+        frame = self._run_period({"by_hand": self._made, "made": time.time()})
         self._made = []
-        if self.batch.progress.outcome[0] == RUNNING:
-            return frame
-        self.result = self.batch.finished[0].result
-        return frame + end_of(asdict(self.result))
+        self.result = self._ended()
+        return frame if self.result is None else frame + end_of(self.result)
 
+    @final
     def do(self, order: Mapping[str, Any]) -> None:
         """Make a change by hand before the next control period; `order` has the keys of a `Change` but its tick.
 
@@ -180,80 +78,44 @@ class Session:
             change = _CHANGE.validate_python({**order, "tick": self.ticks})
         except ValidationError as error:
             raise ValueError(one_line(error, "by hand", Change)) from error
-        self._make(change)
-
-    def close(self) -> None:
-        """End the recording."""
-        self.batch.close()
-
-    def strategies(self) -> list[str]:
-        """Return the strategies that fit this mission, for the user to choose from."""
-        directories = self._play.directories
-        named = [f"{POLICY}:{name}" for name in files_of("policies", directories)]
-        named += [f"{LEARNED}:{name}" for name in files_of("strategies", directories)]
-        fitting = [member for member in ("MaxScore", RANDOM, RULE, *named) if self._fits(member)]
-        return list(dict.fromkeys([self._play.member, *fitting]))
-
-    def _fits(self, member: str) -> bool:
-        try:
-            self._piloted(member)
-        except DocumentError:
-            return False
-        return True
-
-    def _piloted(self, text: str) -> tuple[str, Pilot]:
-        """Return a strategy with the digest of its file, and its pilot; `text` may have the digest of then."""
-        directories, member = self._play.directories, text.partition(DIGEST)[0]
-        pilot = member_pilot(member, self._decided.problem, np.zeros(self.batch.rows, dtype=np.int64), directories)
-        now = identified(member, directories)
-        if DIGEST in text and now != text:
-            raise ConfigurationError(f"{member} is no longer what was played with; the play cannot be repeated")
-        return now, pilot
-
-    def _periods(self) -> Iterator[None]:
-        """Run the mission; yield after each control period."""
-        batch, progress = self.batch, self.batch.progress
-        self._make_due()
-        while progress.outcome[0] == RUNNING:
-            chosen = self._pilot.choose(self._observations)
-            self._recorder.think(self.goal, self._pilot.opinions())
-            options = np.where(self._by_hand >= 0, self._by_hand, chosen)
-            for _ in batch.ticks(self._decided.actions(options)):
-                yield
-                self._make_due()
-            self._observations = batch.end_period().observations
-
-    def _make_due(self) -> None:
-        while self._coming and self._coming[0].tick <= self.ticks:
-            self._make(self._coming.pop(0))
-
-    def _make(self, change: Change) -> None:
         if self.result is not None:
             raise ValueError("the mission is over")
-        if isinstance(change, AddRobot) and self._added == SPARE_ROBOTS:
-            raise ValueError(f"a robot more: expected at most {SPARE_ROBOTS} added by hand")
-        if isinstance(change, FollowStrategy):
-            change = self._follow(change)
-        elif isinstance(change, HoldOption):
-            self._hold(change)
-        else:
-            change.make(self.worlds)
-        self._added += isinstance(change, AddRobot)
-        self._made.append(change.model_dump())
-        self._recorder.note_by_hand(self._made[-1])
+        self._make(change)
 
-    def _follow(self, change: FollowStrategy) -> FollowStrategy:
-        self.strategy, self._pilot = self._piloted(change.strategy)
-        self._pilot.begin(self.worlds.rows_of(0), self._play.scenario.seed)
-        self._by_hand[:] = -1
-        return change.model_copy(update={"strategy": self.strategy})
+    def _make(self, change: Change) -> None:
+        self._made.append(self._changed(change).model_dump())
 
-    def _hold(self, change: HoldOption) -> None:
-        if change.option and change.option not in self.options:
-            raise ValueError(unknown("option", change.option, self.options))
-        rows = np.array(change.robots or range(self.batch.rows))
-        if rows.max() >= self.batch.rows:
-            raise ValueError(f"robot {rows.max()}: expected a number below {self.batch.rows}")
-        self._by_hand[rows] = self.options.index(change.option) if change.option else -1
-        if change.option:
-            self.worlds.minds.coordinator_of(self.goal).hold(rows, self._by_hand[rows])
+    @property
+    @abstractmethod
+    def ticks(self) -> int:
+        """Control periods that have been run."""
+
+    @abstractmethod
+    def facts(self) -> dict[str, Any]:
+        """Return what the page shows beside the frames: `strategy`, and the share of messages that get lost, `loss`."""
+
+    @abstractmethod
+    def strategies(self) -> list[str]:
+        """Return the strategies that fit, for the user to choose from."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End the recording."""
+
+    @abstractmethod
+    def _changed(self, change: Change) -> Change:
+        """Make a change, and return it as it is to be recorded; ValueError if it is impossible."""
+
+    @abstractmethod
+    def _run_period(self, notes: Mapping[str, Any]) -> bytes:
+        """Run one control period, record it, and return it as a block with `notes`."""
+
+    @abstractmethod
+    def _ended(self) -> Mapping[str, Any] | None:
+        """Return the figures of a run that is over, None while it goes on."""
+
+
+def check_files(recording: RecordedMission, directories: Sequence[Path], held: Mapping[str, str]) -> None:
+    """Raise ConfigurationError if files on which the course depends have changed since they were as `held`."""
+    if fingerprints(directories) != held:
+        raise ConfigurationError(f"{recording.path}: mechanisms, knowledge or robots have changed since it was played")

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from clean_swarm_env.config.families import UNDISTURBED, Disturbance
-from train.analysis.robustness_report import FIGURES, RobustnessReport
+from train.analysis.robustness_report import ROBUSTNESS_FIGURES, RobustnessReport
 
 LABELS = {"completed": "completed", "duration_s": "duration [s]", "collision_events": "collision events"}
 """Label of the axis of each figure."""
@@ -23,8 +23,8 @@ def draw_robustness(report: RobustnessReport) -> bytes:
         kinds.setdefault(disturbance.kind, []).append(disturbance)
     with mpl.rc_context({"font.size": 10, "axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(1.5 + 2.8 * len(kinds), 8.0), layout="constrained")
-        panels = figure.subplots(len(FIGURES), len(kinds), sharey="row", sharex="col", squeeze=False)
-        for row, name in enumerate(FIGURES):
+        panels = figure.subplots(len(ROBUSTNESS_FIGURES), len(kinds), sharey="row", sharex="col", squeeze=False)
+        for row, name in enumerate(ROBUSTNESS_FIGURES):
             for column, levels in enumerate(kinds.values()):
                 _panel(panels[row, column], report, name, levels)
             panels[row, 0].set_ylabel(LABELS[name])

@@ -4,7 +4,7 @@ from train.analysis.robustness_report import RobustnessReport
 from train.analysis.strategy_comparison import Estimate
 from train.reports.text_table import Grid, flat
 
-HEADS = {
+MULTIPLES = {
     "completed": ("completed %", 100.0),
     "duration_s": ("duration s", 1.0),
     "collision_events": ("collision events", 1.0),
@@ -16,11 +16,13 @@ INTERVALS = "95 % intervals by Wilson (completed) and Student; a mission that is
 def robustness_tables(report: RobustnessReport) -> list[Grid]:
     """Return the tables in the order of the strategies."""
     runs, grids = report.runs, []
-    heads = tuple(text for head, _ in HEADS.values() for text in (head, "95 %"))
+    heads = tuple(text for head, _ in MULTIPLES.values() for text in (head, "95 %"))
     for label in runs.conditions:
         rows = []
         for name, by_label in report.estimates.items():
-            cells = (cell for figure, (_, factor) in HEADS.items() for cell in _cells(by_label[label][figure], factor))
+            cells = (
+                cell for figure, (_, factor) in MULTIPLES.items() for cell in _cells(by_label[label][figure], factor)
+            )
             rows.append((name, *cells))
         title = f"{label}: {len(runs.scenarios)} scenarios, seed {runs.seed}; {INTERVALS}"
         grids.append(flat(title, "disturbance", heads, rows))

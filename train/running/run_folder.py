@@ -5,7 +5,9 @@ the same identity and only to resume. A directory with other files is refused an
 """
 
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,11 @@ from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
 from selector.knowledge import learned_from
+
+try:
+    import fcntl
+except ImportError:  # Windows: two commands on one directory are not noticed
+    fcntl = None  # type: ignore[assignment]
 
 MANIFEST = "manifest.json"
 MOST_STEM = 200
@@ -60,6 +67,22 @@ class RunFolder:
             identity[growing] = {**held["identity"][growing], **identity[growing]}
             content[LEARNED_BEFORE] = self.learned
         self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keep other commands from writing the directory; ConfigurationError if one does, but not for a killed one."""
+        if fcntl is None:
+            yield
+            return
+        number = os.open(self.path, os.O_RDONLY)
+        try:
+            try:
+                fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                raise ConfigurationError(f"{self.path}: another command writes these results now") from error
+            yield
+        finally:
+            os.close(number)
 
     def discard(self) -> None:
         """Remove the directory if it holds nothing but the manifest."""

@@ -104,7 +104,7 @@ class RunRecord:
 
 
 LARGEST_FIGURE = 1e15
-"""Largest figure of a run; costs of failed missions are extrapolated."""
+"""Largest figure of a run; a long mission in which many items are left costs much."""
 NAMING = ("experiment", "scenario", "seed", "condition")
 """Columns that identify a run."""
 _RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult))

@@ -101,10 +101,10 @@ def best_candidate(
         promise = share * cosine - f.turn_cost * turn / np.pi
         if promise <= best:
             continue
-        vx, vy = 0.0, 0.0
-        if turn <= f.turn_beyond:  # the robot goes half of the way as it looks now
-            half = 0.5 * share * speed
-            vx, vy = half * (cosine * x - sine * y + hx), half * (sine * x + cosine * y + hy)
+        half = 0.5 * share * speed  # the robot goes half of the way as it looks now, or turns before it goes
+        vx, vy = half * (cosine * x - sine * y), half * (sine * x + cosine * y)
+        if turn <= f.turn_beyond:
+            vx, vy = vx + half * hx, vy + half * hy
         for other in range(count):
             promise -= caution * threat(other, vx, vy, foresight)
         if promise > best:

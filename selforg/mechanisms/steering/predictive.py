@@ -29,7 +29,8 @@ class PredictiveSteering(SteeringMechanism):
     The others keep their velocities in this look ahead. Velocities that lead too near to another robot are those of the
     velocity obstacle of Fiorini & Shiller (1998, doi:10.1177/027836499801700706); the penalty by the time that is left
     is that of van den Berg, Lin & Manocha (2008, doi:10.1109/ROBOT.2008.4543489). The drive of the robot is known: half
-    of a new velocity is still in the old heading, and beyond `turn_beyond` the robot turns on the spot.
+    of a new velocity is still in the old heading, and beyond `turn_beyond` only half of it is driven, after a turn on
+    the spot.
 
     A robot that did not get on for some time (`patience`) dares more for 1 to 4 s, which dissolves jams.
 
@@ -60,7 +61,7 @@ class PredictiveSteering(SteeringMechanism):
         horizon: float = 1.64,
         caution: float = 0.46,
         urgency: float = 37.6,
-        turn_cost: float = 0.14,
+        turn_cost: float = 0.35,
         turn_beyond: float = np.pi / 3.0,
         patience: float = 4.8,
         circle: float = 0.4,

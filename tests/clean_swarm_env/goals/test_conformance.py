@@ -6,6 +6,7 @@ import pickle
 
 import gymnasium
 import numpy as np
+import pettingzoo
 import pytest
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
@@ -23,6 +24,15 @@ MODES = ("option", "velocity", "both")
 SECONDS = 4.0
 every_goal = pytest.mark.parametrize("goal", goals())
 every_mode = pytest.mark.parametrize("mode", MODES)
+KINDS = (
+    "Foraging",
+    "CollisionAvoidance",
+    "FormationControl",
+    "MaxValue",
+)  # facts, an errand, holonomic drives, decisions
+each_case = pytest.mark.parametrize(
+    ("goal", "mode"), [*((goal, "option") for goal in goals()), *((goal, mode) for goal in KINDS for mode in MODES[1:])]
+)
 
 
 def environment(goal, mode="option", **settings):
@@ -45,8 +55,7 @@ def course(env, steps):
     return seen
 
 
-@every_mode
-@every_goal
+@each_case
 def test_pettingzoos_tests_pass(goal, mode):
     parallel_api_test(environment(goal, mode), num_cycles=10)
     parallel_seed_test(lambda: environment(goal, mode), num_cycles=3)
@@ -64,8 +73,7 @@ def test_gymnasiums_check_passes(goal):
     check_env(gymnasium.make("CleanSwarm-v0", goal=goal, seconds=SECONDS).unwrapped, skip_render_check=True)
 
 
-@every_mode
-@every_goal
+@each_case
 def test_all_components_lie_in_their_spaces_and_names_are_single(goal, mode):
     env = environment(goal, mode)
     observations, _ = env.reset(seed=2)
@@ -92,8 +100,7 @@ def test_the_time_of_the_scene_and_max_cycles_truncate(goal):
         assert infos["robot_0"]["time_s"] == pytest.approx(min(steps, settings.get("seconds", 9.0)))
 
 
-@every_mode
-@every_goal
+@each_case
 def test_copies_and_states_go_on_with_the_same_bits(goal, mode):
     env = environment(goal, mode)
     env.reset(seed=3)
@@ -154,6 +161,14 @@ def test_all_borders_have_one_course(mode):
         assert {name: ended[name][0] for name in ("time_s", "items_brought_per_minute", "own_collisions")} == {
             name: infos["robot_0"][name] for name in ("time_s", "items_brought_per_minute", "own_collisions")
         }
+
+
+def test_ids_take_goals():
+    settings = {"goal": "CircleFormation", "seconds": 2.0}
+    vector = gymnasium.make_vec("CleanSwarmOneForAll-v0", num_envs=2, action={"mode": "both"}, **settings)
+    vector.reset(seed=1)
+    assert vector.step(vector.action_space.sample())[1].shape == (2,)
+    assert pettingzoo.make("parallel", "CleanSwarm-v0", **settings).options == {"CircleFormation": ("Circle",)}
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])

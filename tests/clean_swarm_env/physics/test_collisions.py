@@ -129,9 +129,14 @@ def test_a_meeting_is_one_event_and_as_many_samples_as_counts():
 
 
 def test_a_pair_at_the_distance_itself_is_not_closer():
-    counter = CollisionCounter(1, 2, 11.0, 11.0, distances=(0.5,))
+    counter = CollisionCounter(1, 2, 11.0, 11.0, distances=(0.5, 1.0))
     counter.count(np.array([[1.0, 1.0], [1.5, 1.0]]))
-    assert counter.samples[0, 0] == 0
+    assert (counter.samples.tolist(), counter.events.tolist()) == ([[0, 1]], [[0, 1]])
+    assert not counter.in_contact.any()
+    assert counter.entered.tolist() == [0, 0]
+    counter.count(np.array([[1.0, 1.0], [1.25, 1.0]]))  # it was not closer before, so this is the event
+    assert (counter.samples.tolist(), counter.events.tolist()) == ([[1, 2]], [[1, 1]])
+    assert counter.entered.tolist() == [1, 1]
 
 
 def test_reset_forgets_one_world_only_and_makes_the_next_count_a_first_one():

@@ -19,9 +19,12 @@ PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
 
 def test_the_examples_read_what_was_recorded(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    python, alone = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
-    exec(python, {})
+    python, moment, alone = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    shared: dict = {}
+    exec(python, shared)
     assert "traces of pheromone at 20 s" in capsys.readouterr().out
+    exec(moment, shared)
+    assert "{'AvoidCollision': " in capsys.readouterr().out
     assert not re.search(r"^(from|import) (?!json|struct|zlib|numpy)", alone, flags=re.MULTILINE)
     names: dict = {}
     exec(alone, names)

@@ -99,8 +99,7 @@ def test_a_robot_that_begins_anew_begins_anew_inside(robot):
 def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     start = random_start(MISSION, 5, 0)
     task = RunTask("mine", start.id, 3, "c", MISSION, start, {}, BY_SCORE, (robot(nested=True),), run_mission)
-    situation, step, inside = explained(task, 0, 4.0)
-    shown = json.loads(as_json(situation, step, inside))
+    shown = json.loads(as_json(*explained(task, 0, 4.0)))
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]

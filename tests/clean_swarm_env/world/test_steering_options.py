@@ -6,12 +6,12 @@ import yaml
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.world.cleaning_robot import GOAL, coordinators_of
+from clean_swarm_env.world.explaining import _coordinated
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.coordination.model import coordinator_models
 from selector.documents.errors import DocumentError
 from selector.knowledge import knowledge_from, load_knowledge
-from train.evaluation.explain import _coordinated
 
 SCENARIO = load_family("crowded").scenario(3, 0, "train")
 

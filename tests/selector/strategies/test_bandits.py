@@ -55,6 +55,19 @@ def test_ucb1(prior):
     follow(made("UCB1", {"prior": prior, "exploration": 0.7}), formula)
 
 
+def test_rewards_of_one_group_discount_no_other_group():
+    problem = Problem("Goal", tuple("abc"), np.array(SCORES), ())
+    keys, groups = row_keys(np.random.SeedSequence(0), 2), np.array([0, 1])
+    strategy = create("DiscountedUCB", problem, keys, {"discount": 0.5}, groups=groups)
+    both = np.zeros((2, 0))
+    for reward in ([1.0, 2.0], [np.nan, 3.0]):
+        strategy.select(both)
+        known = np.isfinite(reward)
+        strategy.update(np.array([1, 2])[known], np.array(reward)[known], both[known], rows=np.flatnonzero(known))
+    assert strategy.counts.tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 1.5]]
+    assert strategy.totals.tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 4.0]]
+
+
 @pytest.mark.parametrize("prior", [0.0, 2.5])
 def test_discounted_ucb(prior):
     def formula(option, reward):

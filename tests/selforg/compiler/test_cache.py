@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -59,6 +60,24 @@ def test_where_nothing_can_be_kept_kernels_run_all_the_same_and_say_so_once(proj
     result, said = outer(project, NUMBA_CACHE_DIR=str(nowhere))
     assert result == 106.0
     assert said.count("compiled code cannot be kept") == 1
+
+
+def test_a_full_disk_and_no_home_count_as_nowhere(tmp_path, monkeypatch):
+    monkeypatch.setattr(cache.numba.config, "CACHE_DIR", str(tmp_path))
+    find = cache.cache_directory.__wrapped__
+    assert find() == tmp_path
+    full = SimpleNamespace(total=1e9, used=1e9, free=cache.ROOM - 1.0)
+    monkeypatch.setattr(cache.shutil, "disk_usage", lambda place: full)
+    assert find() is None
+    monkeypatch.undo()
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(cache, "OWN_ROOT", tmp_path / "a-file")
+    (tmp_path / "a-file").write_text("")
+    monkeypatch.setattr(cache.numba.config, "CACHE_DIR", "")
+    monkeypatch.setattr(cache.os.path, "expanduser", lambda path: path)  # as where no home is known
+    monkeypatch.chdir(tmp_path)
+    assert find() is None
+    assert [path.name for path in tmp_path.iterdir()] == ["a-file"]
 
 
 def test_folders_of_older_sources_go_after_a_week(tmp_path):

@@ -5,11 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from selforg.compiler.decorators import kernel
 from selforg.components import Commands
 from selforg.gradients.poses import PoseDelivery
-from selforg.mechanisms import MECHANISMS, PredictiveSteering, SteeringMechanism
+from selforg.mechanisms import MECHANISMS, ORCA, PredictiveSteering, SteeringMechanism
 from selforg.mechanisms.kernels.others import OTHER_COLUMNS, note_others
 from selforg.space import Torus
 from tests.selforg.worlds import directions, make_world
@@ -65,8 +66,8 @@ def predicted(wish, heading, others, distance=0.591, margin=0.05, horizon=1.64, 
         candidate = np.array([math.cos(direction), math.sin(direction)]) * share * speed
         drives = candidate / 2 + share * speed / 2 * np.array([math.cos(heading), math.sin(heading)])
         if turn > math.pi / 3:
-            drives = np.zeros(2)
-        promise = share * math.cos(math.radians(degree)) - 0.14 * turn / math.pi
+            drives = candidate / 2
+        promise = share * math.cos(math.radians(degree)) - 0.35 * turn / math.pi
         for offset, velocity in others:
             closing = velocity - drives
             if offset @ closing >= 0:
@@ -108,6 +109,78 @@ def test_who_did_not_get_on_dares_to_come_near_for_some_seconds():
     dared = blocked.index(False, 1)
     assert 24 <= dared <= 27
     assert 5 <= blocked[dared:].index(True) <= 20  # 1 to 4 s
+
+
+def border_of_the_obstacle(offset, radius, horizon):
+    """Return points (M, 2) on the border of a velocity obstacle: the truncated cone of Fig. 1 of van den Berg et al."""
+    distance, forward = np.hypot(*offset), np.arctan2(offset[1], offset[0])
+    if distance <= radius:
+        around = np.linspace(0, 2 * np.pi, 20001)
+        return offset / horizon + radius / horizon * np.stack([np.cos(around), np.sin(around)], axis=1)
+    half = np.arcsin(radius / distance)
+    facing = forward + np.pi + np.linspace(half - np.pi / 2, np.pi / 2 - half, 20001)
+    arc = offset / horizon + radius / horizon * np.stack([np.cos(facing), np.sin(facing)], axis=1)
+    legs = [np.array([np.cos(forward + s * half), np.sin(forward + s * half)]) for s in (1, -1)]
+    lengths = np.linspace(np.sqrt(distance**2 - radius**2) / horizon, 8.0, 20001)[:, None]
+    return np.concatenate([arc, *(lengths * leg for leg in legs)])
+
+
+def permitted(own, offset, velocity, radius=0.65, horizon=2.0, period=0.2):
+    """Return point and normal of the half-plane by searching the nearest point of the border."""
+    border = border_of_the_obstacle(offset, radius, horizon if np.hypot(*offset) > radius else period)
+    relative = own - velocity
+    change = border[np.argmin(np.linalg.norm(border - relative, axis=1))] - relative
+    time = horizon if np.hypot(*offset) > radius else period
+    closest = min(np.linalg.norm(offset - relative * t) for t in np.linspace(0, time, 4001))
+    inside = closest < radius if np.hypot(*offset) > radius else np.hypot(*(relative - offset / time)) < radius / time
+    return own + change / 2, change / np.linalg.norm(change) * (1 if inside else -1)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_orca_takes_the_permitted_velocity_nearest_to_the_command(seed):
+    poses, places, _, velocities = moving(rows=6, side=[3.0, 2.0, 1.2][seed % 3], seed=seed)
+    commands = wishes(6, seed)
+    before = commands.vectors.copy()
+    ORCA(poses, view_distance=1.0).steer(DT, np.arange(6), commands.packed.words)
+    for row in range(6):
+        planes = [permitted(velocities[row], *other) for other in seen_by(row, places, velocities, 2.5)]
+
+        def worst(v, planes=planes):
+            return max((float((point - v) @ normal) for point, normal in planes), default=-1.0)
+
+        found, wish, speed = commands.vectors[row], before[row], np.linalg.norm(before[row])
+        assert np.linalg.norm(found) <= speed + 1e-9
+        disc = [{"type": "ineq", "fun": lambda v, s=speed: s**2 - v[0] ** 2 - v[1] ** 2}]
+        least = minimize(
+            lambda z: z[2],
+            [0.0, 0.0, worst(np.zeros(2))],
+            constraints=[
+                disc[0],
+                *({"type": "ineq", "fun": lambda z, p=p, n=n: z[2] - (p - z[:2]) @ n} for p, n in planes),
+            ],
+        ).x[2]
+        if least > 1e-3:  # none is permitted
+            assert worst(found) <= least + 5e-3
+            continue
+        assert worst(found) <= 5e-3
+        inside = [{"type": "ineq", "fun": lambda v, p=p, n=n: (v - p) @ n} for p, n in planes]
+        nearest_one = minimize(lambda v, w=wish: ((v - w) ** 2).sum(), found, constraints=[*disc, *inside])
+        assert np.linalg.norm(found - wish) <= np.sqrt(nearest_one.fun) + 1e-2
+
+
+def test_two_robots_that_meet_each_make_half_of_the_way():
+    poses = make_world(Torus(SIDE, SIDE), rows=2).poses
+    for tick in (0, 1):
+        poses.update(
+            np.array([[4.0 + DT * tick, 5.0], [6.0 - DT * tick, 5.02]]), np.array([0.0, np.pi]), 10.0 + DT * tick
+        )
+    commands = Commands.none(2, 2)
+    commands.vectors[:], commands.commanded[:] = [[1.0, 0.0], [-1.0, 0.0]], True
+    ORCA(poses, view_distance=1.0).steer(10.0 + DT, np.arange(2), commands.packed.words)
+    np.testing.assert_allclose(commands.vectors[0], -commands.vectors[1], atol=1e-9)
+    relative = commands.vectors[0] - commands.vectors[1]
+    passing = [np.hypot(*(np.array([1.6, 0.02]) - t * relative)) for t in np.linspace(0, 2.0, 2001)]
+    assert min(passing) == pytest.approx(0.65, abs=2e-3)
 
 
 def build(name, poses):

@@ -230,10 +230,24 @@ def test_listing_names_every_experiment_and_condition(run):
         assert name in out
     for kind in KINDS:
         assert all(name in out for name in files_of(kind))
-    assert "UCB1" in out
-    assert "--install-completion" in run("--help")[1]
+    for name in ("UCB1", "CircleFormation", "ChemotaxisGe", "encounter"):  # a strategy, a goal, a mechanism, a term
+        assert name in out
     code, out, _ = run("--version")
     assert (code, out.split()[0]) == (0, "clean-swarm")
+
+
+def test_a_shell_completes_commands(run):
+    assert "--install-completion" in run("--help")[1]
+    typed = {"_CLEAN_SWARM_COMPLETE": "complete_bash", "COMP_WORDS": "clean-swarm tr", "COMP_CWORD": "1"}
+    script = "import sys; sys.argv = ['clean-swarm']; from train.cli import main; main()"
+    command, environment = [sys.executable, "-c", script], {**os.environ, "PYTHONPATH": str(ROOT), **typed}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["train"]
+
+
+@pytest.mark.parametrize(("command", "config"), [("ppo", "general"), ("bandit", "situations")])
+def test_help_names_the_training_that_runs_by_default(run, command, config):
+    assert f"[default: {config}]" in run("train", command, "--help")[1]
 
 
 def _start(tmp_path: Path, *words: str, seconds: str) -> subprocess.Popen[str]:

@@ -82,8 +82,9 @@ def test_what_is_promised_to_be_kept_is_on_the_disk_before_it_counts(tmp_path, m
     replaced = []
     monkeypatch.setattr(Path, "replace", lambda path, target: replaced.append((list(names), path, target)))
     write_whole(tmp_path / "whole.txt", b"content")
-    [(before, part, _)] = replaced
+    [(before, part, target)] = replaced
     assert before == [part.name]
+    assert part != target  # else a half-written file would stand in the place of the old one
 
 
 def test_parts_of_dead_writers_go_and_those_of_living_ones_stay(tmp_path):

@@ -13,18 +13,19 @@ from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from train.live.conductor import Conductor
+from train.live.missions import PlayedMission, with_room
 from train.live.server import LiveServer
-from train.live.session import Play, Session, with_room
+from train.live.session import Session
 from train.replay.page_file import live_page
 
 SMALL = {"robots": {"count": 6}, "garbage": {"count": 8}, "knowledge": "avoidance", "time_limit": 120.0}
 
 
-def play_of(changes: Mapping[str, Any], strategy: str = "MaxScore") -> Play:
+def play_of(changes: Mapping[str, Any], strategy: str = "MaxScore") -> PlayedMission:
     """Return the play of a mission with `changes` of that of Table 1."""
     mission = with_room(MissionConfig.model_validate(with_changes(load_mission("table1").model_dump(), changes)))
     start = random_start(mission, 5, 0)
-    return Play("small", Scenario(start.id, 11, mission, start), strategy)
+    return PlayedMission("small", Scenario(start.id, 11, mission, start), strategy)
 
 
 @contextmanager

@@ -8,8 +8,8 @@ import pytest
 
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, ordered, play_of, served
+from train.live.missions import MissionSession
 from train.live.server import LiveServer
-from train.live.session import Session
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
 CHROMIUM = shutil.which("chromium")
@@ -40,7 +40,7 @@ def browser():
 
 @pytest.fixture
 def session(tmp_path):
-    return Session(play_of(SMALL), tmp_path / "run.swarm")
+    return MissionSession(play_of(SMALL), tmp_path / "run.swarm")
 
 
 @pytest.fixture
@@ -225,13 +225,13 @@ def test_a_server_that_goes_is_told_and_what_came_stays(session, opened, tmp_pat
     assert page.text_content("#now") == "0.0 s"
     page.click("#play")
     until(page, "() => document.querySelector('#said').textContent.startsWith('The server does not answer')")
-    with served(Session(play_of(SMALL), tmp_path / "other.swarm"), port=port):
+    with served(MissionSession(play_of(SMALL), tmp_path / "other.swarm"), port=port):
         until(page, "() => document.querySelector('#said').textContent.startsWith('This session is over')")
         assert page.evaluate(FRAMES) == 2
 
 
 def test_a_run_that_is_over_says_so(tmp_path, opened):
-    session = Session(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "short.swarm")
+    session = MissionSession(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "short.swarm")
     with served(session, playing=True) as server:
         page = opened(server)
         until(page, "() => replay.page.state.over && !replay.page.waiting")
@@ -240,7 +240,7 @@ def test_a_run_that_is_over_says_so(tmp_path, opened):
 
 
 def test_frames_are_on_the_screen_within_50_ms(tmp_path, opened):
-    session = Session(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
+    session = MissionSession(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
     medians = []
     with served(session, playing=True) as server:
         page = opened(server)

@@ -7,7 +7,8 @@ import pytest
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of
-from train.live.session import Play, Session, again
+from train.live.chosen import again
+from train.live.missions import MissionSession, PlayedMission
 
 BY_HAND = {
     0: [{"do": "set_loss", "loss": 0.3}],
@@ -22,7 +23,7 @@ BY_HAND = {
 }
 
 
-def played(session: Session, ticks: int = 60, by_hand=BY_HAND) -> bytes:
+def played(session: MissionSession, ticks: int = 60, by_hand=BY_HAND) -> bytes:
     """Run a session; return the state at its end."""
     for tick in range(ticks):
         for order in by_hand.get(tick, ()):
@@ -36,7 +37,7 @@ def played(session: Session, ticks: int = 60, by_hand=BY_HAND) -> bytes:
 @pytest.fixture(scope="module")
 def first(tmp_path_factory):
     path = tmp_path_factory.mktemp("session") / "first.swarm"
-    return played(Session(play_of(SMALL), path)), RecordedMission(path)
+    return played(MissionSession(play_of(SMALL), path)), RecordedMission(path)
 
 
 def test_the_recording_says_what_was_done_by_hand(first):
@@ -52,7 +53,7 @@ def test_it_changed_the_course_from_then_on(first, tmp_path):
     assert recording["held/AvoidCollision"][31:40, 2].tolist() == [3] * 9
     assert recording["present"][15, 6] == 1
     assert recording["working"][[31, 40], [0, 1]].tolist() == [0, 0]
-    played(Session(play_of(SMALL), tmp_path / "other.swarm"), by_hand={})
+    played(MissionSession(play_of(SMALL), tmp_path / "other.swarm"), by_hand={})
     other = RecordedMission(tmp_path / "other.swarm")
     assert (other["x"][:7] == recording["x"][:7]).all()
     assert (other["x"][8:] != recording["x"][8:]).any(axis=1).all()
@@ -60,7 +61,7 @@ def test_it_changed_the_course_from_then_on(first, tmp_path):
 
 def test_it_runs_again_with_the_same_bits(first, tmp_path):
     state, recording = first
-    session = Session(again(recording), tmp_path / "second.swarm")
+    session = MissionSession(again(recording), tmp_path / "second.swarm")
     assert played(session, by_hand={}) == state
     second = RecordedMission(tmp_path / "second.swarm")
     assert second.checksums() == recording.checksums()
@@ -72,13 +73,13 @@ def test_a_play_goes_on_by_hand_after_what_was_done_before(first, tmp_path):
     recording = first[1]
     order = {"do": "put_robot", "robot": 3, "x": 2.0, "y": 8.0}
     third, fourth = tmp_path / "third.swarm", tmp_path / "fourth.swarm"
-    state = played(Session(again(recording), third), 80, {70: [order]})
+    state = played(MissionSession(again(recording), third), 80, {70: [order]})
     assert RecordedMission(third).by_hand[-1].tick == 70
-    assert played(Session(again(RecordedMission(third)), fourth), 80, {}) == state
+    assert played(MissionSession(again(RecordedMission(third)), fourth), 80, {}) == state
 
 
 def test_the_stream_is_the_recording(tmp_path):
-    session = Session(play_of(SMALL), tmp_path / "file.swarm")
+    session = MissionSession(play_of(SMALL), tmp_path / "file.swarm")
     (tmp_path / "stream.swarm").write_bytes(
         session.beginning
         + b"".join(session.tick() for _ in range(30) if not session.do({"do": "set_loss", "loss": 0.2}))
@@ -91,7 +92,7 @@ def test_the_stream_is_the_recording(tmp_path):
 
 
 def test_a_mission_that_is_over_has_a_result_and_takes_no_changes(tmp_path):
-    session = Session(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "over.swarm")
+    session = MissionSession(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "over.swarm")
     while session.result is None:
         last = session.tick()
     assert b"DONE" in last
@@ -116,7 +117,7 @@ def test_a_mission_that_is_over_has_a_result_and_takes_no_changes(tmp_path):
     ],
 )
 def test_an_odd_order_is_one_line(tmp_path, order, expected):
-    session = Session(play_of(SMALL), tmp_path / "odd.swarm")
+    session = MissionSession(play_of(SMALL), tmp_path / "odd.swarm")
     before = session.worlds.get_state()
     with pytest.raises(ValueError, match=expected) as error:
         session.do(order)
@@ -126,10 +127,10 @@ def test_an_odd_order_is_one_line(tmp_path, order, expected):
 
 
 def test_strategies_are_those_that_fit(tmp_path):
-    session = Session(play_of(SMALL), tmp_path / "fit.swarm")
-    assert {"MaxScore", "rule", "policy:general", "learned:rules"} <= set(session.strategies())
+    session = MissionSession(play_of(SMALL), tmp_path / "fit.swarm")
+    assert {"MaxScore", "Random", "fixed:Off", "rule", "policy:general", "learned:rules"} <= set(session.strategies())
     session.close()
-    session = Session(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
+    session = MissionSession(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
     assert session.strategies() == ["MaxScore", "Random"]
     session.close()
 
@@ -144,6 +145,6 @@ def test_a_play_whose_files_have_changed_is_refused(first, tmp_path):
     with pytest.raises(ConfigurationError, match="expected a recording of `clean-swarm play`"):
         again(recording)
     recording.head.update(described)
-    changed = Play(**{**vars(again(recording)), "strategy": "policy:general sha256:0"})
+    changed = PlayedMission(**{**vars(again(recording)), "strategy": "policy:general sha256:0"})
     with pytest.raises(ConfigurationError, match="policy:general is no longer what was played with"):
-        Session(changed, tmp_path / "changed.swarm")
+        MissionSession(changed, tmp_path / "changed.swarm")

@@ -64,12 +64,12 @@ export function panelOf(run, frame, robot) {
   parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run))}</p>`);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
-    <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m and carries ${CARGO[cargo]}.</p>`);
+    <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${run.tracks.has("cargo") ? ` and carries ${CARGO[cargo]}` : ""}.</p>`);
   for (const [goal, options] of Object.entries(head.options)) parts.push(optionsOf(run, goal, options, frame, robot));
   if (head.networks) {
     parts.push(networkOf(run, "robot", frame, robot), insideOf(run, frame, robot), planOf(run, frame, robot));
     parts.push(readingsOf(run, frame, robot), goalsOf(run, frame, robot));
-  } else parts.push("<p>The networks of the robots were not recorded (<code>--minds</code>).</p>");
+  } else if (!head.things) parts.push("<p>The networks of the robots were not recorded (<code>--minds</code>).</p>");
   if (run.tracks.has("missed")) parts.push(`<p>Poses of others missed: ${valueAt(run, "missed", frame, robot)}</p>`);
   return parts.join("");
 }

@@ -10,6 +10,7 @@ import { panelOf, plain } from "./mind.js";
  *   charts: HTMLCanvasElement[], caption: HTMLElement}} Shown */
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
+const LINE = 12; // pixels of a line of the timeline, as of its words in page.css
 const PANEL_PERIOD = 120; // [ms] between two pictures of the panel while the page plays
 
 /** Return the element of an id. @param {string} id @returns {any} */
@@ -29,6 +30,7 @@ export class Page {
     this.speed = SPEEDS.indexOf(5);
     this.before = 0;
     this.panelAt = 0;
+    document.body.classList.toggle("scene", runs.some((run) => run.head.things));
     this.parting = runs.length > 1 ? partingFrame(runs[0], runs[1]) : -1;
     /** @type {Shown[]} */
     this.shown = runs.map((run, k) => this.build(run, k));
@@ -170,6 +172,8 @@ export class Page {
       this.draw();
     });
     this.scrubOn(element("timeline"));
+    element("timeline").height = LINE * Object.keys(EVENT_WORDS).length;
+    element("timeline").style.height = `${element("timeline").height}px`;
     element("legend").innerHTML = Object.values(EVENT_WORDS).map((words) => `<span>${words}</span>`).join("");
     for (const box of document.querySelectorAll("#layers input")) box.addEventListener("change", () => this.draw());
     if (this.shown.length > 1) {
@@ -328,8 +332,9 @@ export class Page {
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
       const over = this.time >= (run.frames - 1) * this.period && run.result;
-      caption.textContent = `${counts.items[counted]} items dumped, ${counts.contacts[counted]} collisions` +
-        (over ? (run.result?.completed ? `, completed after ${run.result.duration_s} s` : ", not completed") : "");
+      const done = run.head.things ? [] : [`${counts.items[counted]} items dumped`, `${counts.contacts[counted]} collisions`];
+      if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
+      caption.textContent = done.join(", ");
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
     });
     if (this.timelineOf !== this.chosen) this.pictures();

@@ -19,7 +19,7 @@ export class WorldView {
     this.run = run;
     this.canvas = canvas;
     this.field = new Field(run);
-    this.zoom = 1;
+    this.zoom = run.head.field ? Math.max(1, Math.min(12, run.head.width / (1.5 * run.head.field))) : 1;
     this.centre = [run.head.width / 2, run.head.height / 2];
     this.x = new Float64Array(run.head.robots);
     this.y = new Float64Array(run.head.robots);
@@ -106,6 +106,7 @@ export class WorldView {
     c.fillRect(0, 0, canvas.width, canvas.height);
     if (layers.fields) this.drawField(c, frame);
     this.drawStations(c, frame);
+    for (const thing of run.head.things ?? []) this.drawThing(c, thing, colours);
     if (layers.paths) this.drawPaths(c, frame, chosen, colours);
     if (layers.seen) this.drawSeen(c, frame, chosen, colours);
     if (layers.reach || layers.view) this.drawReach(c, frame, chosen, layers);
@@ -185,6 +186,24 @@ export class WorldView {
         c.textBaseline = "middle";
         c.fillText(letter, x, y);
       });
+    });
+  }
+
+  /** Draw what attracts or repels in the scene of a goal. @param {CanvasRenderingContext2D} c @param {import("./recording.js").Thing} thing @param {Colours} colours */
+  drawThing(c, { channel, attraction, x, y, radius }, colours) {
+    const colour = attraction < 0 ? "#D55E00" : "#009E73";
+    this.images(x, y, Math.max(radius, 0.2), (px, py) => {
+      c.strokeStyle = colour;
+      c.fillStyle = `${colour}33`;
+      c.lineWidth = 2;
+      c.beginPath();
+      c.arc(px, py, Math.max(4, radius * this.scale), 0, 7);
+      c.fill();
+      c.stroke();
+      c.fillStyle = colours.ink;
+      c.font = "11px sans-serif";
+      c.textAlign = "center";
+      c.fillText(channel, px, py + 4);
     });
   }
 
@@ -377,7 +396,7 @@ export class WorldView {
           c.fillStyle = "#D00000";
           c.fillRect(Math.round(x) - 3, Math.round(y) + 4, 7, 2);
         }
-        if (valueAt(this.run, "cargo", frame, i) >= 0) {
+        if (this.run.tracks.has("cargo") && valueAt(this.run, "cargo", frame, i) >= 0) {
           c.fillStyle = "#F0E442";
           c.fillRect(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
         }

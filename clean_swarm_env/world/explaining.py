@@ -1,0 +1,109 @@
+"""What a robot decided in its last step, and why, as data: what `clean-swarm explain` prints."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.world.worlds import Worlds
+from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import InnerNetwork, at_any_depth
+from selforg.network.explain.explanation import Explanation, explain
+from selforg.network.explain.recording import Recorder
+from selforg.network.network import BehaviourNetwork
+from selforg.network.state.state import EXPLAINED_LAYERS
+
+
+@dataclass(frozen=True)
+class Coordinated:
+    """One coordinator of a robot in one step: its option, and the step of the network inside if it ran."""
+
+    goal: str
+    option: str
+    inner: Explanation | None
+
+    @property
+    def title(self) -> str:
+        """Goal and option."""
+        return f"{self.goal}: {self.option}"
+
+
+@dataclass(frozen=True)
+class Nested:
+    """One network inside a behaviour of a robot in one step; the title names the behaviours around it."""
+
+    title: str
+    inner: Explanation | None
+
+
+@dataclass(frozen=True)
+class RobotStep:
+    """One step of one robot."""
+
+    robot: int
+    step: int
+    """Number of the control period, from 0 on."""
+    time_s: float
+    """Its beginning [s]."""
+    stopped_s: float
+    """How long a collision still stops the robot, this step included [s]."""
+    damaged: bool
+    """Whether collisions have damaged it."""
+    options: dict[str, str]
+    """Goal -> option that serves it."""
+    network: Explanation
+    """The robot's own network."""
+    coordinators: tuple[Coordinated, ...]
+    networks: tuple[Nested, ...]
+    """Networks inside behaviours."""
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Return the step as plain data, with the entries of the robot's network beside the others."""
+        own: dict[str, Any] = asdict(self)
+        network: dict[str, Any] = own.pop("network")
+        inside = {name: own.pop(name) for name in ("coordinators", "networks")}
+        return own | network | inside
+
+
+def explain_robot(worlds: Worlds, row: int) -> RobotStep:
+    """Return what the robot of a row decided in the last control period.
+
+    Raises:
+        ValueError: the worlds note no reasons, or have not begun.
+
+    """
+    if worlds.network.state.mark_table.shape[1] != EXPLAINED_LAYERS:
+        raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
+    world = row // worlds.robots
+    step, consequences = int(worlds.ticks[world]) - 1, worlds.floor.consequences
+    if step < 0:
+        raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
+    return RobotStep(
+        row % worlds.robots,
+        step,
+        round(step * worlds.period, 9),
+        round(int(consequences.standing[row]) * worlds.period, 9),
+        bool(consequences.damaged[row]),
+        {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},
+        _step_of(worlds.network, row),
+        tuple(_coordinated(coordinator, row) for coordinator in worlds.coordinators),
+        tuple(Nested(one.name, _inner_step(one, one.network, row)) for one in at_any_depth(worlds.minds.nested)),
+    )
+
+
+def _step_of(network: BehaviourNetwork, row: int) -> Explanation:
+    return explain(network.model, Recorder(network, np.array([row])).take(), row)
+
+
+def _coordinated(coordinator: Coordinator, row: int) -> Coordinated:
+    option = int(coordinator.held[row])
+    network = coordinator.contents[option].network
+    inner = _step_of(network, row) if coordinator.beside[option] else _inner_step(coordinator, network, row)
+    return Coordinated(coordinator.model.goal, coordinator.model.options[option], inner)
+
+
+def _inner_step(holder: Coordinator | InnerNetwork, network: BehaviourNetwork, row: int) -> Explanation | None:
+    """Return the step of a network inside a behaviour; None if the behaviour does not run."""
+    return _step_of(network, row) if holder.parent.executing[row, holder.index] == 1 else None

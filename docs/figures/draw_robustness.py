@@ -1,0 +1,62 @@
+"""Draws `docs/pictures/robustness.png` and writes the table of docs/robustness.md from the results of an evaluation.
+
+`clean-swarm evaluate robustness --scenarios 25 --output FOLDER`, then `python -m docs.figures.draw_robustness FOLDER`.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from clean_swarm_env.config.load import load_robustness
+from train.analysis.robustness_report import RobustnessReport, RobustnessRuns
+from train.analysis.strategy_comparison import Estimate
+from train.reports.robustness_figure import draw_robustness
+
+DOCS = Path(__file__).parents[1]
+PAGE, PICTURE = DOCS / "robustness.md", DOCS / "pictures" / "robustness.png"
+BEGIN, END = "<!-- begin: robustness -->\n", "<!-- end: robustness -->\n"
+
+
+def report_of(summary: dict[str, Any]) -> RobustnessReport:
+    """Return the report that a `summary.json` holds."""
+    estimates = {
+        name: {
+            label: {figure: Estimate(one["value"], tuple(one["ci95"])) for figure, one in figures.items()}
+            for label, figures in by_label.items()
+        }
+        for name, by_label in summary["disturbances"].items()
+    }
+    robustness = load_robustness(summary["experiment"])
+    assert robustness is not None
+    scenarios = tuple(f"test-{k + 1}" for k in range(summary["scenarios"]))
+    conditions = {label: (label,) for label in next(iter(estimates.values()))}
+    return RobustnessReport(RobustnessRuns(robustness, summary["seed"], scenarios, conditions), estimates)
+
+
+def table(report: RobustnessReport) -> str:
+    """Return one table as Markdown: duration with its interval, share completed if not all, collision events."""
+    labels = list(report.runs.conditions)
+    lines = [f"| | {' | '.join(labels)} |", "|---" * (len(labels) + 1) + "|"]
+    for name, by_label in report.estimates.items():
+        cells = []
+        for label in labels:
+            duration, completed = by_label[label]["duration_s"], by_label[label]["completed"]
+            low, high = duration.ci95 or (duration.value, duration.value)
+            share = "" if completed.value == 1.0 else f", {completed.value:.0%} done"
+            events = f"{by_label[label]['collision_events'].value:.0f} ev."
+            cells.append(f"{duration.value:.0f} [{low:.0f}, {high:.0f}]{share}, {events}")
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main(folder: Path) -> None:
+    """Draw the picture and write the table."""
+    report = report_of(json.loads((folder / "summary.json").read_text(encoding="utf-8")))
+    PICTURE.write_bytes(draw_robustness(report))
+    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+    PAGE.write_text(before + BEGIN + table(report) + END + rest.split(END)[1], encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

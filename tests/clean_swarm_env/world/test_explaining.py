@@ -1,0 +1,76 @@
+"""Explanations as data are those of the command line and of the arrays, and what cannot be explained is one line."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.world.explaining import explain_robot
+from clean_swarm_env.world.mission import Course, MissionRun
+from tests.clean_swarm_env.courses import mission
+from tests.train.commands import run
+from train.evaluation.repeat import task_of
+
+SHORT = mission(time_limit=12.0)
+
+
+def mission_run():
+    return MissionRun(SHORT, random_start(SHORT, 3, 0), 17, {})
+
+
+def test_the_data_are_what_the_command_prints(tmp_path, capsys):
+    words = ("--scenarios", 1, "--condition", "RepulsionGradient", "--workers", 1, "--output", tmp_path / "run")
+    assert run("evaluate", *words) == 0
+    task = task_of(tmp_path / "run")
+    same = MissionRun(task.mission, task.start, task.mission_seed, task.scores, task.strategy, task.directories)
+    for robot, time in ((0, 0.0), (3, 7.3), (4, 31.0)):
+        capsys.readouterr()
+        assert run("explain", tmp_path / "run", "--robot", robot, "--time", time, "--json") == 0
+        told = json.loads(capsys.readouterr().out)
+        named = {name: told.pop(name) for name in ("experiment", "scenario", "condition", "seed")}
+        assert json.loads(json.dumps(same.explain(robot, time).as_mapping())) == told
+        assert named["condition"] == "RepulsionGradient"
+
+
+def test_accounts_and_arrays_agree_in_every_robot():
+    course = Course(mission_run(), explained=True)
+    for _ in range(30):
+        course.tick()
+    network = course.worlds.network
+    names = [behaviour.name for behaviour in network.model.behaviours]
+    for row in range(course.worlds.rows):
+        step = explain_robot(course.worlds, row)
+        assert (step.robot, step.step, step.time_s) == (row, 29, 5.8)
+        for account in step.network.behaviours:
+            b = names.index(account.name)
+            assert account.activation == network.activation[row, b]
+            assert account.components == {name: values[row, b] for name, values in network.components.items()}
+            assert account.running == bool(network.executing[row, b])
+    assert np.abs(network.activation).max() > 0.0
+
+
+def test_every_world_of_a_batch_can_be_explained():
+    batch = Batch(SHORT, worlds=2, explained=True)
+    batch.reset([1, 2])
+    for worlds in batch.ticks(np.zeros(batch.rows, dtype=np.int64)):
+        steps = [explain_robot(worlds, row) for row in (0, batch.robots)]
+        assert [step.robot for step in steps] == [0, 0]
+        assert steps[0].network != steps[1].network
+
+
+@pytest.mark.parametrize("time", [-1.0, math.nan, math.inf, 12.0, 1e12])
+def test_a_time_out_of_the_mission_is_named(time):
+    with pytest.raises(ValueError, match="time: expected seconds from 0 to the end of the mission at"):
+        mission_run().explain(0, time)
+
+
+def test_other_robots_and_worlds_without_reasons_are_named():
+    with pytest.raises(ValueError, match="robot: expected a number from 0 to 4, got 5"):
+        mission_run().explain(5, 1.0)
+    with pytest.raises(ValueError, match="expected worlds with explained=True"):
+        explain_robot(Course(mission_run()).worlds, 0)
+    with pytest.raises(ValueError, match="expected a world that has run a control period"):
+        explain_robot(Course(mission_run(), explained=True).worlds, 0)

@@ -1,0 +1,1 @@
+"""The examples run, each where its framework is installed."""

@@ -1,0 +1,41 @@
+"""`python -m tests.examples DIRECTORY [NAME...]`: run the examples, each in a virtual environment of its own.
+
+The environments lie below DIRECTORY and are made where they do not exist yet. NAME is a key of `ENVIRONMENTS`; all of
+them unless given.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.examples.frameworks import ENVIRONMENTS
+from tests.paths import ROOT
+
+FOLDERS = ("tests/examples", "tests/train/cli/test_dataset.py")
+
+
+def made(directory: Path, name: str) -> Path:
+    """Return the Python of an environment, which is made if it does not exist."""
+    python = directory / name / "bin" / "python"
+    if not python.exists():
+        subprocess.run([sys.executable, "-m", "venv", directory / name], check=True)
+    packages = ("torch", *ENVIRONMENTS[name][1:], "pytest", "-e", ".")
+    subprocess.run([python, "-m", "pip", "install", "-q", "-c", "constraints.txt", *packages], cwd=ROOT, check=True)
+    return python
+
+
+def passed(python: Path, tests: str) -> bool:
+    """Return whether the examples that pytest's expression `tests` chooses have run."""
+    command = (python, "-m", "pytest", "-q", "-m", "example", "-k", tests, *FOLDERS)
+    return subprocess.run(command, cwd=ROOT, check=False).returncode == 0
+
+
+def main(directory: Path, names: list[str]) -> int:
+    """Return 0 if the examples of all environments have run."""
+    failed = [name for name in names if not passed(made(directory, name), ENVIRONMENTS[name][0])]
+    print(f"{len(names) - len(failed)} of {len(names)} environments: all examples have run", *failed)
+    return int(bool(failed))
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]).absolute(), sys.argv[2:] or list(ENVIRONMENTS)))

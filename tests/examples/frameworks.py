@@ -1,0 +1,48 @@
+"""The examples, the packages that they need, and how short a run shows that their parts fit."""
+
+from typing import NamedTuple
+
+
+class Example(NamedTuple):
+    """A run of an example: its command, the package that it needs beside ours, and the model that it leaves."""
+
+    command: str
+    """File and arguments."""
+    needs: str
+    """Name by which the package is imported; the test is skipped where it is not installed."""
+    model: str = ""
+    """File that `clean-swarm evaluate --strategy policy:FILE` takes afterwards."""
+    before: str = ""
+    """Arguments of a command of ours that goes before."""
+
+
+EXAMPLES = (
+    Example("ppo_one_file.py --updates 2 --worlds 4", "torch", "ppo_one_file.pt"),
+    Example("sb3_ppo.py --steps 5120", "stable_baselines3", "sb3_ppo.zip"),
+    Example("sb3_sac.py --steps 600", "stable_baselines3"),
+    Example("sb3_maskable_ppo.py --steps 5120", "sb3_contrib", "sb3_maskable_ppo.zip"),
+    Example("torchrl_mappo.py --frames 200 --batch 100", "torchrl", "torchrl_mappo.pt"),
+    Example("benchmarl_task.py mappo --frames 200 --batch 100", "benchmarl", "benchmarl.pt"),
+    Example("benchmarl_task.py ippo --frames 200 --batch 100", "benchmarl", "benchmarl.pt"),
+    Example("benchmarl_task.py qmix --frames 200 --batch 100", "benchmarl", "benchmarl.pt"),
+    Example("benchmarl_task.py masac --frames 200 --batch 100", "benchmarl"),
+    Example("rllib_ppo.py --iterations 1", "ray", "rllib_ppo.pt"),
+    Example("tianshou_dqn.py --epochs 1 --steps 200", "tianshou", "tianshou_dqn.pt"),
+    Example(
+        "minari_cloning.py swarm/rule-v0 --epochs 20",
+        "minari",
+        "minari_cloning.pt",
+        "dataset swarm/rule-v0 --strategy rule --missions 2",
+    ),
+)
+
+ENVIRONMENTS = {
+    "sb3": ("sb3 or one_file or supersuit", "stable-baselines3==2.9.2", "sb3-contrib==2.9.2", "SuperSuit==3.11.0"),
+    "torchrl": ("torchrl or benchmarl", "torchrl==0.11.1", "benchmarl==1.5.2"),
+    "rllib": ("rllib", "ray[rllib]==2.60.0"),
+    "tianshou": ("tianshou", "tianshou==2.0.1"),
+    "minari": ("minari", "minari[hdf5,create]==0.5.4"),
+    "notebook": ("notebook", "nbclient==0.11.0", "ipykernel==7.4.0"),
+}
+"""Virtual environment -> which tests run in it (pytest's -k), and its packages beside ours and torch, in the versions
+with which the examples last ran."""

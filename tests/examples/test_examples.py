@@ -1,0 +1,73 @@
+"""Each example runs where its framework is installed, and its model is compared by `clean-swarm evaluate`."""
+
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+
+from tests.examples.frameworks import EXAMPLES
+from tests.paths import ROOT
+
+pytestmark = pytest.mark.example
+FILES = sorted(path.name for path in (ROOT / "examples").glob("*.py"))
+
+
+def run(directory, *arguments):
+    """Run Python in a directory with one thread; return what it printed."""
+    own = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "MINARI_DATASETS_PATH": str(directory / "datasets")}
+    done = subprocess.run(
+        [sys.executable, *arguments], cwd=directory, env=os.environ | own, capture_output=True, text=True, timeout=1800
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: " ".join(example.command.split()[:2]))
+def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
+    for package in (example.needs, "torch"):
+        if find_spec(package) is None:
+            pytest.skip(f"needs {package}: make examples")
+    if example.before:
+        run(tmp_path, "-m", "clean_swarm_env", *example.before.split())
+    file, *arguments = example.command.split()
+    assert run(tmp_path, str(ROOT / "examples" / file), *arguments)
+    if example.model:
+        compared = ["--strategy", "fixed:RepulsionGradient", "--strategy", f"policy:{example.model}"]
+        settings = ["--family", "table1", "--scenarios", "1", "--workers", "1", "--output", "out"]
+        assert f"policy:{example.model}" in run(tmp_path, "-m", "clean_swarm_env", "evaluate", *settings, *compared)
+
+
+def test_every_example_has_a_run_and_less_than_80_lines():
+    assert sorted({example.command.split()[0] for example in EXAMPLES} | {"robot_policy.py"}) == FILES
+    for name in FILES:
+        assert len((ROOT / "examples" / name).read_text(encoding="utf-8").splitlines()) < 80, name
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_supersuit_trains_by_copies_in_two_processes():
+    """As PettingZoo's tutorial of Stable-Baselines3 does: copies by cloudpickle, robots as environments."""
+    supersuit = pytest.importorskip("supersuit", reason="needs supersuit: make examples")
+    stable_baselines3 = pytest.importorskip("stable_baselines3", reason="needs stable_baselines3: make examples")
+    from clean_swarm_env import clean_swarm_v0
+
+    for settings in ({}, {"goal": "Foraging"}):
+        env = supersuit.pettingzoo_env_to_vec_env_v1(clean_swarm_v0.parallel_env(**settings))
+        envs = supersuit.concat_vec_envs_v1(env, 2, num_cpus=2, base_class="stable_baselines3")
+        stable_baselines3.PPO("MlpPolicy", envs, n_steps=16, batch_size=80, n_epochs=1, device="cpu").learn(160)
+        envs.close()
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_notebook_runs(tmp_path):
+    nbclient = pytest.importorskip("nbclient", reason="needs nbclient: make examples")
+    pytest.importorskip("ipykernel", reason="needs ipykernel: make examples")
+    import nbformat
+
+    notebook = nbformat.read(ROOT / "examples" / "first_steps.ipynb", as_version=4)
+    client = nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}})
+    client.execute(env=os.environ | {"PYTHONPATH": str(ROOT)})
+    shown = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert any("image/png" in output.get("data", {}) for output in shown)
+    assert not [output for output in shown if output["output_type"] == "error"]

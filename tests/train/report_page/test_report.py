@@ -1,0 +1,219 @@
+"""The report: its numbers are those of the runs, it needs nothing else, and what cannot be is one line."""
+
+import csv
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+import yaml
+
+from tests.train.commands import run
+from train.analysis.statistics import summarise
+from train.report_page.chart import Axis, Chart
+from train.report_page.page import html_of_markdown
+from train.report_page.run_charts import differences, profile, scenario_map
+
+CHROMIUM = shutil.which("chromium")
+FAMILY = {
+    "name": "small",
+    "description": "Four robots & <items>.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0},
+    "robots": [4, 4],
+    "items": [4, 4],
+}
+CONDITIONS = ("fixed:RepulsionGradient", "Random")
+HISTORY = [
+    {"checkpoint": 1, "decisions": 100, "crowded/cost_s": 50.0, "score": 4.0, "best": True},
+    {"checkpoint": 2, "decisions": 200, "crowded/cost_s": 40.5, "score": None, "best": True},
+]
+
+
+class Text(HTMLParser):
+    """Texts of elements by their tags, and addresses of links."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found, self.links, self._open = {}, [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self._open.append(tag)
+        self.links += [value for name, value in attrs if name == "href"]
+
+    def handle_endtag(self, tag):
+        while self._open and self._open.pop() != tag:
+            pass
+
+    def handle_data(self, data):
+        if self._open:
+            self.found.setdefault(self._open[-1], []).append(data)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    (folder / "small.yaml").write_text(yaml.safe_dump(FAMILY))
+    words = [word for name in CONDITIONS for word in ("--strategy", name)]
+    words += ["--scenarios", "3", "--workers", "1", "--record", "--output", str(folder / "run")]
+    assert run("evaluate", "--family", folder / "small.yaml", *words) == 0
+    return folder / "run"
+
+
+def costs_in(results):
+    with (results / "runs.csv").open() as file:
+        return {(row["scenario"], row["condition"]): float(row["cost_s"]) for row in csv.DictReader(file)}
+
+
+def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tmp_path):
+    page = tmp_path / "page.html"
+    assert run("report", results, "--output", page, "--replays") == 0
+    text, costs = Text(page.read_text()), costs_in(results)
+    for value in costs.values():
+        assert f"{value:.4g}" in text.found["a"]
+    conditions = {condition for _, condition in costs}
+    assert conditions == {*CONDITIONS, "fixed:Off"}  # which every evaluation has
+    for name in conditions:
+        found = summarise(np.array([value for (_, condition), value in costs.items() if condition == name]))
+        low, high = found.ci95
+        assert f"mean {found.mean:.4g}, 95 % interval {low:.4g} to {high:.4g}" in text.found["title"]
+    assert len(text.links) == len(set(text.links)) == len(costs) == 9
+    assert all((tmp_path / unquote(link)).read_text().lower().startswith("<!doctype html>") for link in text.links)
+    headings = [*text.found["h2"], *text.found["h3"]]
+    for heading in ("Tables", "Distributions", "Paired differences", "Performance profile", "Scenarios", "Selection"):
+        assert heading in headings
+    assert "Random: AvoidCollision, 3 recorded runs" in headings
+    assert json.loads(text.found["pre"][0]) == json.loads((results / "manifest.json").read_text())
+    assert "Four robots & <items>." in text.found["p"]
+    shares = [float(share[1]) for told in text.found["title"] if (share := re.search(r": ([\d.]+)%$", told))]
+    assert sum(shares) == pytest.approx(100.0 * len(situations_in(text)), abs=4.0)
+
+
+def situations_in(text):
+    names = ("searching", "with an item", "with leftovers", "nobody within", "1 or 2 within", "3 and more within")
+    return [label for label in text.found["text"] if label.startswith(names)]
+
+
+def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):
+    other = shutil.copytree(results, tmp_path / "other")
+    lines = [json.loads(line) | {"cost_s": 1.0} for line in (other / "runs.jsonl").read_text().splitlines()]
+    (other / "runs.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert run("report", results, other, "--output", tmp_path / "two.html") == 0
+    text, costs = Text((tmp_path / "two.html").read_text()), costs_in(results)
+    for (scenario, condition), value in costs.items():
+        assert f"{scenario}: {value - 1.0:+.4g}" in text.found["title"], condition
+    assert {"run: Random", "other: Random"} <= set(text.found["text"])
+
+
+def test_a_training_has_its_curves_and_checkpoints(tmp_path):
+    for name in ("first", "second"):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "manifest.json").write_text(json.dumps({"identity": {"configuration": {"name": "mine"}}}))
+        (folder / "history.jsonl").write_text("".join(json.dumps(entry) + "\n" for entry in HISTORY))
+    assert run("report", tmp_path / "first") == 0
+    text = Text((tmp_path / "first" / "report.html").read_text())
+    assert {"crowded: 50 at 100", "crowded: 40.5 at 200"} <= set(text.found["title"])
+    assert {"200", "40.5"} <= set(text.found["td"])
+    assert run("report", tmp_path / "first", tmp_path / "second", "--output", tmp_path / "both.html") == 0
+    titles = Text((tmp_path / "both.html").read_text()).found["title"]
+    assert {"first: crowded: 50 at 100", "second: crowded: 50 at 100"} <= set(titles)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda path: None, "nowhere: no such directory"),
+        (lambda path: path.mkdir(), "nowhere: holds no manifest.json; expected the results of an evaluation"),
+        (
+            lambda path: (path.mkdir(), (path / "manifest.json").write_text('{"identity": {}}')),
+            "nowhere: holds neither finished runs (runs.jsonl) nor checkpoints (history.jsonl)",
+        ),
+    ],
+)
+def test_a_directory_that_is_none_of_results_is_one_line(tmp_path, monkeypatch, capsys, make, message):
+    monkeypatch.chdir(tmp_path)
+    make(Path("nowhere"))
+    assert run("report", "nowhere") == 2
+    assert capsys.readouterr().err == f"error: {message}\n"
+
+
+def test_damaged_foreign_and_unlike_results_are_one_line(results, tmp_path, capsys):
+    broken = shutil.copytree(results, tmp_path / "broken")
+    recording = next((broken / "recordings").iterdir())
+    recording.write_bytes(recording.read_bytes()[:8] + b"\x09\0\0\0")
+    other = shutil.copytree(results, tmp_path / "other")
+    text = (other / "runs.jsonl").read_text()
+    (other / "runs.jsonl").write_text(text.replace('"experiment": "small"', '"experiment": "large"'))
+    cut = shutil.copytree(results, tmp_path / "cut")
+    (cut / "runs.jsonl").write_text(text[20:])
+    for words, message in (
+        ((broken,), f"{recording}: expected a recording of version 1, got version 9"),
+        ((results, other), f"{other}: expected results of small to compare, got large"),
+        ((cut,), f"{cut / 'runs.jsonl'}: line 1: expected a finished run"),
+        ((results, results, results), "report: expected one or two directories, got 3"),
+    ):
+        assert run("report", *words, "--output", tmp_path / "page.html") == 2
+        error = capsys.readouterr().err
+        assert error.startswith(f"error: {message}")
+        assert error.count("\n") == 1
+    assert not (tmp_path / "page.html").exists()
+
+
+@pytest.mark.page
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium")
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, scheme):
+    sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    page = tmp_path / "page.html"
+    assert run("report", results, "--output", page) == 0
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        shown = browser.new_page(color_scheme=scheme)
+        told, asked = [], []
+        shown.on("console", lambda message: told.append(message.text))
+        shown.on("pageerror", lambda error: told.append(str(error)))
+        shown.on("request", lambda request: asked.append(request.url))
+        shown.goto(page.as_uri())
+        assert (told, asked) == ([], [page.as_uri()])
+        assert shown.evaluate("[...document.querySelectorAll('svg')].every(chart => chart.clientHeight > 40)")
+        back = shown.evaluate("getComputedStyle(document.body).backgroundColor")
+        assert back == {"dark": "rgb(23, 25, 29)", "light": "rgb(255, 255, 255)"}[scheme]
+        browser.close()
+
+
+def test_scales_have_round_ticks_within_and_keep_the_order():
+    for values in ([3.0, 7.0], [0.001, 900.0], [5.0], [-3.0, 4.0], [0.0, 0.0], [np.inf, 1.0]):
+        scale = Axis.over(values)
+        ticks = scale.ticks()
+        assert len(ticks) >= 2 or not scale.log
+        assert all(scale.low <= tick <= scale.high for tick in ticks)
+        shares = [scale.share(tick) for tick in ticks]
+        assert shares == sorted(shares)
+    assert Axis.over([1.0, 100.0]).log
+    assert not Axis.over([1.0, 100.0], zero=True).log
+    assert Chart(Axis(0.0, 10.0), Axis(0.0, 1.0), (100, 50), left=20).place(5.0, 1.0) == (70.0, 6.0)
+
+
+def test_charts_of_known_costs():
+    costs, names, scenarios = np.array([[10.0, 20.0], [15.0, 10.0], [np.nan, 40.0]]), ("a", "b", "c"), ("s1", "s2")
+    told = re.findall("<title>(.*?)</title>", differences(costs, names, scenarios, "cost"))
+    assert {"s1: -5", "s2: +10", "s2: +30"} <= set(told)
+    chart = Chart(Axis(1.0, 4.2, log=True), Axis(0.0, 1.0), (620, 240))
+    assert "{:.1f},{:.1f}".format(*chart.place(1.5, 1.0)) in profile(costs, names)
+    table = scenario_map(costs, names, scenarios, {"s1-b": "x.html?a&b"})
+    assert '<a href="x.html?a&amp;b">15</a>' in table
+    assert table.count("--dearer:0%") == 2
+    assert "<td>-</td>" in table
+
+
+def test_markdown_becomes_tables_and_nothing_else():
+    page = html_of_markdown("# One\n\n| a | <b> |\n|---|---:|\n| 1 | 2 |\n\nsome & text\n")
+    assert page == (
+        '<h3>One</h3><div class="wide"><table><tr><th>a</th><th>&lt;b&gt;</th></tr><tr><td>1</td><td>2</td></tr>'
+        '</table></div><p class="note">some &amp; text</p>'
+    )

@@ -1,0 +1,160 @@
+"""The page of one or two directories of results, as HTML without scripts; a policy in it forbids every request."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from html import escape
+from importlib.resources import files
+
+import numpy as np
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.drawing.canvas import OPTION_COLOURS
+from clean_swarm_env.recording.reader import RecordedMission
+from train.report_page.course_charts import learning_curves, selection_by_situation, selection_over_time
+from train.report_page.results import HeldResults
+from train.report_page.run_charts import FIGURES, differences, distributions, profile, scenario_map, table_of
+from train.running.runs import RunRecord
+
+PAGE = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<title>{title}</title><style>{style}</style></head><body>
+<h1>{title}</h1>
+{body}
+</body></html>
+"""
+SELECTION_CHANNELS = {"x", "y", "present", "working", "cargo", "recycled"}
+"""Channels that charts of selection need, beside the option that is held."""
+EXPLAINED = (
+    "Dots are runs, boxes quartiles, large dots means with their 95 % intervals (Student). The pointer on a mark shows "
+    "its numbers."
+)
+
+
+def report_of_results(results: Sequence[HeldResults], links: Mapping[str, str]) -> str:
+    """Return the page; `links`: SCENARIO-CONDITION of a run -> address of its replay.
+
+    Raises:
+        ConfigurationError: two directories that cannot be compared.
+
+    """
+    names = list(dict.fromkeys(held.name for held in results))
+    if len(results) > 1 and all(held.records for held in results) and len(names) > 1:
+        raise ConfigurationError(f"{results[1].path}: expected results of {names[0]} to compare, got {names[1]}")
+    if len({bool(held.records) for held in results}) > 1:
+        raise ConfigurationError(f"{results[1].path}: expected two evaluations or two trainings, got one of each")
+    body = list(_evaluation(results, links) if results[0].records else _training(results))
+    for held in results:
+        content = escape(json.dumps(held.manifest, indent=2))
+        body.append(f"<details><summary>manifest of {escape(str(held.path))}</summary><pre>{content}</pre></details>")
+    title = f"{'Evaluation' if results[0].records else 'Training'}: {', '.join(names)}"
+    return PAGE.format(title=escape(title), style=_style(), body="\n".join(body))
+
+
+def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Iterator[str]:
+    records = _together(results)
+    conditions = list(dict.fromkeys(record.condition for record in records))
+    scenarios = list(dict.fromkeys(scenario for held in results for scenario in held.scenarios))
+    yield _note(f"{len(records)} runs: {len(scenarios)} scenarios, {len(conditions)} conditions. {EXPLAINED}")
+    for held in results:
+        label = f" of {held.path}" if len(results) > 1 else ""
+        yield f"<h2>Tables{escape(label)}</h2>" + html_of_markdown(held.tables)
+    tables = {figure: table_of(records, conditions, scenarios, figure) for figure in FIGURES}
+    yield "<h2>Distributions</h2>"
+    for figure, values in tables.items():
+        yield f"<h3>{escape(figure)}</h3>" + distributions(values, conditions, scenarios, figure)
+    costs = tables["cost [s]"]
+    paired = differences(costs, conditions, scenarios, "cost [s]")
+    if paired:
+        yield "<h2>Paired differences</h2>" + paired
+        yield "<h2>Performance profile</h2>"
+        yield _note("Share of scenarios on which a condition costs at most so many times the lowest cost there.")
+        yield profile(costs, conditions)
+    yield "<h2>Scenarios</h2>"
+    yield _note("Cost [s] of every run; darker: dearer than the lowest of the scenario, ten times at the darkest.")
+    yield scenario_map(costs, conditions, scenarios, links)
+    yield "<h2>Selection</h2>"
+    recordings = [recording for held in results for recording in held.recordings]
+    yield from _selection(recordings)
+
+
+def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
+    """Return the runs of all directories; those of two have the directory before their condition."""
+    if len(results) == 1:
+        return list(results[0].records)
+    return [
+        replace(record, condition=f"{held.path.name}: {record.condition}")
+        for held in results
+        for record in held.records
+    ]
+
+
+def _selection(recordings: Sequence[RecordedMission]) -> Iterator[str]:
+    groups: dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]] = {}
+    for recording in recordings:
+        for goal, options in recording.head["options"].items():
+            if {f"held/{goal}", *SELECTION_CHANNELS} <= set(recording):
+                condition = str(recording.head["about"].get("condition", ""))
+                groups.setdefault((condition, goal, tuple(options)), []).append(recording)
+    if not groups:
+        yield _note("No run was recorded: evaluate with --record, and make the report again.")
+    for (condition, goal, _), own in groups.items():
+        yield f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
+        yield selection_over_time(own, goal) + selection_by_situation(own, goal)
+
+
+def _training(results: Sequence[HeldResults]) -> Iterator[str]:
+    labels = [held.path.name if len(results) > 1 else held.name for held in results]
+    yield "<h2>Learning curves</h2>"
+    yield learning_curves([(label, held.history) for label, held in zip(labels, results, strict=True)])
+    yield _note("Large dots are checkpoints that were the best so far; the last of them is what was exported.")
+    for label, held in zip(labels, results, strict=True):
+        columns = list(dict.fromkeys(name for entry in held.history for name in entry))
+        lines = [_line(columns), _line(["---"] * len(columns))]
+        lines += [_line([_cell(entry.get(name)) for name in columns]) for entry in held.history]
+        yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown("\n".join(lines))
+
+
+def html_of_markdown(text: str) -> str:
+    """Return headings, tables and paragraphs of Markdown as HTML: what `table.md` has."""
+    parts: list[str] = []
+    table: list[str] = []
+    for line in [*text.splitlines(), ""]:
+        if line.startswith("|"):
+            cells = [escape(cell.strip()) for cell in line.strip("|").split("|")]
+            if not all(re.fullmatch(":?-+:?", cell) for cell in cells):
+                tag = "td" if table else "th"
+                table.append("<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>")
+            continue
+        if table:
+            parts.append(f'<div class="wide"><table>{"".join(table)}</table></div>')
+            table = []
+        if line.startswith("#"):
+            parts.append(f"<h3>{escape(line.lstrip('# '))}</h3>")
+        elif line:
+            parts.append(_note(line))
+    return "".join(parts)
+
+
+def _style() -> str:
+    """Return the style, with a class for each colour."""
+    colours = (f".c{k} {{ fill: {c}; stroke: none; background: {c}; }}" for k, c in enumerate(OPTION_COLOURS))
+    strokes = (f"svg .line.c{k} {{ stroke: {c}; }}" for k, c in enumerate(OPTION_COLOURS))
+    sheet = (files("train.report_page") / "page.css").read_text(encoding="utf-8")
+    return "\n".join([*colours, sheet, *strokes])
+
+
+def _note(text: str) -> str:
+    return f'<p class="note">{escape(text)}</p>'
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"|{'|'.join(cells)}|"
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) and np.isfinite(value) else "" if value is None else str(value)

@@ -1,0 +1,82 @@
+"""What a directory of results holds: finished runs of an evaluation, or the history of a training."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.recording.file import SUFFIX
+from clean_swarm_env.recording.reader import RecordedMission
+from selector.documents.errors import shown
+from selector.documents.reading import json_value, read_text
+from train.running.finished_runs import JOURNAL, natural_order, runs_of
+from train.running.run_folder import RECORDINGS, read_manifest
+from train.running.runs import RunRecord
+
+HISTORY, TABLES = "history.jsonl", "table.md"
+
+
+@dataclass(frozen=True)
+class HeldResults:
+    """The results in a directory."""
+
+    path: Path
+    manifest: dict[str, Any]
+    records: Sequence[RunRecord]
+    """Finished runs of an evaluation."""
+    history: Sequence[dict[str, Any]]
+    """Checkpoints of a training."""
+    tables: str
+    """The tables of the evaluation, as Markdown."""
+    recordings: Sequence[RecordedMission]
+
+    @property
+    def name(self) -> str:
+        """Name of the experiment, the family or the training."""
+        identity = self.manifest["identity"]
+        if self.records:
+            return self.records[0].experiment
+        configured = identity.get("configuration")
+        return str(configured.get("name", self.path.name)) if isinstance(configured, dict) else self.path.name
+
+    @property
+    def scenarios(self) -> list[str]:
+        """Names of the scenarios, in natural order."""
+        return sorted({record.scenario for record in self.records}, key=natural_order)
+
+    @property
+    def conditions(self) -> list[str]:
+        """Names of the conditions, in the order of the manifest or else of the runs."""
+        return list(dict.fromkeys(record.condition for record in self.records))
+
+
+def results_in(path: Path) -> HeldResults:
+    """Read a directory of results.
+
+    Raises:
+        ConfigurationError: it is none, or a file in it is damaged.
+
+    """
+    manifest = read_manifest(path)
+    records, history = runs_of(path / JOURNAL), _history(path / HISTORY)
+    if not records and not history:
+        raise ConfigurationError(f"{path}: holds neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
+    tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
+    recordings = [RecordedMission(file) for file in sorted((path / RECORDINGS).glob(f"*{SUFFIX}"))]
+    return HeldResults(path, manifest, records, history, tables, recordings)
+
+
+def _history(path: Path) -> list[dict[str, Any]]:
+    lines = read_text(path).splitlines() if path.exists() else []
+    entries = []
+    for number, line in enumerate(lines, start=1):
+        where = f"{shown(path)}: line {number}"
+        entry = json_value(line, where)
+        if not isinstance(entry, dict):
+            raise ConfigurationError(f"{where}: expected the figures of a checkpoint, got {json.dumps(entry)[:40]}")
+        entries.append(entry)
+    return entries
