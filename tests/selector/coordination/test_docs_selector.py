@@ -21,7 +21,7 @@ def blocks(language):
 
 @pytest.fixture
 def mine(tmp_path):
-    configuration, knowledge = blocks("yaml")
+    configuration, knowledge, _ = blocks("yaml")
     for kind, name, text in (("mechanisms", "Shy", configuration), ("knowledge", "mine", knowledge)):
         (tmp_path / kind).mkdir()
         (tmp_path / kind / f"{name}.yaml").write_text(text)
@@ -34,6 +34,13 @@ def test_the_configuration_serves_its_goal_with_the_options_parameters(mine):
     assert model.configurations[0].mechanisms["shy"].parameters["view_distance"] == 1.0
     assert "Eleven lines" in PAGE
     assert len(blocks("yaml")[0].splitlines()) == 11
+
+
+def test_the_configuration_that_steers_takes_no_turn(mine):
+    (mine / "mechanisms" / "Bend.yaml").write_text(blocks("yaml")[2])
+    library = Library([mine])
+    assert library.configuration("Bend", {"distance": 0.7}).steers
+    assert not library.configuration("Shy").steers
 
 
 def test_a_mistake_in_it_is_one_line(mine):
