@@ -51,6 +51,8 @@ class ConsequencesConfig(Closed):
 
     stop: Wait = 0.0
     """Time for which a robot that collides stands, decides nothing and handles no cargo; 0: it goes on [s]."""
+    back_off: Wait = 0.0
+    """Time for which it then drives off at half its speed, away from the nearest robot that it met [s]."""
     drop: Flag = False
     """Whether a robot that collides loses its cargo, which then lies where the robot is."""
     damage_after: Index = 0

@@ -12,11 +12,11 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageColor
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
-from clean_swarm_env.drawing.pixels import Pixels
+from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, OPTION_COLOURS, STATIONS
+from clean_swarm_env.drawing.pixels import Pixels, trail_colours
 
 CODECS: Final = {".webm": "VP80", ".mp4": "vp09"}
 """Codecs of OpenCV by the ending of the file; both store yuv420p, and neither is under the GPL."""
@@ -24,7 +24,6 @@ SUFFIXES: Final = (".webp", ".gif", *CODECS)
 MOST_OF_GIF: Final = 2000
 """Pictures of a GIF, which Pillow keeps in memory."""
 WEBP_QUALITY: Final = 60
-GIF_COLOURS: Final = 128
 
 
 def check_video(output: Path, count: int) -> None:
@@ -73,10 +72,14 @@ def _by_pillow(path: Path, pictures: Iterator[Pixels]) -> None:
 
 
 def _few_colours(images: Iterator[Image.Image]) -> Iterator[Image.Image]:
-    """Yield images in the colours of the first one, without dots in between, which make a GIF ten times as large."""
-    first = next(images)
-    colours = first.quantize(GIF_COLOURS)
-    for image in chain([first], images):
+    """Yield images in the colours that pictures have, without dots in between, which make a GIF ten times as large."""
+    flat = [ImageColor.getrgb(colour)[:3] for colour in (*OPTION_COLOURS, *(colour for _, colour in STATIONS))]
+    paler = [tuple((part + 255) // 2 for part in colour) for colour in flat]
+    greys = [(level, level, level) for level in range(0, 256, 15)]
+    held = np.array([*flat, *paler, *greys, *trail_colours()[::2].tolist()], dtype=np.uint8)
+    colours = Image.new("P", (1, 1))
+    colours.putpalette(held.tobytes())
+    for image in images:
         yield image.quantize(palette=colours, dither=Image.Dither.NONE)
 
 

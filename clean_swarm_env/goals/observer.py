@@ -111,7 +111,8 @@ def see_movement(play: Play, _: GoalObservation) -> Floats:
 
 def see_facts(play: Play, _: GoalObservation) -> Floats:
     """Return what the robot knows: 1 for a fact that is true."""
-    return np.array([play.team.memory[name].values for name in play.facts]).reshape(len(play.facts), len(play.asked)).T
+    facts = [play.team.memory[name].values for name in play.facts]
+    return np.array(facts).reshape(len(facts), len(play.asked)).T
 
 
 def see_time(play: Play, _: GoalObservation) -> Floats:
@@ -134,8 +135,8 @@ def kinds_of(play: Play) -> Sequence[str]:
 
 
 ComponentNames = Callable[[Play], Sequence[str]]
-See = Callable[[Play, GoalObservation], Floats]
-TERMS_OF_GOALS: dict[str, tuple[ComponentNames, See]] = {
+SeeTerm = Callable[[Play, GoalObservation], Floats]
+TERMS_OF_GOALS: dict[str, tuple[ComponentNames, SeeTerm]] = {
     "command": (lambda _: ("command_ahead", "command_left"), see_command),
     "around": (lambda play: [f"{kind}_{part}" for kind in kinds_of(play) for part in WAY], see_around),
     "neighbour": (lambda _: ("neighbours", *(f"neighbour_{part}" for part in WAY[1:])), see_neighbour),

@@ -1,7 +1,7 @@
 """Consequences of collisions for the robots that take part: they stand, lose their cargo, and are damaged (compiled).
 
-A robot that stands is held by its bumper: it does not move, decides nothing and handles no cargo. Rows are robots,
-R = W * N. `ConsequencesConfig` has the settings.
+A robot that stands is held by its bumper: it does not move, decides nothing and handles no cargo. At the end of that
+time it may drive off from whom it met. Rows are robots, R = W * N. `ConsequencesConfig` has the settings.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from clean_swarm_env.physics.cells import distance
 from clean_swarm_env.physics.drive import Orders, open_orders
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, open_floor
-from selforg.arrays import Flags, Ints, Lasting
-from selforg.compiler.decorators import lean_kernel
+from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
+from selforg.space import nearest_image
 
 
 class Consequence(NamedTuple):
@@ -25,8 +26,11 @@ class Consequence(NamedTuple):
 
     standing: Annotated[Ints, "R"]  # ticks for which the robot stands, that of the collision included
     collisions: Annotated[Ints, "R"]  # of each robot since it was last as new
+    away: Annotated[Floats, "R 2"]  # where the robot drives off [m/s]
     lost: Annotated[Ints, "R"]  # rows whose cargo was lost in this tick, the first ones
     stop: int  # ticks for which a robot that collides stands
+    back_off: int  # ticks for which it then drives off, the last ones of `standing`
+    back_speed: float  # its speed then [m/s]
     drop: int  # 1 where it loses its cargo
     damage_after: int  # collisions after which a robot is damaged, 0: never
     damaged_speed: float  # largest speed of a damaged robot [m/s]
@@ -49,16 +53,20 @@ class Consequences:
 
     def __init__(self, mission: MissionConfig, rows: int) -> None:
         config, rate = mission.consequences, mission.world.control_rate
-        self.active = config.stop > 0.0 or config.drop or config.damage_after > 0
+        self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop or config.damage_after > 0
         self._damage_after = config.damage_after
         self.standing: Ints = np.zeros(rows, dtype=np.int64)
         self.collisions: Ints = np.zeros(rows, dtype=np.int64)
+        self._away: Floats = np.zeros((rows, 2))
         self._packed: Packed[Consequence] = CONSEQUENCE.pack(
             Consequence(
                 standing=self.standing,
                 collisions=self.collisions,
+                away=self._away,
                 lost=np.zeros(rows, dtype=np.int64),
                 stop=round(config.stop * rate),
+                back_off=round(config.back_off * rate),
+                back_speed=0.5 * mission.robots.max_speed,
                 drop=int(config.drop),
                 damage_after=config.damage_after,
                 damaged_speed=config.damaged_speed * mission.robots.max_speed,
@@ -79,7 +87,7 @@ class Consequences:
 
     def lasting(self) -> Lasting:
         """Return what robots hand on to the next tick."""
-        return Lasting((self.standing, self.collisions))
+        return Lasting((self.standing, self.collisions, self._away))
 
     def begin(self, at_work: Ints | None) -> Ints | None:
         """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
@@ -90,15 +98,16 @@ class Consequences:
         return np.flatnonzero(free) if at_work is None else at_work[free[at_work]]
 
     def hold_back(self, orders: Packed[Orders]) -> None:
-        """Order robots that stand not to move, and damaged ones to be slow."""
+        """Order robots that stand not to move, or to drive off, and damaged ones to be slow."""
         hold_back(orders.words, self._packed.words)
 
-    def follow(self, entered: Ints, working: Flags, floor: Packed[FloorRecord]) -> Ints:
+    def follow(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
 
-        entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to.
+        entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
+        present (R,): robots that they may have met.
         """
-        count = suffer(entered, working, floor.words, self._packed.words)
+        count = suffer(entered, working, present, floor.words, self._packed.words)
         return self._packed.record.lost[:count]
 
 
@@ -108,7 +117,9 @@ def hold_back(orders: Words[Orders], consequence: Words[Consequence]) -> None:
     o, c = open_orders(orders), open_consequence(consequence)
     for row in range(c.standing.shape[0]):
         if c.standing[row] > 0:
-            o.vectors[row, 0] = o.vectors[row, 1] = 0.0
+            driving = c.standing[row] <= c.back_off
+            o.vectors[row, 0] = c.away[row, 0] if driving else 0.0
+            o.vectors[row, 1] = c.away[row, 1] if driving else 0.0
             o.commanded[row], o.in_place[row] = True, False
         elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
             x, y = o.vectors[row, 0], o.vectors[row, 1]
@@ -118,8 +129,25 @@ def hold_back(orders: Words[Orders], consequence: Words[Consequence]) -> None:
                 o.vectors[row, 1] = y * c.damaged_speed / length
 
 
+@inlined
+def turn_away(row: int, present: Flags, f: FloorRecord, c: Consequence) -> None:
+    """Note where a robot will drive off: away from the nearest other one, which it has met."""
+    per_world, nearest = f.robots.shape[0] // f.stations.shape[0], np.inf
+    first = row // per_world * per_world
+    for other in range(first, first + per_world):
+        if other != row and present[other]:
+            x = nearest_image(f.robots[row, 0] - f.robots[other, 0], f.extent[0])
+            y = nearest_image(f.robots[row, 1] - f.robots[other, 1], f.extent[1])
+            length = np.sqrt(x * x + y * y)
+            if length < nearest and length > 0.0:
+                nearest = length
+                c.away[row, 0], c.away[row, 1] = c.back_speed * x / length, c.back_speed * y / length
+
+
 @lean_kernel
-def suffer(entered: Ints, working: Flags, floor: Words[FloorRecord], consequence: Words[Consequence]) -> int:
+def suffer(
+    entered: Ints, working: Flags, present: Flags, floor: Words[FloorRecord], consequence: Words[Consequence]
+) -> int:
     """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.follow`."""
     f, c = open_floor(floor), open_consequence(consequence)
     count, per_world = 0, f.robots.shape[0] // f.stations.shape[0]
@@ -127,7 +155,8 @@ def suffer(entered: Ints, working: Flags, floor: Words[FloorRecord], consequence
         world, x, y = row // per_world, f.robots[row, 0], f.robots[row, 1]
         if entered[row] > 0 and working[row]:
             c.collisions[row] += entered[row]
-            c.standing[row] = max(c.standing[row], c.stop + 1)
+            c.standing[row] = max(c.standing[row], c.stop + c.back_off + 1)
+            turn_away(row, present, f, c)
             if c.drop == 1 and f.cargo[row] != NOTHING:
                 item = f.cargo[row]
                 f.items[world, item, 0], f.items[world, item, 1] = x, y
@@ -140,5 +169,5 @@ def suffer(entered: Ints, working: Flags, floor: Words[FloorRecord], consequence
                 place = f.stations[world, station]
                 if distance(x, y, place[0], place[1], f.extent) <= f.at_station:
                     c.collisions[row] = 0
-                    c.standing[row] = max(c.standing[row], c.mending + 1)
+                    c.standing[row] = max(c.standing[row], c.mending + c.back_off + 1)
     return count

@@ -182,7 +182,9 @@ class Worlds:
         floor.move(minds.orders, now)
         self._clock.advance()
         if consequences.active:
-            lost = consequences.follow(self.collisions.entered_in_tick, self.team.working, floor.packed)
+            lost = consequences.follow(
+                self.collisions.entered_in_tick, self.team.working, self.physics.present, floor.packed
+            )
             if len(lost):
                 minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
         return self.collisions.entered_in_tick

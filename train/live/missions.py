@@ -33,6 +33,8 @@ OFFERED = ("MaxScore", "Random", f"{FIXED}:Off", RULE)
 """Strategies that a user may choose where they fit, besides policies and learned strategies."""
 SPARE_ROBOTS, SPARE_ITEMS = 20, 40
 """Robots and items that can be added by hand."""
+MOST_HEARING = 200
+"""Robots up to which each stores by itself what it receives, so that messages can get lost: it takes their square."""
 
 
 @dataclass(frozen=True)
@@ -105,11 +107,11 @@ def mission_again(recording: RecordedMission) -> PlayedMission:
 
 
 def with_room(mission: MissionConfig) -> MissionConfig:
-    """Return the mission with room for what may be added by hand, and with messages that can get lost."""
+    """Return the mission with room for what may be added by hand, and, in small teams, messages that can get lost."""
     parts: dict[str, dict[str, Any]] = {
         "robots": {"capacity": mission.rows + SPARE_ROBOTS},
         "garbage": {"capacity": mission.item_rows + SPARE_ITEMS},
-        "delivery": {"own_contents": True},
+        "delivery": {"own_contents": mission.own_contents or mission.rows <= MOST_HEARING},
     }
     changed = {name: {**getattr(mission, name).model_dump(), **change} for name, change in parts.items()}
     return validated(MissionConfig, {**mission.model_dump(), **changed}, "the mission with room for more")

@@ -117,6 +117,11 @@ class StudyConfig(Closed):
         return self
 
     @property
+    def figures(self) -> int:
+        """Number of figures that are minimised."""
+        return 2 if self.objective == "front" else 1
+
+    @property
     def methods(self) -> tuple[Method, ...]:
         """The method, and random search beside it."""
         return (self.method,) if self.method == RANDOM else (self.method, RANDOM)

@@ -111,7 +111,6 @@ def proposer_of(method: Method, study: StudyConfig, space: StudySpace, seed: int
     seed = int(sequence.generate_state(1, np.uint32)[0])
     if method == MAP_ELITES:
         return _ElitesProposer(space, study, seed)
-    objectives = 2 if study.objective == "front" else 1
     with warnings.catch_warnings(action="ignore", category=optuna.exceptions.ExperimentalWarning):
         samplers: dict[Method, BaseSampler] = {
             "random": RandomSampler(seed),
@@ -119,7 +118,7 @@ def proposer_of(method: Method, study: StudyConfig, space: StudySpace, seed: int
             "CMA-ES": CmaEsSampler(seed=seed, popsize=study.batch, warn_independent_sampling=False),
             "NSGA-II": NSGAIISampler(seed=seed, population_size=study.batch),
         }
-    return _OptunaProposer(samplers[method], space, objectives)
+    return _OptunaProposer(samplers[method], space, study.figures)
 
 
 def empty_archive(config: ArchiveConfig, size: int) -> GridArchive:

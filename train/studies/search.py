@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from selector.documents.errors import DocumentError
 from selforg.arrays import Floats
 from train.studies.config import Method, RaceConfig, StudyConfig
 from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, LAST_RACE, SEARCH, Candidate, MissionField
@@ -75,6 +76,8 @@ class CandidateSearch:
             proposer.tell([trial.told for trial in told])
             trials += told
             on_batch(trials)
+        if not best:
+            raise DocumentError(f"{study.name}: {method}: the library refused all {len(trials)} candidates")
         return Arm(method, tuple(trials), tuple(best))
 
     def winners(self, arm: Arm) -> list[Candidate]:

@@ -38,7 +38,7 @@ from train.studies.missions import FIGURES, STAGES, Candidate, CandidateTasks, M
 from train.studies.report import study_summary_json, study_tables, trials_csv
 from train.studies.search import CandidateSearch, StudyTrial
 from train.studies.space import StudySpace
-from train.studies.trial_storage import TrialStorage, importances
+from train.studies.trial_storage import TrialStorage, importances, shown_url
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class StudyRequest:
     def words(self) -> list[str]:
         """The command for this request, without its directory."""
         words = ["clean-swarm", *self.command, "--seed", str(self.seed)]
-        words += ["--storage", self.storage] if self.storage is not None else []
+        words += ["--storage", shown_url(self.storage)] if self.storage is not None else []
         words += [word for word in self.store.words if word != "--learn"]
         words += ["--force"] if self.machine.forced else []
         return words + [word for path in self.directories for word in ("--configs", str(path))]
@@ -105,7 +105,7 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
             for method in study.methods:
 
                 def on_batch(trials: Sequence[StudyTrial], method: str = method) -> None:
-                    storage.keep(f"{study.name} {method} {request.seed}", trials, space, len(trials[0].told.values))
+                    storage.keep(f"{study.name} {method} {request.seed}", trials, space, study.figures)
                     on_trials(method, len(trials), journal.missions)
 
                 arms.append(search.arm(method, request.seed, on_batch))

@@ -26,7 +26,7 @@ def test_all_families_are_shipped():
 def test_a_family_with_bumpers_is_the_one_without_but_for_what_collisions_do(name):
     plain, bumpers = load_family(name), load_family(f"{name}-bumpers")
     assert plain.mission.consequences.stop == 0.0 == plain.mission.contact_cost
-    assert bumpers.mission.consequences.stop == 5.0
+    assert (bumpers.mission.consequences.stop, bumpers.mission.consequences.back_off) == (2.0, 3.0)
     same = {"name": "", "consequences": plain.mission.consequences, "contact_cost": 0.0}
     alike = {"name": "", "description": ""}
     assert bumpers.model_copy(update={**alike, "mission": bumpers.mission.model_copy(update=same)}) == plain.model_copy(

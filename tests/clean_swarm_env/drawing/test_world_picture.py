@@ -11,7 +11,7 @@ from tests.clean_swarm_env.courses import mission, worlds_at_start
 def test_the_scene_shows_robots_items_cargo_and_the_trail_of_its_own_world():
     worlds = worlds_at_start(mission(), [1, 2])
     loads = set()
-    for _ in range(300):
+    for _ in range(400):
         worlds.tick()
         for world in range(2):
             rows = worlds.rows_of(world)

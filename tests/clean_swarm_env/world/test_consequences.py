@@ -57,6 +57,18 @@ def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
     assert np.abs(worlds.physics.positions - places)[:2, 0].min() > 0.3
 
 
+def test_robots_that_back_off_part_after_they_have_stood():
+    worlds = steered(open_mission(consequences={"stop": 1.0, "back_off": 3.0}))
+    while not worlds.tick().any():
+        pass
+    for _ in range(20):  # 1 s and 3 s
+        held = worlds.floor.consequences.standing.copy()
+        worlds.tick()
+    assert held.tolist() == [2, 2, 0]
+    first, second = worlds.physics.positions[:2]
+    assert np.hypot(*(first - second)) > 1.0
+
+
 def test_who_stands_decides_nothing_and_handles_nothing():
     worlds = worlds_at_start(crowd(stop=STOP), [5, 6])
     network, garbage, stood = worlds.network, worlds.garbage, 0

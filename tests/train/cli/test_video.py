@@ -10,8 +10,10 @@ from PIL import Image
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.canvas import OPTION_COLOURS, Canvas
 from clean_swarm_env.drawing.pixels import pixels_of
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+from clean_swarm_env.drawing.video import write_video
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -46,6 +48,19 @@ def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suf
     assert run("video", recorded, output, "--speed", 4) == 0
     assert "30 pictures" in capsys.readouterr().out
     assert [path.name for path in output.parent.iterdir()] == [output.name]
+
+
+def test_a_gif_keeps_the_colours_of_options(tmp_path):
+    rows = np.arange(len(OPTION_COLOURS))
+    positions = np.stack([1.0 + rows, np.full(len(rows), 5.0)], axis=1)
+    canvas = Canvas(positions, np.zeros(len(rows)), options=OPTION_COLOURS, held=rows)
+    picture = pixels_of(canvas)
+    write_video(tmp_path / "a.gif", iter([picture, picture]))
+    shown = np.asarray(Image.open(tmp_path / "a.gif").convert("RGB"))
+    for colour in OPTION_COLOURS:
+        there = (picture == list(bytes.fromhex(colour[1:]))).all(axis=-1)
+        assert there.sum() > 100
+        assert np.array_equal(shown[there], picture[there]), colour
 
 
 @pytest.mark.skipif(not OPENCV, reason="needs the extra 'video'")

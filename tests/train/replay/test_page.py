@@ -158,6 +158,23 @@ def test_a_robot_that_is_clicked_is_chosen_where_it_is(opened, recordings):
         assert page.text_content("[data-held]") == held
 
 
+def test_a_robot_that_stands_still_says_for_how_long(opened, recordings):
+    page, recording = opened(), recordings[0]
+    places = np.stack([recording["x"], recording["y"]], axis=-1)
+    steps = np.linalg.norm((np.diff(places, axis=0) + 5.5) % 11.0 - 5.5, axis=-1)
+    said = set()
+    for frame, robot in ((50, 0), (100, 3), (150, 5), (200, 6), (220, 2)):
+        page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose(0, {robot})")
+        away = np.linalg.norm((places[:frame, robot] - places[frame, robot] + 5.5) % 11.0 - 5.5, axis=-1)
+        still = (frame - 1 - np.flatnonzero(away >= 0.1).max(initial=-1)) * 0.2
+        moves = f"It moves at {steps[frame - 1, robot] / 0.2:.2f} m/s."
+        expected = f"It has stayed within 0.1 m for {still:.1f} s." if still >= 1.0 else moves
+        if recording["working"][frame, robot]:
+            assert page.text_content("[data-movement]") == expected
+            said.add(expected)
+    assert len(said) > 2
+
+
 def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, recordings, capsys):
     rng = np.random.default_rng(16)
     page = opened()

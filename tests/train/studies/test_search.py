@@ -7,6 +7,7 @@ import pytest
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
+from selector.documents.errors import DocumentError
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
 from train.running.run_folder import RunFolder
 from train.studies.config import Method, load_study
@@ -73,3 +74,17 @@ def test_a_front_has_several_winners_none_of_which_dominates_another(configs, tm
     means = field.figures(LAST_RACE, winners, count)[:, [DURATION, EVENT_COUNT]].mean(axis=-1)
     assert len(winners) > 1
     assert sorted(front(means)) == list(range(len(winners)))
+
+
+def test_what_the_library_refuses_is_a_trial_that_failed(configs, tmp_path, monkeypatch):
+    def far(space, goals):
+        return "too far" if goals["AvoidCollision"][0]["parameters"]["view_distance"] > 1.2 else ""
+
+    search, _ = search_of(configs, tmp_path / "some", trials=12)
+    monkeypatch.setattr(StudySpace, "mistake", far)
+    arm = search.arm("TPE", 0, lambda trials: None)
+    assert {bool(trial.told.values) for trial in arm.trials} == {True, False}
+    assert all(bool(trial.told.values) == (trial.candidate.values[0] <= 1.2) for trial in arm.trials)
+    monkeypatch.setattr(StudySpace, "mistake", lambda space, goals: "never")
+    with pytest.raises(DocumentError, match="planted: TPE: the library refused all 12 candidates"):
+        search.arm("TPE", 0, lambda trials: None)

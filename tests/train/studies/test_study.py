@@ -172,3 +172,8 @@ def test_missions_of_the_world_give_an_option_its_costs(configs, tmp_path):
     assert off["figures"]["avoiding"]["mean"] == 0.0
     assert 0.0 < off["figures"]["cost_s"]["mean"] <= 200.0
     assert load_knowledge("Near-small", [folder]).options("AvoidCollision")[0].name == "Near-small"
+
+
+def test_the_command_to_go_on_shows_no_password(configs, tmp_path):
+    request = request_of(configs, tmp_path, storage="postgresql://me:secret@host/trials")
+    assert "secret" not in " ".join(request.words)

@@ -1,9 +1,11 @@
 // @ts-check
 /** What goes on in one robot, as a panel. */
 import { titleOf, valueAt } from "./recording.js";
+import { shorter } from "./course.js";
 import { PALETTE } from "./world.js";
 /** @typedef {import("./recording.js").Run} Run */
 
+const STILL = 0.1; // [m] within which a robot stands still
 const CARGO = ["nothing", "an item", "leftovers of an item"];
 
 /** Escape a text for HTML. @param {unknown} text */
@@ -56,6 +58,19 @@ function stacked(parts, most) {
 /** @param {string} colour @param {string} text */
 const key = (colour, text) => `<span class="key" style="background:${colour}"></span>${plain(text)}`;
 
+/** Return how fast a robot moves, or for how long it has stayed where it is, in words. @param {Run} run @param {number} frame @param {number} robot */
+export function movementOf(run, frame, robot) {
+  const { width, height, period } = run.head, x = valueAt(run, "x", frame, robot), y = valueAt(run, "y", frame, robot);
+  /** @param {number} at */
+  const away = (at) => Math.hypot(shorter(valueAt(run, "x", at, robot) - x, width), shorter(valueAt(run, "y", at, robot) - y, height));
+  let since = frame;
+  while (since > 0 && valueAt(run, "present", since - 1, robot) && away(since - 1) < STILL) since--;
+  const still = (frame - since) * period;
+  if (!frame) return "It begins here.";
+  if (still >= 1) return `It has stayed within ${STILL} m for ${fixed(still, 1)} s.`;
+  return `It moves at ${fixed(away(frame - 1) / period)} m/s.`;
+}
+
 /** Return the panel of a robot at a frame as HTML. @param {Run} run @param {number} frame @param {number} robot */
 export function panelOf(run, frame, robot) {
   const { head } = run, parts = [];
@@ -65,6 +80,7 @@ export function panelOf(run, frame, robot) {
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
     <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${run.tracks.has("cargo") ? ` and carries ${CARGO[cargo]}` : ""}.</p>`);
+  if (works) parts.push(`<p data-movement>${movementOf(run, frame, robot)}</p>`);
   for (const [goal, options] of Object.entries(head.options)) parts.push(optionsOf(run, goal, options, frame, robot));
   if (head.networks) {
     parts.push(networkOf(run, "robot", frame, robot), insideOf(run, frame, robot), planOf(run, frame, robot));

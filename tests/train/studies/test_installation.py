@@ -1,0 +1,24 @@
+"""Without the extra the core works, and the two commands name what is missing."""
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.train.commands import run
+from train.studies import installation
+
+
+@pytest.mark.parametrize("words", [("tune", "keep-apart"), ("configure", "Off", "--family", "table1")])
+def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
+    monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
+    assert run(*words) == 2
+    error = capsys.readouterr().err
+    assert "studies need no-such-package, which is not installed: pip install '.[tune]'" in error
+    assert error.count("\n") == 1
+
+
+def test_the_command_line_imports_nothing_of_the_extra():
+    code = "import sys, train.cli.app, train.studies.config; print({'optuna', 'cmaes', 'ribs'} & sys.modules.keys())"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert shown.strip() == "set()"
