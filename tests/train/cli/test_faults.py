@@ -14,7 +14,7 @@ from tests.paths import ROOT
 from tests.train.cli.test_endings import rows, start
 from train.running.run_folder import RunFolder
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and locks of POSIX")
+fcntl = pytest.importorskip("fcntl", reason="signals and locks of POSIX")
 WORDS = ("--scenarios", "6", "--output", "r", "--workers", "2")
 
 
@@ -48,15 +48,18 @@ def test_kills_at_random_moments_after_the_first_run_cost_no_kept_run(tmp_path):
 
 
 def test_a_second_command_on_the_same_directory_is_refused_in_one_line(tmp_path):
-    first = start(tmp_path, *WORDS, seconds="1.0")
-    wait_for_runs(first, tmp_path / "r", 1)
+    assert start(tmp_path, *WORDS, seconds="0").wait(timeout=600) == 0
+    before = (tmp_path / "r" / "runs.jsonl").read_bytes()
+    number = os.open(tmp_path / "r", os.O_RDONLY)
+    fcntl.flock(number, fcntl.LOCK_EX)  # as a command does that writes there
     second = start(tmp_path, *WORDS, "--resume", seconds="0")
     _, err = second.communicate(timeout=600)
+    os.close(number)
     assert second.returncode == 2
     assert "r: another command writes these results now" in err.replace("\n", " ")
     assert "Traceback" not in err
-    first.communicate(timeout=600)
-    assert first.returncode == 0
+    assert (tmp_path / "r" / "runs.jsonl").read_bytes() == before
+    assert start(tmp_path, *WORDS, "--resume", seconds="0").wait(timeout=600) == 0
 
 
 def test_a_directory_is_free_again_when_its_command_ends_or_is_killed(tmp_path):
