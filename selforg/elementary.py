@@ -69,6 +69,15 @@ def direction(y: float, x: float) -> float:
 
 
 @part
+def length_of(x: float, y: float) -> float:
+    """Return the length of the vector (x, y), also where the squares are too small or too large for a float."""
+    longer, shorter = max(abs(x), abs(y)), min(abs(x), abs(y))
+    if longer == 0.0:
+        return 0.0
+    return longer * float(np.sqrt(1.0 + (shorter / longer) * (shorter / longer)))
+
+
+@part
 def powers_of_two(value: float) -> tuple[int, float]:
     """Return (k, g): the exponential of a finite `value` is 2**k * (1 + g), and |g| < 0.42."""
     k = np.floor(value * (1.0 / math.log(2.0)) + 0.5)

@@ -10,7 +10,7 @@ from clean_swarm_env.physics.motion import wrapped_angle
 from selforg.arrays import Flags, Floats, Ints, Lasting
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
-from selforg.elementary import direction
+from selforg.elementary import direction, length_of
 
 TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
 
@@ -127,7 +127,7 @@ def steer_rows(
     for row in range(d.speed.shape[0]):
         if commanded[row]:
             x, y = vectors[row, 0], vectors[row, 1]
-            length = np.sqrt(x * x + y * y)
+            length = length_of(x, y)
             d.commanded_at[row] = now
             if length > 0.0:
                 error = wrapped_angle(direction(y, x) - headings[row])

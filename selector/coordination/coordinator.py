@@ -115,9 +115,10 @@ class Coordinator:
     def _take_turns(self, rows: Ints) -> None:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
         if self.beside.any():
-            beside = self.beside[self.held[rows]] == 1
-            self.parent.enable(rows[beside], self.index, False)
-            self.parent.enable(rows[~beside], self.index, True)
+            competes = self.beside[self.held[rows]] == 0
+            for wanted in (False, True):  # only rows that change: to switch a behaviour makes a robot plan anew
+                others = self.parent.state.marks[st.ENABLED, rows, self.index] != wanted
+                self.parent.enable(rows[others & (competes == wanted)], self.index, wanted)
 
     def _list_in_use(self) -> None:
         self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]

@@ -12,6 +12,7 @@ from selforg.elementary import (
     exponentials,
     growth,
     hyperbolic_tangent,
+    length_of,
     logarithms,
     unit_vectors,
     whole_power,
@@ -83,6 +84,11 @@ def test_growth_and_hyperbolic_tangent_also_of_small_numbers():
     exact = values.astype(np.longdouble)
     assert last_places(results[:, 0], np.expm1(exact)) < 5.0
     assert last_places(results[:, 1], np.tanh(exact)) < 5.0
+
+
+@pytest.mark.parametrize(("x", "y"), [(3.0, -4.0), (0.0, 0.0), (-1e-200, 1e-200), (1e200, 1e200), (0.0, 5e-324)])
+def test_lengths_also_of_very_short_and_very_long_vectors(x, y):
+    assert length_of(x, y) == pytest.approx(math.hypot(x, y), rel=1e-15)
 
 
 @pytest.mark.parametrize(("base", "exponent"), [(0.5, 0), (0.5, 1), (0.9, 7), (0.999, 12345), (0.0, 3)])

@@ -144,7 +144,7 @@ def test_episodes_may_be_the_scenarios_of_a_family(family):
     alone = trajectory(Batch(family=family, knowledge="avoidance"), [5], 60)[0]
     batch = Batch(family=family, knowledge="avoidance", worlds=3)
     assert trajectory(batch, [4, 5, 6], 60)[1] == alone
-    assert len(batch.options["AvoidCollision"]) == 6
+    assert len(batch.options["AvoidCollision"]) == 9
     step = batch.step(np.zeros(batch.rows, dtype=np.int64))
     absent = ~batch.progress.took_part
     assert family == "random" or absent.any()
