@@ -7,11 +7,12 @@ import pickle
 import numpy as np
 import pytest
 
+from selforg.components import Commands
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import PoseDelivery
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism
+from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.randomness import take_direction
 from tests.selforg.worlds import directions, make_world, scatter
@@ -55,6 +56,11 @@ def play_mechanism(mechanism, begin):
         elif isinstance(mechanism, DecisionMechanism):
             decision = mechanism.spread(now)
             seen += [decision.values, decision.states.astype(float)]
+        elif isinstance(mechanism, SteeringMechanism):
+            commands = Commands.none(poses.rows, 2)
+            commands.vectors[:], commands.commanded[:] = (0.3, 0.2), True
+            mechanism.steer(now, np.arange(poses.rows), commands.packed.words)
+            seen.append(commands.vectors.ravel())
         else:
             mechanism.spread(now)
         if isinstance(mechanism, DepositingMechanism):

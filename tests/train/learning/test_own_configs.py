@@ -52,9 +52,10 @@ def test_policies_and_strategies_of_ones_own_take_part(own):
     request = FamilyRequest("small", ("policy:mine", "learned:mine"), 0, 1, directories=(own,))
     evaluation = FamilyEvaluation(request)
     kept = evaluation.manifest["identity"]["strategies"]
-    assert [kept[name][0].split()[0] for name in kept] == ["policy:mine", "learned:mine"]
+    own_and_others = ["policy:mine", "learned:mine", "fixed:Off", "Random"]
+    assert [kept[name][0].split()[0] for name in kept] == own_and_others
     records = [record for task in evaluation.tasks(set()) for record in task.run()]
-    assert [record.condition for record in records] == ["policy:mine", "learned:mine"]
+    assert [record.condition for record in records] == own_and_others
     with pytest.raises(DocumentError, match="unknown family 'small'"):
         FamilyEvaluation(FamilyRequest("small", ("policy:mine",), 0, 1))
 
