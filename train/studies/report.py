@@ -20,7 +20,7 @@ Importances = Mapping[str, float]
 
 def study_tables(conclusion: Conclusion, space: StudySpace, importance: Importances) -> list[Grid]:
     """Return the tables: what the results cost beside what they must beat, and their values."""
-    return [_costs(conclusion), _values(conclusion, space, importance)]
+    return [_costs(conclusion), _comparison(conclusion), _values(conclusion, space, importance)]
 
 
 def study_summary_json(conclusion: Conclusion, space: StudySpace, arms: Sequence[Arm], importance: Importances) -> str:
@@ -58,16 +58,23 @@ def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
 
 
 def _costs(conclusion: Conclusion) -> Grid:
-    heads = ["cost s", "95 %", "duration s", "events", "avoiding"]
-    heads += [*(f"ratio to {label}" for label in (*TO_BEAT, UNCHANGED)), "not shown to beat"]
     rows = []
     for stated in (*conclusion.results, *conclusion.yardsticks):
         cost, duration, events, avoiding = (stated.summaries[name] for name in FIGURES)
-        marks = ", ".join(conclusion.marks(stated)) if stated in conclusion.results else EMPTY_CELL
         figures = (f"{cost.mean:.1f}", _interval(cost.ci95, 1), f"{duration.mean:.1f}", f"{events.mean:.1f}")
-        rows.append((stated.label, *figures, f"{avoiding.mean:.3f}", *_ratios(stated, conclusion), marks))
+        rows.append((stated.label, *figures, f"{avoiding.mean:.3f}"))
     count = conclusion.results[0].figures.shape[1]
+    heads = ("cost s", "95 %", "duration s", "events", "avoiding")
     return flat(f"means over {count} training scenarios that decided nothing", "options", heads, rows)
+
+
+def _comparison(conclusion: Conclusion) -> Grid:
+    rows = [
+        (stated.label, *_ratios(stated, conclusion), ", ".join(conclusion.marks(stated)) or EMPTY_CELL)
+        for stated in conclusion.results
+    ]
+    heads = (*TO_BEAT, UNCHANGED, "not shown to beat")
+    return flat("ratios of mean costs, with 95 % intervals", "result to", heads, rows)
 
 
 def _ratios(stated: Stated, conclusion: Conclusion) -> list[str]:
