@@ -14,7 +14,7 @@ lint:
 	$(BIN)lint-imports
 
 test:
-	$(BIN)python -m pytest
+	$(BIN)python -m pytest -n 2 --dist loadfile
 
 golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden
