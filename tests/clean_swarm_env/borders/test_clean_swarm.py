@@ -104,11 +104,11 @@ def test_an_episode_terminates_when_all_garbage_is_dumped_and_agents_stay_gone()
         agents = env.agents
         _, rewards, terminations, truncations, infos = env.step(dict.fromkeys(env.agents, 2))
         assert set(rewards) == set(terminations) == set(truncations) == set(infos) == set(agents)
-        total += rewards["robot_0"]
+        total += sum(rewards.values()) / len(rewards)
     assert set(terminations.values()) == {True}
     assert set(truncations.values()) == {False}
-    collisions = infos["robot_0"]["time_s"] * -0.01 + 10.0 - total  # what is left of the reward, at 0.1 an event
-    assert collisions == pytest.approx(round(collisions * 10) / 10, abs=1e-9)
+    last = infos["robot_0"]
+    assert total == pytest.approx(-0.01 * (last["time_s"] + 2.0 * last["mission_collision_events"]), abs=1e-9)
     with pytest.raises(RuntimeError, match="call reset first"):
         env.step({})
     assert env.agents == []
