@@ -12,6 +12,7 @@ ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "pictures"
 INK, PALE, FLOOR, MINDS, BETWEEN = "#1b2a41", "#8d99ae", "#d9f0e6", "#d7e6f5", "#fbe3d4"
 WIDTH, BOX, GAP = 760, 42, 16
+LETTER = 0.53  # mean width of a letter, in sizes of its font
 
 PACKAGES = {"train": BETWEEN, "clean_swarm_env": FLOOR, "selector": MINDS, "selforg": MINDS}
 """Package -> colour, from the top down."""
@@ -25,7 +26,7 @@ STAGES = (  # (lane, call, what goes on)
     ("minds", "decide", "satisfaction, wishes, plans, activation, arbitration"),
     ("both", "handle_cargo", "pick, recycle and dump what starts in this tick"),
     ("minds", "hide_items", "what was picked attracts nobody any more"),
-    ("minds", "act", "each running movement gives its rows a vector"),
+    ("minds", "act, steer", "running movements give vectors; options that steer change them"),
     ("minds", "leave", "pheromones and messages, once all vectors are known"),
     ("floor", "move", "four physics steps: turn, drive, contacts, count collisions"),
 )
@@ -33,17 +34,17 @@ LANES = {"floor": (0, FLOOR), "minds": (1, MINDS), "both": (0.5, BETWEEN)}
 LANE = 350
 
 
-def text(x: float, y: float, words: str, size: int = 13, weight: str = "normal", colour: str = INK) -> str:
+def text(x: float, y: float, words: str, size: float = 13, weight: str = "normal", colour: str = INK) -> str:
     """Return a centred line of text."""
-    style = f'font-family="sans-serif" font-size="{size}" font-weight="{weight}" fill="{colour}"'
+    style = f'font-family="sans-serif" font-size="{size:g}" font-weight="{weight}" fill="{colour}"'
     return f'<text x="{x:g}" y="{y:g}" text-anchor="middle" {style}>{escape(words)}</text>'
 
 
 def box(x: float, y: float, width: float, colour: str, title: str, words: str) -> list[str]:
     """Return a box with a title and a line below it."""
     frame = f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{BOX}" rx="6" fill="{colour}" stroke="{INK}"/>'
-    middle = x + width / 2
-    return [frame, text(middle, y + 17, title, 13, "bold"), text(middle, y + 34, words, 11)]
+    middle, size = x + width / 2, min(11.0, round((width - 16) / max(len(words), 1) / LETTER, 1))
+    return [frame, text(middle, y + 17, title, 13, "bold"), text(middle, y + 34, words, size)]
 
 
 def arrow(x0: float, y0: float, x1: float, y1: float) -> str:
