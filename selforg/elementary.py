@@ -80,7 +80,7 @@ def length_of(x: float, y: float) -> float:
 @part
 def powers_of_two(value: float) -> tuple[int, float]:
     """Return (k, g): the exponential of a finite `value` is 2**k * (1 + g), and |g| < 0.42."""
-    k = np.floor(value * (1.0 / math.log(2.0)) + 0.5)
+    k = np.floor(value * 1.4426950408889634 + 0.5)
     r = (value - k * DOUBLING[0]) - k * DOUBLING[1]
     g = r * (1.0 / 479001600.0 + r * (1.0 / 6227020800.0))
     g = r * (1.0 / 362880.0 + r * (1.0 / 3628800.0 + r * (1.0 / 39916800.0 + g)))
@@ -145,13 +145,6 @@ def whole_power(base: float, exponent: float) -> float:
 
 
 @kernel
-def fill_unit_vectors(angles: Floats, cosines: Floats, sines: Floats) -> None:
-    """Fill `cosines` and `sines` (M,) of `angles` (M,) [rad]."""
-    for index in range(len(angles)):
-        sines[index], cosines[index] = sine_cosine(angles[index])
-
-
-@kernel
 def fill_exponentials(values: Floats, results: Floats) -> None:
     """Fill `results` (M,) with the exponentials of `values` (M,)."""
     for index in range(len(values)):
@@ -163,6 +156,15 @@ def fill_logarithms(values: Floats, results: Floats) -> None:
     """Fill `results` (M,) with the logarithms of `values` (M,)."""
     for index in range(len(values)):
         results[index] = logarithm(values[index])
+
+
+@kernel
+def unit_vectors(angles: Floats) -> tuple[Floats, Floats]:
+    """Return cosines and sines (M,) of `angles` (M,) [rad]."""
+    cosines, sines = np.empty(len(angles)), np.empty(len(angles))
+    for index in range(len(angles)):
+        sines[index], cosines[index] = sine_cosine(angles[index])
+    return cosines, sines
 
 
 @kernel
@@ -182,13 +184,6 @@ def exponentials(values: Floats) -> Floats:
 def logarithms(values: Floats) -> Floats:
     """Return the natural logarithms of an array of any shape."""
     return filled(fill_logarithms, values)
-
-
-def unit_vectors(angles: Floats) -> tuple[Floats, Floats]:
-    """Return cosines and sines (M,) of `angles` (M,) [rad]."""
-    cosines, sines = np.empty_like(angles), np.empty_like(angles)
-    fill_unit_vectors(angles, cosines, sines)
-    return cosines, sines
 
 
 def filled(fill: Callable[[Floats, Floats], None], values: Floats) -> Floats:

@@ -1,9 +1,34 @@
 """The structure keeps its rules: no circles of imports, small folders, names with one meaning, short signatures."""
 
+import ast
+
 import pytest
 
 from tests import house
 from tests.house import MOST_COMPILED, MOST_MODULES, MOST_PLAIN
+
+ELEMENTARY = {
+    "sin",
+    "cos",
+    "tan",
+    "arcsin",
+    "arccos",
+    "arctan",
+    "arctan2",
+    "atan2",
+    "exp",
+    "expm1",
+    "log",
+    "log1p",
+    "log2",
+    "log10",
+    "tanh",
+    "hypot",
+    "power",
+}
+"""Functions whose last bits differ between CPUs; `selforg.elementary` has those that a course needs."""
+LOOKING = ("clean_swarm_env.drawing", "clean_swarm_env.scenes.measures")
+"""Packages that look at a course and change nothing in it."""
 
 
 def test_no_modules_import_each_other_in_a_circle():
@@ -24,6 +49,19 @@ def test_signatures_are_short():
 
 def test_the_formatter_is_hardly_ever_switched_off():
     assert house.skips() <= 20
+
+
+def test_a_course_takes_no_functions_whose_bits_differ_between_cpus():
+    taken = []
+    for name, tree in house.sources().items():
+        if name.startswith(("train", *LOOKING)):
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in ("np", "math"):
+                taken += [(name, node.attr)] if node.attr in ELEMENTARY else []
+            elif isinstance(node, ast.ImportFrom) and node.module in ("math", "numpy"):
+                taken += [(name, alias.name) for alias in node.names if alias.name in ELEMENTARY]
+    assert taken == []
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,7 @@ def _positions_apart(count: int, size: Floats, apart: float, rng: np.random.Gene
 def nearest_distance(point: Floats, others: Floats, size: Floats) -> float:
     """Return the distance [m] of `point` (2,) to the nearest of `others` (N, 2) on the torus; infinite without any."""
     offsets = Torus(float(size[0]), float(size[1])).offsets(point, others)
-    return float(np.hypot(*offsets.T).min(initial=np.inf))
+    return float(np.sqrt((offsets * offsets).sum(axis=1)).min(initial=np.inf))
 
 
 def run_seed(seed: int, scenario: str) -> int:

@@ -22,6 +22,7 @@ from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selforg.arrays import Floats
+from selforg.elementary import directions
 from selforg.gradients.store import columns as c
 from selforg.network.state.state import EXPLAINED_LAYERS
 
@@ -214,7 +215,7 @@ class MissionRecorder:
             rows = worlds.rows_of(world)[before[world] : worlds.team.joined[world]]
             own = worlds.minds.poses.own[rows, 0]
             self._poses[rows, :2] = own[:, [c.X, c.Y]]
-            self._poses[rows, 2] = np.arctan2(own[:, c.POSE_HEADING + 1], own[:, c.POSE_HEADING])
+            self._poses[rows, 2] = directions(own[:, c.POSE_HEADING : c.POSE_HEADING + 2])
         self._joined = worlds.team.joined.tobytes()
 
     def _options_in_use(self) -> Iterable[tuple[int, int]]:

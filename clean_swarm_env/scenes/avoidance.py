@@ -12,6 +12,7 @@ from clean_swarm_env.scenes.measures.encounters import Bumps
 from clean_swarm_env.scenes.placing import Taken, scattered
 from clean_swarm_env.scenes.scene import SCENES, Gradients, Measure, Scene, Setting
 from selforg.arrays import Floats
+from selforg.elementary import unit_vectors
 
 OBSTACLES, OBSTACLE_RADIUS = 12, 0.5  # [-], [m]
 PROGRESS = Measure(
@@ -28,6 +29,7 @@ class Crossing(Scene):
 
     def _prepare(self, chances: list[np.random.Generator]) -> None:
         self._directions = self.arena.headings.copy()
+        self._wanted = np.stack(unit_vectors(self._directions), axis=1)
         self._before = self.arena.positions.copy()
         self._advance = np.zeros(self.arena.rows)
 
@@ -39,7 +41,7 @@ class Crossing(Scene):
 
     def _look(self) -> None:
         steps = self.ground.offsets(self._before, self.arena.positions)
-        self._advance += steps[:, 0] * np.cos(self._directions) + steps[:, 1] * np.sin(self._directions)
+        self._advance += (steps * self._wanted).sum(axis=1)
         self._before[:] = self.arena.positions
 
     @property

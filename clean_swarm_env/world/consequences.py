@@ -91,7 +91,7 @@ class Consequences:
 
     def begin(self, at_work: Ints | None) -> Ints | None:
         """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
-        if not self.standing.any():
+        if not (self.active and self.standing.any()):
             return at_work
         np.maximum(self.standing - 1, 0, out=self.standing)
         free = self.standing == 0
@@ -99,7 +99,8 @@ class Consequences:
 
     def hold_back(self, orders: Packed[Orders]) -> None:
         """Order robots that stand not to move, or to drive off, and damaged ones to be slow."""
-        hold_back(orders.words, self._packed.words)
+        if self.active:
+            hold_back(orders.words, self._packed.words)
 
     def follow(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
@@ -107,7 +108,7 @@ class Consequences:
         entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
         present (R,): robots that they may have met.
         """
-        count = suffer(entered, working, present, floor.words, self._packed.words)
+        count = suffer(entered, working, present, floor.words, self._packed.words) if self.active else 0
         return self._packed.record.lost[:count]
 
 

@@ -155,9 +155,8 @@ class Worlds:
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
         floor, minds, now = self.floor, self.minds, self._clock.now
-        consequences = floor.consequences
         self._agendas.apply_due()
-        able = consequences.begin(self.team.at_work) if consequences.active else self.team.at_work
+        able = floor.consequences.begin(self.team.at_work)
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)
         if self._steered is None:
@@ -177,14 +176,11 @@ class Worlds:
             minds.leave(now)
         else:
             minds.follow(self._steered, self.team.working)
-        if consequences.active:
-            consequences.hold_back(minds.orders)
+        floor.consequences.hold_back(minds.orders)
         floor.move(minds.orders, now)
         self._clock.advance()
-        if consequences.active:
-            lost = consequences.follow(
-                self.collisions.entered_in_tick, self.team.working, self.physics.present, floor.packed
-            )
-            if len(lost):
-                minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
-        return self.collisions.entered_in_tick
+        entered = self.collisions.entered_in_tick
+        lost = floor.consequences.follow(entered, self.team.working, self.physics.present, floor.packed)
+        if len(lost):
+            minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
+        return entered

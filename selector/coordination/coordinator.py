@@ -52,6 +52,7 @@ class Coordinator:
                 np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
             )
         self.beside: Ints = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
+        self._some_beside = bool(self.beside.any())
         self._poses = host.poses
         own = host.poses.radii[0].tolist()
         self._radii = [own_radii(spec.pose, own) for spec in model.configurations] if model.sets_pose else []
@@ -114,11 +115,11 @@ class Coordinator:
 
     def _take_turns(self, rows: Ints) -> None:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
-        if self.beside.any():
+        if self._some_beside:
             competes = self.beside[self.held[rows]] == 0
+            changed = self.parent.state.marks[st.ENABLED, rows, self.index] != competes
             for wanted in (False, True):  # only rows that change: to switch a behaviour makes a robot plan anew
-                others = self.parent.state.marks[st.ENABLED, rows, self.index] != wanted
-                self.parent.enable(rows[others & (competes == wanted)], self.index, wanted)
+                self.parent.enable(rows[changed & (competes == wanted)], self.index, wanted)
 
     def _list_in_use(self) -> None:
         self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]

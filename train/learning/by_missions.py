@@ -21,6 +21,7 @@ from clean_swarm_env.config.families import Scenario
 from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
+from selforg.elementary import logarithms
 from train.learning.config import ComparisonConfig, TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.protocol import Paid, Taker
@@ -107,6 +108,6 @@ def relative(cost: Floats, group: int, limit: float) -> Floats:
     [0.5, -0.5, 0.0, 0.0, -0.1, 0.0]
 
     """
-    logarithms = np.log(cost).reshape(-1, group)
-    rewards: Floats = (np.median(logarithms, axis=1, keepdims=True) - logarithms).ravel()
+    grouped = logarithms(cost).reshape(-1, group)
+    rewards: Floats = (np.median(grouped, axis=1, keepdims=True) - grouped).ravel()
     return np.clip(rewards, -limit, limit) + 0.0

@@ -11,6 +11,7 @@ import numpy as np
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Recording, Words
+from selforg.elementary import direction
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.mechanisms.kernels.others import (
@@ -21,18 +22,20 @@ from selforg.mechanisms.kernels.others import (
     Commanded,
     note_others,
     open_commanded,
+    speed_to_change,
 )
 from selforg.randomness import take_direction
 from selforg.space import nearest_image
 
 PLACE_X, PLACE_Y, PLACE_KNOWN = 0, 1, 2  # columns of `Foresight.places`
 SINCE, DARING_UNTIL = 0, 1  # columns of `Foresight.times`
+OFF_WISH, OF_SPEED, AHEAD, ASIDE = 0, 1, 2, 3  # columns of `Foresight.candidates`
 
 
 class Foresight(NamedTuple):
     """The parameters of `PredictiveSteering`, what rows remember, and room for the others of one row."""
 
-    candidates: Annotated[Floats, "K 2"]  # direction beside the wanted one [rad], share of its speed
+    candidates: Annotated[Floats, "K 4"]  # direction beside the wanted one [rad], share of its speed; cosine and sine
     others: Annotated[Floats, "N OTHER"]  # columns OTHER_
     places: Annotated[Floats, "N PLACE"]  # where each row was when it last got on; columns PLACE_
     times: Annotated[Floats, "N TIME"]  # columns SINCE and DARING_UNTIL [s]
@@ -63,20 +66,18 @@ def foresee_rows(
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
     m, f = open_commanded(commands), open_foresight(foresight)
     own = open_poses(poses).own
-    known = open_poses(poses).rows
     for row in rows:
-        x, y = m.vectors[row, 0], m.vectors[row, 1]
-        speed = np.sqrt(x * x + y * y)
-        if not m.commanded[row] or m.in_place[row] or speed == 0.0 or known[row, c.ROW_POSES] == 0:
+        speed = speed_to_change(row, commands, poses)
+        if speed == 0.0:
             continue
         daring = is_stuck(row, now, foresight, poses)
         count = note_others(row, now, f.view_distance, f.others, poses)
         if count == 0:
             continue
-        x, y = x / speed, y / speed
+        x, y = m.vectors[row, 0] / speed, m.vectors[row, 1] / speed
         caution = f.caution * (f.daring if daring else 1.0)
-        angle, share = best_candidate(row, count, x, y, speed, caution, foresight, own)
-        cosine, sine = np.cos(angle), np.sin(angle)
+        best = best_candidate(row, count, x, y, speed, caution, foresight, own)
+        share, cosine, sine = f.candidates[best, OF_SPEED], f.candidates[best, AHEAD], f.candidates[best, ASIDE]
         m.vectors[row, 0] = share * speed * (cosine * x - sine * y)
         m.vectors[row, 1] = share * speed * (sine * x + cosine * y)
 
@@ -84,20 +85,19 @@ def foresee_rows(
 @part
 def best_candidate(
     row: int, count: int, x: float, y: float, speed: float, caution: float, foresight: Words[Foresight], own: Floats
-) -> tuple[float, float]:
-    """Return direction beside the unit vector (x, y) [rad] and share of `speed` [m/s] that promise most.
+) -> int:
+    """Return the candidate beside the unit vector (x, y) that promises most at `speed` [m/s].
 
     Of equal ones the first counts. Threats only lessen what a candidate promises, so hopeless ones are not looked at.
     """
     f = open_foresight(foresight)
     hx, hy = own[row, 0, c.POSE_HEADING], own[row, 0, c.POSE_HEADING + 1]
-    heading = np.arctan2(x * hy - y * hx, x * hx + y * hy)  # beside the wanted direction
+    heading = direction(x * hy - y * hx, x * hx + y * hy)  # beside the wanted direction
     best, chosen = -np.inf, 0
     for k in range(len(f.candidates)):
-        angle, share = f.candidates[k, 0], f.candidates[k, 1]
-        turn = abs(angle - heading)
+        share, cosine, sine = f.candidates[k, OF_SPEED], f.candidates[k, AHEAD], f.candidates[k, ASIDE]
+        turn = abs(f.candidates[k, OFF_WISH] - heading)
         turn = min(turn, 2.0 * np.pi - turn) if share > 0.0 else 0.0
-        cosine, sine = np.cos(angle), np.sin(angle)
         promise = share * cosine - f.turn_cost * turn / np.pi
         if promise <= best:
             continue
@@ -109,7 +109,7 @@ def best_candidate(
             promise -= caution * threat(other, vx, vy, foresight)
         if promise > best:
             best, chosen = promise, k
-    return f.candidates[chosen, 0], f.candidates[chosen, 1]
+    return chosen
 
 
 @part
@@ -145,5 +145,5 @@ def is_stuck(row: int, now: float, foresight: Words[Foresight], poses: Words[Pos
     elif now - times[SINCE] > f.patience:
         # robots that block each other must not try again at the same time
         cosine, sine, _ = take_direction(f.directions, f.cursor, f.low, row)
-        times[SINCE], times[DARING_UNTIL] = now, now + 2.5 + 1.5 * np.arctan2(sine, cosine) / np.pi
+        times[SINCE], times[DARING_UNTIL] = now, now + 2.5 + 1.5 * direction(sine, cosine) / np.pi
     return bool(now < times[DARING_UNTIL])

@@ -21,6 +21,7 @@ from selforg.mechanisms.kernels.others import (
     Commanded,
     note_others,
     open_commanded,
+    speed_to_change,
 )
 from selforg.space import nearest_image
 
@@ -52,18 +53,17 @@ def avoid_rows(
     now: float, rows: Ints, commands: Words[Commanded], planes: Words[HalfPlanes], poses: Words[Poses]
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
-    m, p, h = open_commanded(commands), open_poses(poses), open_half_planes(planes)
+    m, h = open_commanded(commands), open_half_planes(planes)
     for row in rows:
-        x, y = m.vectors[row, 0], m.vectors[row, 1]
-        speed = np.sqrt(x * x + y * y)
-        if not m.commanded[row] or m.in_place[row] or speed == 0.0 or p.rows[row, c.ROW_POSES] == 0:
+        speed = speed_to_change(row, commands, poses)
+        if speed == 0.0:
             continue
         count = note_others(row, now, h.view_distance, h.others, poses)
         vx, vy = own_velocity(row, poses)
         for other in range(count):
             permit(other, vx, vy, planes)
         if count > 0:
-            choose_velocity(count, x, y, speed, planes)
+            choose_velocity(count, m.vectors[row, 0], m.vectors[row, 1], speed, planes)
             m.vectors[row, 0], m.vectors[row, 1] = h.found[0], h.found[1]
 
 

@@ -6,6 +6,8 @@ place is the last one received, carried on with that velocity for as long as the
 
 from typing import Annotated, NamedTuple
 
+import numpy as np
+
 from selforg.arrays import Flags, Floats
 from selforg.compiler.decorators import part
 from selforg.compiler.records import Recording, Words
@@ -28,6 +30,15 @@ class Commanded(NamedTuple):
 
 COMMANDED = Recording(Commanded)
 open_commanded = COMMANDED.open
+
+
+@part
+def speed_to_change(row: int, commands: Words[Commanded], poses: Words[Poses]) -> float:
+    """Return the speed [m/s] that is commanded to a row; 0 where none moves it, or it has no pose of its own."""
+    m = open_commanded(commands)
+    x, y = m.vectors[row, 0], m.vectors[row, 1]
+    moves = m.commanded[row] and not m.in_place[row] and open_poses(poses).rows[row, c.ROW_POSES] > 0
+    return float(np.sqrt(x * x + y * y)) if moves else 0.0
 
 
 @part

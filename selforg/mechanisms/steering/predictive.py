@@ -6,6 +6,7 @@ import numpy as np
 
 from selforg.arrays import Floats, Ints, Lasting
 from selforg.compiler.records import Words
+from selforg.elementary import unit_vectors
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import at_least
@@ -74,9 +75,10 @@ class PredictiveSteering(SteeringMechanism):
         self._places: Floats = np.zeros((rows, 3))
         self._times: Floats = np.zeros((rows, 2))
         turns, shares = np.meshgrid(np.radians(TURNS), SHARES, indexing="ij")
+        candidates = np.array([*zip(turns.flat, shares.flat, strict=True), (0.0, 0.0)])
         self._foresight = FORESIGHT.pack(
             Foresight(
-                candidates=np.array([*zip(turns.flat, shares.flat, strict=True), (0.0, 0.0)]),
+                candidates=np.column_stack([candidates, *unit_vectors(candidates[:, 0])]),
                 others=np.zeros((rows, OTHER_COLUMNS)),
                 places=self._places,
                 times=self._times,

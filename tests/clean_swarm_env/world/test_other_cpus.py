@@ -12,7 +12,7 @@ import hashlib
 from clean_swarm_env import clean_swarm_v0
 
 for family in ("crowded", "table1"):
-    env = clean_swarm_v0.parallel_env(family=family)
+    env = clean_swarm_v0.parallel_env(family=family, knowledge="avoidance")
     env.reset(seed=5)
     course = hashlib.sha256()
     for tick in range(300):
