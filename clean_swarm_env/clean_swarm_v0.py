@@ -147,8 +147,8 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         result = (
             self._of(there, step.observations.copy()),
             gained,
-            {agent: terminated or agent in gone for agent in there},
-            {agent: truncated and agent not in gone for agent in there},
+            dict.fromkeys(there, terminated) | dict.fromkeys(gone, True),
+            dict.fromkeys(there, truncated) | dict.fromkeys(gone, False),
             self._of(there, robot_infos(self._batch)),
         )
         self.agents = [] if terminated or truncated else after
