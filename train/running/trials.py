@@ -92,7 +92,7 @@ def _trials(
         begun.clear()
         options = pilot.choose(observations)
         if batch.recorder is not None:
-            batch.recorder.think(decided.problem.goal, pilot.opinions())
+            decided.think(batch.recorder, pilot.opinions())
         observations = batch.step(decided.actions(options)).observations
         for end in batch.finished:
             yield did[end.world], end.result
