@@ -10,16 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.recording.recorder import MissionRecorder
+from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.cleaning_robot import GOAL
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
+from train.running.model_pilots import VectorPilot
+from train.running.pilots import AnyPilot
 
 JOINT = "+"
 """What joins the names of several goals, and of their options."""
@@ -48,12 +52,21 @@ class DecidedGoal:
             raise DocumentError(f"goal: expected each goal once, got {goal}")
         self._goals, self._columns = names, [list(models).index(name) for name in names]
         self._counts = tuple(len(models[name].options) for name in names)
-        self._default = batch.choices.default
+        self._default, self._recorder = batch.choices.default, batch.recorder
         self.problem = models[names[0]].problem(batch.observer.names)
         if len(names) > 1:
             options = tuple(JOINT.join(each) for each in product(*(models[name].options for name in names)))
             scores = np.array([sum(each) for each in product(*(models[name].scores for name in names))])
             self.problem = Problem(JOINT.join(names), options, scores, batch.observer.names)
+
+    def decide(self, pilot: AnyPilot, observations: Observations) -> NDArray[Any]:
+        """Return the actions of a batch whose pilot sees `observations` (R, F); a recording notes its opinions."""
+        if isinstance(pilot, VectorPilot):
+            return pilot.choose(observations)
+        options = pilot.choose(observations)
+        if self._recorder is not None:
+            self.think(pilot.opinions())
+        return self.actions(options)
 
     def actions(self, options: Ints) -> Ints:
         """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""
@@ -61,12 +74,13 @@ class DecidedGoal:
         actions[:, self._columns] = np.stack(np.unravel_index(options, self._counts), axis=1)
         return actions
 
-    def think(self, recorder: MissionRecorder, opinions: Floats) -> None:
+    def think(self, opinions: Floats) -> None:
         """Record what is thought (R, O) of the options; of an option of one goal, the best of its combinations."""
+        assert self._recorder is not None
         table = opinions.reshape(-1, *self._counts)
         for k, goal in enumerate(self._goals):
             others = tuple(1 + other for other in range(len(self._goals)) if other != k)
-            recorder.think(goal, table.max(axis=others))
+            self._recorder.think(goal, table.max(axis=others))
 
 
 def option_named(problem: Problem, name: str) -> str:

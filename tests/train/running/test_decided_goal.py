@@ -77,16 +77,17 @@ def test_several_goals_are_decided_as_one(batch):
         option_named(joint.problem, "Patrol+RandomWalk")
 
 
-def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch):
+def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch, monkeypatch):
     thought = {}
 
     class Recorder:
         def think(self, goal, values):
             thought[goal] = values
 
+    monkeypatch.setattr(batch, "recorder", Recorder())
     joint = DecidedGoal(batch, "AvoidCollision+ExplorationPatrol")
     opinions = np.random.default_rng(1).random((batch.rows, len(joint.problem.options)))
-    joint.think(Recorder(), opinions)
+    joint.think(opinions)
     for place, goal in enumerate(("AvoidCollision", "ExplorationPatrol")):
         for k, option in enumerate(batch.options[goal]):
             of_option = [n for n, name in enumerate(joint.problem.options) if name.split("+")[place] == option]
