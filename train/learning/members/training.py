@@ -128,9 +128,10 @@ class MembersTraining(Training):
             variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)
             self.scale = ObservationScale(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
             self.state = self._best = self._first(costs)
-        while self._missions < before + self.config.decisions:
+        while self._missions < (self.checkpoint + 1) * self.config.decisions:
             self.state = self._next(draw, random)
-        return {"missions": self._missions - before, "training_cost_s": float(np.mean(self._costs))}
+        cost = float(np.mean(self._costs)) if self._costs else None
+        return {"missions": self._missions - before, "training_cost_s": cost}
 
     def costs(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> Floats:
         """Return the costs (N, M) [s] of all members on all scenarios."""
