@@ -17,7 +17,7 @@ from selector.documents.fields import Closed, Number
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.streams import normals
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Ints
 from train.learning.by_missions import relative
 from train.learning.config import EsConfig
 from train.learning.members.missions import PolicyMember
@@ -71,11 +71,9 @@ class EsTraining(MembersTraining):
         save_policy(path, self.policy(np.array(self._best.average), **self.about(command)))
         return path
 
-    def _first(self, costs: Floats) -> EsState:
-        options = len(self.problem.options)
-        fitness = relative(costs.ravel(), options, self.settings.limit).reshape(costs.shape).mean(axis=0)
-        first = np.zeros((options, len(self.problem.features) + 1))
-        first[fitness.argmax(), -1] = self.settings.lead
+    def _first(self, order: Ints) -> EsState:
+        first = np.zeros((len(self.problem.options), len(self.problem.features) + 1))
+        first[order[0], -1] = self.settings.lead
         point, nothing = tuple(first.ravel().tolist()), (0.0,) * first.size
         return EsState(parameters=point, average=point, slope=nothing, square=nothing)
 
