@@ -19,6 +19,7 @@ from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.find import find_file
 from selector.documents.imported import is_import
 from selector.strategies.learned_file import description_of, load_strategy
+from selector.strategies.machine_file import load_machine
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
@@ -26,10 +27,13 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from selforg.registry import unknown
+from train.running.machine_pilot import MachinePilot
 from train.running.model_pilots import LOADERS, ModelPilot, VectorPilot
 from train.running.pilots import AnyPilot, Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
 
-FIXED, RULE, POLICY, LEARNED, VELOCITY = "fixed", "rule", "policy", "learned", "velocity"
+FIXED, RULE, POLICY, LEARNED, MACHINE, VELOCITY = "fixed", "rule", "policy", "learned", "fsm", "velocity"
+FILED = (POLICY, LEARNED, MACHINE, VELOCITY)
+"""Kinds of strategies that name a file."""
 NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
 """What every strategy has to beat: never to avoid, and any option in each decision period."""
 
@@ -65,8 +69,8 @@ class Entrant:
 def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
     """Return the entrants of the command line; `fixed` stands for one entrant for each option.
 
-    `learned:NAME` (the file of a strategy) and `policy:NAME` take names or paths, `velocity:FILE` a model that steers;
-    + joins those of several seeds of one training to one entrant. `LABEL=...` names an entrant.
+    `learned:NAME` (the file of a strategy), `policy:NAME` and `fsm:NAME` take names or paths, `velocity:FILE` a model
+    that steers; + joins those of several seeds of one training to one entrant. `LABEL=...` names an entrant.
     """
     found: list[Entrant] = []
     for text in given:
@@ -77,7 +81,7 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
             found += [Entrant(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
             continue
         kind, _, names = rest.partition(":")
-        several = kind in (POLICY, LEARNED, VELOCITY)
+        several = kind in FILED
         members = tuple(f"{kind}:{name}" for name in names.split("+")) if several else (rest,)
         found.append(Entrant(kind if several and label == text and "+" in names else label, members))
     labels = [entrant.label for entrant in found]
@@ -103,6 +107,8 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
         return ModelPilot(Path(name), problem)
     if kind == POLICY:
         return PolicyPilot(load_policy(find_policy(name, directories)), problem)
+    if kind == MACHINE:
+        return MachinePilot(load_machine(name, directories), problem, len(teams))
     if member == RULE:
         return _by_hand(problem, len(teams))
     features: tuple[str, ...] = ()
@@ -175,7 +181,7 @@ def never_taken(
 
 def unlearned(entrants: Sequence[Entrant]) -> list[str]:
     """Return the labels of strategies that could learn, but have learned nothing and do not in an evaluation."""
-    kinds = (POLICY, LEARNED, FIXED, RULE, VELOCITY)
+    kinds = (*FILED, FIXED, RULE)
     own = {entrant.label: named_in(entrant.members[0])[0] for entrant in entrants}
     return [
         label
@@ -194,7 +200,7 @@ def spec_of(member: str) -> StrategySpec:
     kind, _, name = member.partition(":")
     if kind == FIXED:
         return validated(StrategySpec, {"name": "Fixed", "parameters": {"option": name}}, member)
-    if kind in (POLICY, LEARNED, VELOCITY) or member == RULE:
+    if kind in FILED or member == RULE:
         raise ConfigurationError(f"--learn: {member}: expected a strategy that chooses once in a mission")
     return spec_from_text(member)
 
@@ -206,13 +212,14 @@ def identified(member: str, directories: Sequence[Path] = ()) -> str:
     if kind == VELOCITY or (kind == POLICY and Path(name).suffix in LOADERS):
         files = [path for path in (Path(name), Path(name).with_suffix(".pkl")) if path.is_file()]
         return f"{member} sha256:{hashlib.sha256(b''.join(path.read_bytes() for path in files)).hexdigest()}"
-    if kind not in (POLICY, LEARNED, FIXED) and is_import(own):
+    if kind not in (*FILED, FIXED) and is_import(own):
         source = Path(inspect.getfile(named(own)))
         return f"{member} sha256:{hashlib.sha256(source.read_bytes()).hexdigest()}"
     if kind == POLICY:
         return f"{member} sha256:{load_policy(find_policy(name, directories)).spec.weights_sha256}"
-    if kind == LEARNED:
-        return f"{member} sha256:{hashlib.sha256(find_file('strategies', name, directories).read_bytes()).hexdigest()}"
+    if kind in (LEARNED, MACHINE):
+        file = find_file({LEARNED: "strategies", MACHINE: "machines"}[kind], name, directories)
+        return f"{member} sha256:{hashlib.sha256(file.read_bytes()).hexdigest()}"
     return member
 
 
