@@ -9,15 +9,24 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
 from traceback import format_exc
+from typing import Protocol
 
 from clean_swarm_env.siblings import call
-from train.running.runs import RunRecord, Task
+from train.running.runs import RunRecord
 
-Round = Callable[[Sequence[Task]], Iterator[RunRecord]]
+
+class Work(Protocol):
+    """Runs that one process does; plain data, which can be sent to a worker process."""
+
+    def each(self) -> Iterator[RunRecord]:
+        """Do the runs, and yield each when it is done."""
+
+
+Round = Callable[[Sequence[Work]], Iterator[RunRecord]]
 """A function that does tasks, and yields each run when it is done."""
 
 
-def each_done(tasks: Sequence[Task], workers: int) -> Generator[RunRecord, None, None]:
+def each_done(tasks: Sequence[Work], workers: int) -> Generator[RunRecord, None, None]:
     """Yield each run when it is done, in any order, from up to `workers` processes.
 
     Closing the iterator, or an error in a task, ends the other tasks at once. A single worker is this process itself.
@@ -34,7 +43,7 @@ def each_done(tasks: Sequence[Task], workers: int) -> Generator[RunRecord, None,
 def rounds(workers: int) -> Iterator[Round]:
     """Yield a function that does some tasks as `each_done` does, in processes that stay for the tasks after them."""
     if workers <= 1:
-        yield lambda tasks: (record for task in tasks for record in task.each())
+        yield in_turn
         return
     pool = _Workers()
     try:
@@ -43,6 +52,11 @@ def rounds(workers: int) -> Iterator[Round]:
         yield pool.round
     finally:
         pool.end()
+
+
+def in_turn(tasks: Sequence[Work]) -> Iterator[RunRecord]:
+    """Do tasks in this process."""
+    return (record for task in tasks for record in task.each())
 
 
 class _Workers:
@@ -62,7 +76,7 @@ class _Workers:
             theirs.close()  # now its end is the worker's alone, and closed when that ends
             self._processes[ours] = process
 
-    def round(self, tasks: Sequence[Task]) -> Iterator[RunRecord]:
+    def round(self, tasks: Sequence[Work]) -> Iterator[RunRecord]:
         """Do the tasks and yield their runs, also those that are done when it is interrupted or a worker is killed."""
         try:
             yield from self._done(iter(tasks))
@@ -70,7 +84,7 @@ class _Workers:
             yield from self._sent()
             raise
 
-    def _done(self, tasks: Iterator[Task]) -> Iterator[RunRecord]:
+    def _done(self, tasks: Iterator[Work]) -> Iterator[RunRecord]:
         self._busy.update(self._processes)
         for connection in self._processes:
             self._give(connection, tasks)
@@ -106,7 +120,7 @@ class _Workers:
         for process in self._processes.values():
             process.join()
 
-    def _give(self, connection: Connection, tasks: Iterator[Task]) -> None:
+    def _give(self, connection: Connection, tasks: Iterator[Work]) -> None:
         task = next(tasks, None)
         if task is None:
             self._busy.discard(connection)
@@ -147,7 +161,7 @@ def work(connection: Connection) -> None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
     with suppress(EOFError, OSError):  # the parent closed the pipe: there are no more tasks
         while True:
-            task: Task = connection.recv()
+            task: Work = connection.recv()
             try:
                 for record in task.each():
                     connection.send(record)
