@@ -41,8 +41,8 @@ def test_a_deposit_stays_with_the_one_who_left_it_too():
 def test_messages_are_stored_in_short_calls_between_which_ctrl_c_is_heard_with_the_same_bits(monkeypatch):
     stored, sizes, store_rows = [], [], buffers.store_rows
     monkeypatch.setattr(buffers, "store_rows", lambda *given: sizes.append(len(given[0])) or store_rows(*given))
-    for most in (buffers.MOST_AT_ONCE, 7):
-        monkeypatch.setattr(buffers, "MOST_AT_ONCE", most)
+    for most in (buffers.MOST_IN_A_CALL, 7):
+        monkeypatch.setattr(buffers, "MOST_IN_A_CALL", most)
         buffer = line(rows=20, loss=0.3, generators=[np.random.default_rng(1)])
         for now in (0.0, 0.2, 0.4):
             Patrol(buffer).deposit(now, np.arange(20))
