@@ -23,8 +23,8 @@ from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
+from train.evaluation.base import Choosers, Evaluation
 from train.evaluation.entrants import FIXED, Entrant, entrants_of, identified, member_pilot, spec_of, with_baselines
-from train.evaluation.pipeline import Choosers, Evaluation
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
@@ -104,9 +104,14 @@ class TrialTask:
     split: Split = "test"
 
     @property
-    def runs(self) -> int:
-        """Number of scenarios."""
-        return len(self.places)
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition of each run."""
+        return tuple((scenario_name(self.split, *place), self.condition) for place in self.places)
+
+    def without(self, done: Collection[RunKey]) -> TrialTask:
+        """Return the task of the scenarios that are not `done`."""
+        keys = zip(self.places, self.keys, strict=True)
+        return replace(self, places=tuple(place for place, key in keys if key not in done))
 
     @property
     def experiment(self) -> str:
@@ -201,7 +206,6 @@ class FamilyEvaluation(Evaluation):
         _check_fits(self.entrants, problem, np.zeros(batch.rows, dtype=np.int64), request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
-        self.total = len(self.scenarios) * sum(len(entrant.members) for entrant in self.entrants)
         self.stem = f"{self.family.name}-seed{request.seed}"
         fixed = {f"{FIXED}:{option}": {self.goal: option} for option in problem.options}
         self.scored = fixed if request.scoring else {}

@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -122,8 +122,11 @@ class Task(Protocol):
     """Runs that one process does; plain data, which can be sent to a worker process."""
 
     @property
-    def runs(self) -> int:
-        """Number of runs."""
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition of each run."""
+
+    def without(self, done: Collection[RunKey]) -> "Task":
+        """Return the task of those runs that are not `done`, of which there is at least one."""
 
     def each(self) -> Iterator[RunRecord]:
         """Do the runs, and yield each when it is done."""
@@ -161,9 +164,13 @@ class RunTask:
     """Where the mission is recorded; it is not unless given."""
 
     @property
-    def runs(self) -> int:
-        """One run."""
-        return 1
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition."""
+        return ((self.scenario, self.condition),)
+
+    def without(self, done: Collection[RunKey]) -> "RunTask":
+        """Return this one run."""
+        return self
 
     @property
     def mission_seed(self) -> int:
