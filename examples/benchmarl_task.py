@@ -2,7 +2,7 @@
 
 pip install benchmarl && pip install .
 python examples/benchmarl_task.py mappo --frames 60000
-clean-swarm evaluate --family table1 --strategy fixed --strategy policy:benchmarl.pt --scenarios 10
+clean-swarm evaluate --family table1 --strategy policy:benchmarl.pt --scenarios 10  (velocity: after masac)
 """
 
 import argparse
@@ -69,10 +69,10 @@ def main() -> None:
     )
     experiment.run()
     print(f"{given.algorithm}: mean return of the last batch {experiment.mean_return:.3f}")
-    if given.algorithm != "masac":  # vectors, not options
-        network = next(module.mlp for module in experiment.policy.modules() if isinstance(module, Mlp))
-        width = experiment.observation_spec["robot", "observation"].shape[-1]
-        save(network.get_stateful_net(), width - 1, "benchmarl.pt")
+    network = next(module.mlp for module in experiment.policy.modules() if isinstance(module, Mlp))
+    width = experiment.observation_spec["robot", "observation"].shape[-1]
+    vector = (lambda called, seen: called(seen)[..., :2].tanh()) if settings.prefer_continuous_actions else None
+    save(network.get_stateful_net(), width - 1, "benchmarl.pt", vector)
 
 
 if __name__ == "__main__":

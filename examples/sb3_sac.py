@@ -2,6 +2,7 @@
 
 pip install '.[train]'
 python examples/sb3_sac.py --steps 100000
+clean-swarm evaluate --family table1 --strategy fixed --strategy velocity:sb3_sac.zip --scenarios 10
 """
 
 import argparse
@@ -22,13 +23,14 @@ def make(worlds: int) -> VecMonitor:
 
 
 def main() -> None:
-    """Train, and print the mean return of ten robots."""
+    """Train, print the mean return of ten robots, and save the model."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--steps", type=int, default=100_000)
     steps = parser.parse_args().steps
     model = SAC("MlpPolicy", make(4), learning_starts=400, gradient_steps=1, gamma=0.98, seed=1, device="cpu")
     model.learn(steps)
     mean, spread = evaluate_policy(model, make(2), n_eval_episodes=10)
+    model.save("sb3_sac.zip")
     print(f"return of a robot: {mean:.2f} +- {spread:.2f}")
 
 

@@ -8,9 +8,14 @@ SECONDS = "SOAK_SECONDS"
 """Variable of the environment: seconds after which a soak begins no further round; no limit unless set."""
 
 
+def time_limit() -> float:
+    """Return the limit of time [s]."""
+    return float(os.environ.get(SECONDS, "inf"))
+
+
 def rounds(count: int, first: int = 0) -> Iterator[int]:
     """Yield numbers of rounds from `first` on until there were `count`, or the time is over."""
-    end = time.monotonic() + float(os.environ.get(SECONDS, "inf"))
+    end = time.monotonic() + time_limit()
     for number in range(first, first + count):
         if time.monotonic() > end:
             return

@@ -6,14 +6,15 @@ as differences in time. `docs/recordings.md` describes the bytes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.recording.stepping import WholeNumbers, round_values, take_differences
+from clean_swarm_env.recording.stepping import WholeNumbers, pack_columns, round_values
+from selforg.arrays import Ints
 
 LARGEST_WHOLE: Final = 2**30 - 1
 """Largest whole number that a channel holds; what is beyond is kept as this number."""
@@ -65,59 +66,42 @@ class Channel:
         return shaped if self.scale == 1 else shaped / self.scale
 
 
-Part = tuple[Channel, Callable[[AnyArray], AnyArray]]
-"""A channel, and the function from the sampled array of a world (T, ...) to its values."""
-
-
 def whole_channel(name: str, axis: tuple[str, int], about: str) -> Channel:
     """Return a channel of whole numbers."""
     return Channel(name, (axis[0],), (axis[1],), 1, 1, "-", about)
 
 
-def point_channels(name: str, axes: tuple[tuple[str, int], ...], about: str, order: int = 1) -> Iterator[Part]:
-    """Yield the channels of the coordinates of points (T, ..., 2) [m]."""
+def point_channels(name: str, axes: tuple[tuple[str, int], ...], about: str, order: int = 1) -> tuple[Channel, Channel]:
+    """Return the channels of the coordinates x and y of points [m]."""
     names, shape = tuple(axis for axis, _ in axes), tuple(length for _, length in axes)
-    yield Channel(f"{name}_x" if name else "x", names, shape, MILLI, order, "m", about), _first
-    yield Channel(f"{name}_y" if name else "y", names, shape, MILLI, order, "m", about), _second
+    x, y = (f"{name}_x", f"{name}_y") if name else ("x", "y")
+    return Channel(x, names, shape, MILLI, order, "m", about), Channel(y, names, shape, MILLI, order, "m", about)
 
 
-def same(values: AnyArray) -> AnyArray:
-    """Return the values themselves."""
-    return values
+def packed_frames(channels: Sequence[Channel], frames: WholeNumbers) -> tuple[list[tuple[int, int]], bytes]:
+    """Return the bytes of T >= 1 frames (T, K) of whole numbers, the columns of one channel after those of another.
 
-
-def _first(values: AnyArray) -> AnyArray:
-    return values[..., 0]
-
-
-def _second(values: AnyArray) -> AnyArray:
-    return values[..., 1]
-
-
-def packed_frames(whole: WholeNumbers, order: int) -> tuple[int, int, bytes]:
-    """Return the bytes of T >= 1 frames of whole numbers (T, K), how many columns change, and the width of a number.
-
-    The first frame comes first, as K numbers int32. A bit for each column follows, 1 where it changes. The differences
-    in time of the columns that change come last, column by column: the lowest byte of all, then the next one.
+    For each channel also how many columns change, and the width of a number. In the bytes of a channel the first frame
+    comes first, as K numbers int32. A bit for each column follows, 1 where it changes. The differences in time of the
+    columns that change come last, column by column: the lowest byte of all, then the next one.
     """
-    steps = np.empty((whole.shape[1], len(whole) - 1), dtype=np.int32)
-    changing = np.empty(whole.shape[1], dtype=np.bool_)
-    largest = take_differences(whole, order, steps, changing)
-    width = next(width for width in (1, 2, 4) if largest < 1 << (8 * width - 1))
-    columns = steps[changing].astype(f"<i{width}")
-    planes = columns.view(np.uint8).reshape(-1, width).T
-    content = whole[0].astype("<i4").tobytes() + np.packbits(changing, bitorder="little").tobytes() + planes.tobytes()
-    return int(changing.sum()), width, content
+    layout: Ints = np.array([(channel.columns, channel.order) for channel in channels])
+    changed: WholeNumbers = np.zeros(frames.shape[1], dtype=np.int32)
+    sizes: Ints = np.empty(layout.shape, dtype=np.int64)
+    steps = np.empty((layout[:, 0].max(), len(frames) - 1), dtype=np.int32)
+    content = np.empty(frames.nbytes + sum(-(-channel.columns // 8) for channel in channels), dtype=np.uint8)
+    used = pack_columns(np.ascontiguousarray(frames), layout, changed, steps, sizes, content)
+    return [(changing, width) for changing, width in sizes.tolist()], content[:used].tobytes()
 
 
 def packed_bytes(sizes: tuple[int, int, int, int]) -> int:
-    """Return how many bytes `packed_frames` makes of frames; `sizes` as in `unpacked_frames`."""
+    """Return how many bytes `packed_frames` makes of a channel; `sizes` as in `unpacked_frames`."""
     frames, count, changed, width = sizes
     return 4 * count + -(-count // 8) + changed * (frames - 1) * width
 
 
 def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order: int) -> tuple[WholeNumbers, int]:
-    """Return whole numbers (T, K) that `packed_frames` packed, and the number of bytes that they took.
+    """Return the whole numbers (T, K) of a channel that `packed_frames` packed, and the number of bytes that they took.
 
     sizes: T, K, how many columns change, and the width of a number.
     """

@@ -50,12 +50,12 @@ class RecordingFile:
         self.beginning = beginning_of(head, channels)
         self._write(self.beginning)
 
-    def add(self, first: int, whole: Sequence[WholeNumbers], notes: Mapping[str, Any]) -> bytes:
-        """Append frames from number `first` on: whole numbers (T, K) for each channel; `notes` is plain data.
+    def add(self, first: int, frames: WholeNumbers, notes: Mapping[str, Any]) -> bytes:
+        """Append frames (T, K) from number `first` on, whole numbers of all channels; `notes` is plain data.
 
         Returns the block.
         """
-        block = part_of(self._channels, first, whole, notes)
+        block = part_of(self._channels, first, frames, notes)
         self._write(block)
         return block
 
@@ -76,15 +76,11 @@ def beginning_of(head: Mapping[str, Any], channels: Sequence[Channel]) -> bytes:
     return MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
 
 
-def part_of(channels: Sequence[Channel], first: int, whole: Sequence[WholeNumbers], notes: Mapping[str, Any]) -> bytes:
+def part_of(channels: Sequence[Channel], first: int, frames: WholeNumbers, notes: Mapping[str, Any]) -> bytes:
     """Return the block of frames; the arguments are those of `RecordingFile.add`."""
-    sizes, contents = [], []
-    for channel, numbers in zip(channels, whole, strict=True):
-        changing, width, content = packed_frames(numbers, channel.order)
-        sizes.append((changing, width))
-        contents.append(content)
-    directory = _json({"first": first, "frames": len(whole[0]), "sizes": sizes, **notes})
-    return _block(PART, struct.pack("<I", len(directory)) + directory + b"".join(contents))
+    sizes, content = packed_frames(channels, frames)
+    directory = _json({"first": first, "frames": len(frames), "sizes": sizes, **notes})
+    return _block(PART, struct.pack("<I", len(directory)) + directory + content)
 
 
 def end_of(result: Mapping[str, Any]) -> bytes:

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import same, whole_channel
-from clean_swarm_env.recording.sampled import Sampled
+from clean_swarm_env.recording.channels import whole_channel
+from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import lean_kernel
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store import columns as c
 
@@ -31,6 +32,8 @@ class DepositLog:
     def __init__(self, buffers: Mapping[str, SoBuffer], rows: int) -> None:
         self.deposits: Ints = np.zeros(rows, dtype=np.int64)
         self._bits: dict[tuple[str, bytes, int, int], int] = {}
+        self._left: tuple[str, bytes, bytes] | None = None  # what was left last
+        self._bit = 0  # its bit
         self.kinds: list[dict[str, Any]] = []
         self._buffers = buffers
         for name, buffer in buffers.items():
@@ -46,11 +49,18 @@ class DepositLog:
             buffer.on_deposit = None
 
     def _note(self, name: str, rows: Ints, message: Floats, tag: Ints) -> None:
+        left = name, message.tobytes(), tag.tobytes()
+        if left != self._left:
+            self._left, self._bit = left, self._bit_of(name, message, tag)
+        mark_rows(self.deposits, rows, self._bit)
+
+    def _bit_of(self, name: str, message: Floats, tag: Ints) -> int:
+        """Return the bit of a kind of deposits, a new one for a new kind."""
         key = name, message[LASTING].tobytes(), int(tag[c.TAG_CHANNEL]), int(tag[c.TAG_SIGN])
         if key not in self._bits:
-            self._bits[key] = len(self.kinds)
+            self._bits[key] = 1 << len(self.kinds)
             self.kinds.append(_kind(name, self._buffers[name], message, tag))
-        self.deposits[rows] |= 1 << self._bits[key]
+        return self._bits[key]
 
 
 class MessageLog(DepositLog):
@@ -58,27 +68,33 @@ class MessageLog(DepositLog):
 
     def __init__(self, worlds: Worlds) -> None:
         super().__init__(worlds.minds.buffers, worlds.rows)
-        self._worlds, self._counts = worlds, worlds.minds.reception.own_contents
+        self._worlds = worlds
         self._missed: Ints = np.zeros(worlds.rows, dtype=np.int64)
 
     def arrays(self) -> Iterator[Sampled]:
         """Yield the arrays, both of one tick."""
         robots = ("robot", self._worlds.robots)
         deposit = whole_channel("deposit", robots, "kinds of gradients that the robot leaves here, a bit for each")
-        yield Sampled(self.deposits, ((deposit, same),))
-        if self._counts:
+        yield Sampled(deposit, self.deposits)
+        if self._worlds.minds.reception.own_contents:
             missed = whole_channel("missed", robots, "poses of others that the robot misses: lost, or out of range")
-            yield Sampled(self._missed, ((missed, same),))
+            yield Sampled(missed, self._missed, None, self._count)
 
-    def count(self) -> None:
+    def _count(self) -> None:
         """Count the poses that each row missed in this tick."""
         worlds = self._worlds
-        if self._counts:
-            rows, delay, n = worlds.minds.poses.row_table, worlds.minds.reception.delay_ticks, worlds.robots
-            spread, heard = rows[:, c.ROW_POSES] > delay, rows[:, c.ROW_HEARD : c.ROW_HEARD + n] == delay
-            missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
-            missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
-            self._missed[:] = missed.sum(axis=1) * worlds.team.working
+        rows, delay, n = worlds.minds.poses.row_table, worlds.minds.reception.delay_ticks, worlds.robots
+        spread, heard = rows[:, c.ROW_POSES] > delay, rows[:, c.ROW_HEARD : c.ROW_HEARD + n] == delay
+        missed = np.repeat(spread.reshape(-1, n), n, axis=0) & ~heard
+        missed[np.arange(worlds.rows), np.arange(worlds.rows) % n] = False  # its own pose
+        self._missed[:] = missed.sum(axis=1) * worlds.team.working
+
+
+@lean_kernel
+def mark_rows(marks: Ints, rows: Ints, bit: int) -> None:
+    """Set a bit of `marks` (R,) in `rows` (K,)."""
+    for row in rows:
+        marks[row] |= bit
 
 
 def _kind(name: str, buffer: SoBuffer, message: Floats, tag: Ints) -> dict[str, Any]:

@@ -13,10 +13,9 @@ def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str
     course = Course(run, explained=settings.minds)
     recorder = MissionRecorder(course.worlds, replace(settings, thinking=True))
     recorder.begin(0, {"scenario": run.start.id, "seed": run.seed, **about})
+    for goal, values in course.opinions().items():  # they stay: a course teaches its strategies nothing
+        recorder.think(goal, values)
     while course.in_progress:
-        if course.decides:
-            for goal, values in course.opinions().items():
-                recorder.think(goal, values)
         course.tick()
         recorder.take()
     recorder.close()

@@ -6,17 +6,19 @@ Recording reads arrays only, so that a mission has the same course, bit for bit,
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final, NoReturn, SupportsIndex
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, Part, point_channels, same
+from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
-from clean_swarm_env.recording.sampled import Sampled, floor_arrays, mind_arrays, networks_of
+from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays, networks_of, points
+from clean_swarm_env.recording.stepping import WholeNumbers, copy_poses
+from clean_swarm_env.recording.taking import FrameFiller, Sampled
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
@@ -55,7 +57,7 @@ class _Running:
 
     file: RecordingFile
     begun: int
-    """Place in the buffers of the first frame that is not written yet."""
+    """Place of the first frame that is not written yet."""
     first: int
     """Number of this frame."""
 
@@ -82,22 +84,24 @@ class MissionRecorder:
         self._messages = MessageLog(worlds)
         self._opinions: dict[str, Floats] = {}
         self._poses: Floats = np.zeros((worlds.rows, 3))
-        arrays = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
-        arrays += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
-        arrays += mind_arrays(worlds) if settings.minds else []
-        frame = sum(s.array.size * np.dtype(s.kept or s.array.dtype).itemsize for s in arrays)
-        self.room = int(np.clip(WAITING_BYTES // frame, LEAST_FRAMES, MOST_FRAMES))
-        buffers = (np.zeros((self.room, *s.array.shape), s.kept or s.array.dtype) for s in arrays)
-        self._arrays = list(zip(arrays, buffers, strict=True))
-        self._always = [(buffer, s.array) for s, buffer in self._arrays if s.option is None]
-        self._of_option: dict[tuple[int, int], list[tuple[AnyArray, AnyArray]]] = {}
-        for s, buffer in self._arrays:
-            if s.option is not None:
-                self._of_option.setdefault(s.option, []).append((buffer, s.array))
-        self._held = {option: np.zeros(self.room, dtype=np.bool_) for option in self._of_option}
-        self._channels = [channel for sampled in arrays for channel, _ in sampled.parts]
+        sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
+        sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
+        sampled += mind_arrays(worlds) if settings.minds else []
+        self._channels = [each.channel for each in sampled]
+        self._prepare = [each.prepare for each in sampled if each.prepare is not None]
+        ends = np.cumsum([channel.columns for channel in self._channels]).tolist()
+        begins = list(zip([0, *ends], sampled, strict=False))
+        self._always = FrameFiller([source for source in begins if source[1].option is None], worlds.worlds)
+        self._of_option = {
+            option: FrameFiller([source for source in begins if source[1].option == option], worlds.worlds)
+            for option in dict.fromkeys(each.option for each in sampled if each.option is not None)
+        }
+        self.room = int(np.clip(WAITING_BYTES // (4 * worlds.worlds * ends[-1]), LEAST_FRAMES, MOST_FRAMES))
+        self._frames: WholeNumbers = np.zeros((worlds.worlds, self.room, ends[-1]), dtype=np.int32)
+        self._begun = False  # whether a mission has begun since the last frame
         self._at = 0
         self._joined = worlds.team.joined.tobytes()
+        self._networks = networks_of(worlds) if settings.minds else {}
         self._by_hand: list[dict[str, Any]] = []  # what was done by hand and is not in the file yet
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
@@ -124,10 +128,10 @@ class MissionRecorder:
             "views": {c.model.goal: [content.view_distance for content in c.contents] for c in worlds.coordinators},
             "mission": mission.model_dump(mode="json"),
         }
-        facts |= networks_of(worlds) if self.settings.minds else {}
+        facts |= self._networks
         path = self._path(facts["about"])
         self._running[world] = _Running(RecordingFile(path, facts, self._channels), self._at, 0)
-        self._ends[world] = self._ticks + tick_limit(mission)
+        self._ends[world], self._begun = self._ticks + tick_limit(mission), True
         self._joined = worlds.team.joined.tobytes()
         self._messages.begin()
         self._note_poses()
@@ -149,13 +153,10 @@ class MissionRecorder:
         worlds, at = self.worlds, self._at
         if worlds.team.joined.tobytes() != self._joined:
             self._note_joined()
-        self._messages.count()
-        for buffer, array in self._always:
-            buffer[at] = array
-        for option in self._options_in_use():
-            self._held[option][at] = True
-            for buffer, array in self._of_option[option]:
-                buffer[at] = array
+        for prepare in self._prepare:
+            prepare()
+        self._take_options()
+        self._always.fill(self._frames, at)
         self._messages.begin()
         self._note_poses()
         self._at += 1
@@ -174,12 +175,8 @@ class MissionRecorder:
 
     def latest(self, notes: Mapping[str, Any]) -> bytes:
         """Return the last frame of the only world as the block of a recording, with `notes`, for those who look on."""
-        numbers = []
-        for sampled, buffer in self._arrays:
-            values = buffer[[self._at - 1]] if sampled.option is None else sampled.array[None]
-            numbers += [channel.whole(part(values)) for channel, part in sampled.parts]
-        first = int(self.worlds.ticks[0]) - 1
-        return part_of(self._channels, first, numbers, {"deposits": self._messages.kinds, **notes})
+        first, at = int(self.worlds.ticks[0]) - 1, (self._at - 1) % self.room
+        return part_of(self._channels, first, self._frames[0, [at]], {"deposits": self._messages.kinds, **notes})
 
     def close(self) -> None:
         """Write all frames that are not in a file yet, and end all files."""
@@ -188,10 +185,10 @@ class MissionRecorder:
         self._messages.close()
 
     def _pose_arrays(self) -> list[Sampled]:
-        robots = ("robot", self.worlds.robots)
+        robots, poses = ("robot", self.worlds.robots), self._poses
         heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
-        turned: Part = (heading, lambda poses: poses[..., 2])
-        return [Sampled(self._poses, (*point_channels("", (robots,), "where the robot is", order=2), turned))]
+        places = points("", (robots,), poses[:, :2], "where the robot is", order=2)
+        return [*places, Sampled(heading, poses[:, 2])]
 
     def _opinion(self, coordinator: Coordinator) -> Sampled:
         worlds, model, goal = self.worlds, coordinator.model, coordinator.model.goal
@@ -199,13 +196,11 @@ class MissionRecorder:
         about = "what the chooser of options thinks of each: a score, an estimate or a probability"
         shape = (worlds.robots, len(model.options))
         channel = Channel(f"opinion/{goal}", ("robot", "option"), shape, MILLI, 1, "-", about)
-        return Sampled(self._opinions[goal], ((channel, same),))
+        return Sampled(channel, self._opinions[goal])
 
     def _note_poses(self) -> None:
         """Keep the poses at the end of a tick: those of the next frame."""
-        physics = self.worlds.physics
-        self._poses[:, :2] = physics.positions
-        self._poses[:, 2] = physics.headings
+        copy_poses(self.worlds.physics.positions, self.worlds.physics.headings, self._poses)
 
     def _note_joined(self) -> None:
         """Put robots that joined in this tick where they joined: their poses have been spread there."""
@@ -218,13 +213,16 @@ class MissionRecorder:
             self._poses[rows, 2] = directions(own[:, c.POSE_HEADING : c.POSE_HEADING + 2])
         self._joined = worlds.team.joined.tobytes()
 
-    def _options_in_use(self) -> Iterable[tuple[int, int]]:
-        """Return the coordinators and options whose networks may have changed; all for the first frame of a part."""
-        if not self._at:
-            return self._of_option
+    def _take_options(self) -> None:
+        """Take the networks of options that may have changed; those of the others are as in the frame before."""
         if not self._of_option:
-            return ()
-        return [(c, k) for c, coordinator in enumerate(self.worlds.coordinators) for k in coordinator.used]
+            return
+        frames, at = self._frames, self._at
+        frames[:, at] = frames[:, (at - 1) % self.room]
+        used = [(c, k) for c, coordinator in enumerate(self.worlds.coordinators) for k in coordinator.used]
+        for option in self._of_option if self._begun else used:
+            self._of_option[option].fill(frames, at)
+        self._begun = False
 
     def _path(self, about: Mapping[str, Any]) -> Path:
         words = (str(about[name]) for name in ("scenario", "condition") if about.get(name))
@@ -246,24 +244,14 @@ class MissionRecorder:
         for world in self._running:
             self._write(world)
             self._running[world].begun = 0
-        for held in self._held.values():
-            held[:] = False
         self._at = 0
 
     def _write(self, world: int) -> None:
         """Write the frames of a world that are not in its file yet."""
-        running, count = self._running[world], self.worlds.worlds
-        frames = slice(running.begun, self._at)
-        if frames.start == frames.stop:
-            return
-        numbers = []
-        latest = {option: np.maximum.accumulate(held * np.arange(len(held))) for option, held in self._held.items()}
-        for sampled, buffer in self._arrays:
-            own = buffer.shape[1] // count
-            taken = frames if sampled.option is None else latest[sampled.option][frames]
-            values = buffer[taken, world * own : (world + 1) * own]
-            numbers += [channel.whole(part(values)) for channel, part in sampled.parts]
-        running.file.add(running.first, numbers, {"deposits": self._messages.kinds, "by_hand": self._by_hand})
-        self._by_hand.clear()
-        running.first += frames.stop - frames.start
-        running.begun = self._at
+        running = self._running[world]
+        frames = self._frames[world, running.begun : self._at]
+        if len(frames):
+            running.file.add(running.first, frames, {"deposits": self._messages.kinds, "by_hand": self._by_hand})
+            self._by_hand.clear()
+            running.first += len(frames)
+            running.begun = self._at

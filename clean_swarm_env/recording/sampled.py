@@ -1,19 +1,22 @@
-"""Arrays of the worlds that are copied in every frame, and the channels that are made of them.
+"""The channels of worlds, and the arrays from which they are taken.
 
 Shapes: W worlds, N robots a world, R = W * N rows, M items a world, O options, B behaviours, S sensors, G goals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, Part, point_channels, same, whole_channel
+from clean_swarm_env.recording.channels import MILLI, Channel, point_channels, whole_channel
+from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.inner_network import at_any_depth
+from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import lean_kernel
 from selforg.network.explain.explanation import in_short
 from selforg.network.model.conditions import Condition, Optional, Tree
 from selforg.network.network import BehaviourNetwork
@@ -35,51 +38,37 @@ PLAN_STEPS = 16
 """Steps of a plan that are kept."""
 
 
-@dataclass(frozen=True)
-class Sampled:
-    """An array that is copied in every frame."""
-
-    array: AnyArray
-    """(R, ...) or (W, ...), the same array all the time."""
-    parts: tuple[Part, ...]
-    kept: type[np.generic] | None = None
-    """Type of the copies, where it is smaller than that of the array."""
-    option: tuple[int, int] | None = None
-    """The coordinator and its option to which the array belongs: it changes only while a robot holds the option."""
-
-
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
     """Yield the arrays of items, stations, cargo, contacts and held options; the recorder keeps the poses itself."""
     robots, items = ("robot", worlds.robots), ("item", worlds.garbage.stage.shape[1])
-    garbage, team = worlds.garbage, worlds.team
-    for name, array, about in (
-        ("present", worlds.physics.present, "1 where the robot is there, at work or failed"),
-        ("working", team.working, "1 where the robot is at work"),
-        ("cargo", garbage.cargo, "the item that the robot carries, -1 for none"),
-        ("recycled", garbage.recycled, "1 where the cargo has been recycled"),
-        ("contact", worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
-    ):
-        yield Sampled(array, ((whole_channel(name, robots, about), same),), np.int32)
-    if worlds.floor.consequences.active:
-        for name, array, about in (
-            (
-                "standing",
-                worlds.floor.consequences.standing,
-                "frames for which a collision stops the robot, this one too",
-            ),
-            ("collisions", worlds.floor.consequences.collisions, "collisions of the robot since it was as new"),
-        ):
-            yield Sampled(array, ((whole_channel(name, robots, about), same),), np.int32)
-    yield Sampled(garbage.positions, tuple(point_channels("item", (items,), "where the item lies or was picked")))
-    yield Sampled(
-        garbage.stage, ((whole_channel("item_stage", items, "0 lying, 1 carried, 2 dumped, 3 absent"), same),), np.int16
-    )
-    leftover = whole_channel("item_leftover", items, "1 where what lies has been recycled already")
-    yield Sampled(garbage.leftover, ((leftover, same),), np.int16)
-    yield Sampled(worlds.stations, tuple(point_channels("station", (("station", 2),), "recycling and dump")))
-    for coordinator in worlds.coordinators:
-        held = whole_channel(f"held/{coordinator.model.goal}", robots, "the option that serves the goal in the robot")
-        yield Sampled(coordinator.held, ((held, same),), np.int16)
+    garbage, consequences = worlds.garbage, worlds.floor.consequences
+    named = [
+        (robots, "present", worlds.physics.present, "1 where the robot is there, at work or failed"),
+        (robots, "working", worlds.team.working, "1 where the robot is at work"),
+        (robots, "cargo", garbage.cargo, "the item that the robot carries, -1 for none"),
+        (robots, "recycled", garbage.recycled, "1 where the cargo has been recycled"),
+        (robots, "contact", worlds.collisions.entered_in_tick, "robots that came too close until the next frame"),
+        (items, "item_stage", garbage.stage, "0 lying, 1 carried, 2 dumped, 3 absent"),
+        (items, "item_leftover", garbage.leftover, "1 where what lies has been recycled already"),
+    ]
+    if consequences.active:
+        about = "frames for which a collision stops the robot, this one too"
+        named.append((robots, "standing", consequences.standing, about))
+        named.append((robots, "collisions", consequences.collisions, "collisions of the robot since it was as new"))
+    for c in worlds.coordinators:
+        named.append((robots, f"held/{c.model.goal}", c.held, "the option that serves the goal in the robot"))
+    for axis, name, values, about in named:
+        yield Sampled(whole_channel(name, axis, about), values)
+    yield from points("item", (items,), garbage.positions, "where the item lies or was picked")
+    yield from points("station", (("station", 2),), worlds.stations, "recycling and dump")
+
+
+def points(
+    name: str, axes: tuple[tuple[str, int], ...], places: Floats, about: str, order: int = 1
+) -> Iterator[Sampled]:
+    """Yield the two channels of points (..., 2) [m]."""
+    for axis, channel in enumerate(point_channels(name, axes, about, order)):
+        yield Sampled(channel, places[..., axis])
 
 
 def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
@@ -107,14 +96,6 @@ def networks_of(worlds: Worlds) -> dict[str, Any]:
     }
 
 
-def _layer(layer: int) -> Callable[[AnyArray], AnyArray]:
-    return lambda values: values[:, :, layer]
-
-
-def _of_plan(layer: int) -> Callable[[AnyArray], AnyArray]:
-    return lambda marks: np.where(marks[:, :, ps.KNOWN] == 1, marks[:, :, layer], -1)
-
-
 def _network(
     worlds: Worlds, prefix: str, network: BehaviourNetwork, option: tuple[int, int] | None = None
 ) -> Iterator[Sampled]:
@@ -125,30 +106,37 @@ def _network(
     def channel(name: str, axes: tuple[str, ...], shape: tuple[int, ...], scale: int, about: str) -> Channel:
         return Channel(f"{prefix}/{name}", ("robot", *axes), (robots, *shape), scale, 1, "-", about)
 
-    terms = channel(
-        "values", ("term", "behaviour"), (len(BEHAVIOUR_TERMS), behaviours), MILLI, "the terms of each behaviour"
-    )
-    marks = tuple(
-        (channel(name, ("behaviour",), (behaviours,), 1, about), _layer(layer))
-        for name, (layer, about) in MARKS.items()
-    )
-    about = "threshold, total activation before the step, and the threshold by which it decided"
-    readings = channel("readings", ("sensor",), (len(model.sensors),), MILLI, "what the sensors read")
-    yield Sampled(state.value_table, ((terms, same),), None, option)
-    yield Sampled(state.mark_table, marks, np.int16, option)
+    shape = len(BEHAVIOUR_TERMS), behaviours
+    terms = channel("values", ("term", "behaviour"), shape, MILLI, "the terms of each behaviour")
+    yield Sampled(terms, state.value_table, option)
+    for name, (layer, about) in MARKS.items():
+        mark = channel(name, ("behaviour",), (behaviours,), 1, about)
+        yield Sampled(mark, state.mark_table[:, layer], option)
     if option is None:  # the sensors of an option are among those of the robot
-        thresholds = channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about)
-        yield Sampled(state.row_table, ((thresholds, same),))
-        yield Sampled(state.readings, ((readings, same),))
+        about = "threshold, total activation before the step, and the threshold by which it decided"
+        yield Sampled(channel("thresholds", ("term",), (len(THRESHOLDS),), MILLI, about), state.row_table)
+        readings = channel("readings", ("sensor",), (len(model.sensors),), MILLI, "what the sensors read")
+        yield Sampled(readings, state.readings)
     if model.goals:
         goals = channel("goals", ("goal",), (len(model.goals),), MILLI, "how far each goal is satisfied")
-        yield Sampled(state.goal_satisfaction, ((goals, same),), None, option)
+        yield Sampled(goals, state.goal_satisfaction, option)
     if plans.packed.record.planned:
         steps = channel("plan", ("step",), (PLAN_STEPS,), 1, "behaviours of the plan; those after its end mean nothing")
         length = channel("plan_length", (), (), 1, "number of steps of the plan, -1 without one")
         due = channel("plan_due", (), (), 1, "the step that is due, -1 without a plan")
-        yield Sampled(plans.steps[:, :PLAN_STEPS], ((steps, same),), np.int16, option)
-        yield Sampled(plans.mark_table, ((length, _of_plan(ps.LENGTH)), (due, _of_plan(ps.INDEX))), np.int16, option)
+        known: Ints = np.zeros((worlds.rows, 2), dtype=np.int64)
+        yield Sampled(steps, plans.steps[:, :PLAN_STEPS], option, partial(note_plans, plans.mark_table, known))
+        yield Sampled(length, known[:, 0], option)
+        yield Sampled(due, known[:, 1], option)
+
+
+@lean_kernel
+def note_plans(marks: Ints, known: Ints) -> None:
+    """Fill `known` (R, 2) with the length of each plan and its due step, -1 without a plan."""
+    for row in range(len(marks)):
+        planned = marks[row, ps.KNOWN] == 1
+        known[row, 0] = marks[row, ps.LENGTH] if planned else -1
+        known[row, 1] = marks[row, ps.INDEX] if planned else -1
 
 
 def _described(network: BehaviourNetwork) -> dict[str, Any]:

@@ -72,7 +72,7 @@ class SceneRecorder:
             file = RecordingFile(path, head, [channel for channel, _ in contents])
             for first in range(0, len(positions), MOST_FRAMES):
                 whole = [channel.whole(frames[first : first + MOST_FRAMES]) for channel, frames in contents]
-                file.add(first, whole, {"deposits": self._log.kinds})
+                file.add(first, np.concatenate(whole, axis=1), {"deposits": self._log.kinds})
             file.close({name: float(value[world]) for name, value in values.items()})
             paths.append(path)
         return paths
@@ -91,12 +91,12 @@ class SceneRecorder:
         """Yield the channels of a run and their values (T, ...)."""
         frames, count = headings.shape
         robots, nothing, none = ("robot", count), np.zeros((frames, count), dtype=np.int64), np.zeros((frames, 0, 2))
-        for channel, part in point_channels("", (robots,), "where the robot is", order=2):
-            yield channel, part(positions)
+        for axis, channel in enumerate(point_channels("", (robots,), "where the robot is", order=2)):
+            yield channel, positions[..., axis]
         yield Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks"), headings
         for name in ("item", "station"):
-            for channel, part in point_channels(name, ((name, 0),), "none in a scene"):
-                yield channel, part(none)
+            for channel in point_channels(name, ((name, 0),), "none in a scene"):
+                yield channel, none[..., 0]
         for name in ("item_stage", "item_leftover"):
             yield whole_channel(name, ("item", 0), "none in a scene"), nothing[:, :0]
         for name, values, about in (

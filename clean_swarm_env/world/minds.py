@@ -205,7 +205,9 @@ class Minds:
             inner.restore()
 
     def begin(self, rows: Ints) -> None:
-        """Clear the networks and the knowledge of `rows` (K,)."""
+        """Clear the networks and the knowledge of `rows` (K,), and what they alone have received."""
+        for buffer in self.buffers.values():
+            buffer.clear_rows(rows)
         self.network.reset(rows)
         self._memory.reset(rows)
         for inner in self._inner:

@@ -125,10 +125,14 @@ class Team:
         self._begin_anew(rows)
 
     def _begin_anew(self, rows: Ints) -> None:
-        """Stop the drives of `rows` (K,), make them as new, and clear their networks and knowledge."""
+        """Stop the drives of `rows` (K,), make them as new, and clear their networks and knowledge.
+
+        Rows that do not work receive no more pheromones: over days their contents would fill the memory.
+        """
         self._floor.drive.reset(rows)
         self._floor.consequences.reset(rows)
         self._minds.begin(rows)
+        self._minds.poses.deafen(rows, ~self.working[rows])
         self.restore()
 
     def lasting(self) -> Lasting:

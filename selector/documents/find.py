@@ -35,6 +35,7 @@ KINDS = {
     "experiments": FileKind("experiment"),
     "families": FileKind("family"),
     "knowledge": FileKind("expert knowledge"),
+    "machines": FileKind("machine"),
     "mechanisms": FileKind("configuration"),
     "missions": FileKind("mission"),
     "policies": FileKind("policy", "/policy.json"),

@@ -152,9 +152,12 @@ class SoBuffer:
 
     def clear(self, team: int) -> None:
         """Delete everything that one team has stored, and its messages under way."""
-        for space in self._spaces(team):
-            clear_space(int(space), self.table.packed.words)
-        self.mail.forget(self._spaces(team))
+        self._clear_spaces(self._spaces(team))
+
+    def clear_rows(self, rows: Ints) -> None:
+        """Delete what `rows` (R,) have stored, and messages under way to them; what a team shares stays."""
+        if not self.shared:
+            self._clear_spaces(rows)
 
     def evaporate(self, now: float) -> None:
         """Evaporate everything up to `now` [s] and free the memory of what is gone; no answer depends on this call."""
@@ -215,6 +218,11 @@ class SoBuffer:
         """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
         self.table.reserve(len(messages))
         store_rows(messages, tags, float(now), self.table.packed.words)
+
+    def _clear_spaces(self, spaces: Ints) -> None:
+        for space in spaces.tolist():
+            clear_space(space, self.table.packed.words)
+        self.mail.forget(spaces)
 
     def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
         """Return `positions` as (M, D), or raise ValueError."""

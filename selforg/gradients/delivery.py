@@ -143,7 +143,8 @@ def find_receivers(
             dy = p.own[row, 0, c.Y] - messages[message, c.Y]
             dz = p.own[row, 0, c.Z] - messages[message, c.Z]
             distance = np.sqrt(squared_length(dx, dy, dz, p.extent))
-            near = p.rows[row, c.ROW_POSES] > 0 and distance <= reaches[message]
+            hears = p.rows[row, c.ROW_POSES] > 0 and p.rows[row, c.ROW_DEAF] == 0
+            near = hears and distance <= reaches[message]
             received = near and losses[message] < 1.0 and draws[message, index] >= losses[message]
             if row == source:
                 received = tags[message, c.TAG_MOVING] == 0

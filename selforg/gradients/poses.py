@@ -173,6 +173,10 @@ class OwnPoses:
         self.forget(rows)
         self.row_table[np.asarray(rows, dtype=np.int64), c.ROW_SILENT] = int(silent)
 
+    def deafen(self, rows: Ints, deaf: Flags) -> None:
+        """Say which of `rows` (R,) are `deaf` (R,): they store nothing that others spread."""
+        self.row_table[rows, c.ROW_DEAF] = deaf
+
     @property
     def teams(self) -> Ints:
         """Team of each row, (N,) int64, read only."""

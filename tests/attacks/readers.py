@@ -18,6 +18,7 @@ from selector.documents.parameters import check_parameters_used, resolved
 from selector.documents.reading import read_mapping
 from selector.knowledge import load_knowledge
 from selector.store import document
+from selector.strategies.machine_file import load_machine
 from train.learning.config import load_training
 from train.studies.config import load_study
 
@@ -43,11 +44,16 @@ READERS: dict[str, Callable[[Path], object]] = {
     "experiments": lambda path: load_robustness(str(path)) or load_experiment(str(path)),
     "families": lambda path: load_family(str(path)),
     "knowledge": lambda path: load_knowledge(str(path)),
+    "machines": lambda path: load_machine(str(path)),
     "mechanisms": read_configuration,
     "missions": lambda path: load_mission(str(path)),
     "robots": read_robot,
     "studies": lambda path: load_study(str(path)),
     "training": lambda path: load_training(str(path), "bandit"),
+}
+KINDS = tuple(READERS)
+"""The kinds of YAML documents."""
+READERS |= {
     "given starts": load_starts,
     "exported store": lambda path: document.read(path, "expert"),
 }

@@ -41,7 +41,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
 from selector.strategies.streams import row_keys
 from tests.attacks import hostile
-from tests.attacks.readers import READERS, refused_in_one_line
+from tests.attacks.readers import KINDS, READERS, refused_in_one_line
 from tests.train.records import record
 from train.evaluation.repeat import changed_versions, task_of
 from train.replay.page_file import page_of
@@ -307,10 +307,7 @@ def recording_directory(folder: Path) -> Target:
 
 POLICY_TEXT = json.loads((POLICY / "policy.json").read_text(encoding="utf-8"))
 TARGETS: dict[str, Callable[[Path], Target]] = {
-    **{
-        kind: partial(yaml_document, kind)
-        for kind in ("experiments", "families", "knowledge", "mechanisms", "missions", "robots", "studies", "training")
-    },
+    **{kind: partial(yaml_document, kind) for kind in KINDS},
     "given starts": partial(json_document, "given starts", STARTS),
     "exported store": partial(json_document, "exported store", STORE),
     "command line": command_line,

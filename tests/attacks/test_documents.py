@@ -2,9 +2,7 @@
 
 import pytest
 
-from tests.attacks.readers import READERS, refused_in_one_line
-
-KINDS = ["experiments", "families", "knowledge", "mechanisms", "missions", "robots", "studies", "training"]
+from tests.attacks.readers import KINDS, READERS, refused_in_one_line
 
 
 @pytest.mark.parametrize("kind", KINDS)

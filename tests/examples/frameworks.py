@@ -4,34 +4,34 @@ from typing import NamedTuple
 
 
 class Example(NamedTuple):
-    """A run of an example: its command, the package that it needs beside ours, and the model that it leaves."""
+    """A run of an example: its command, the package that it needs beside ours, and the strategy that it leaves."""
 
     command: str
     """File and arguments."""
     needs: str
     """Name by which the package is imported; the test is skipped where it is not installed."""
-    model: str = ""
-    """File that `clean-swarm evaluate --strategy policy:FILE` takes afterwards."""
+    strategy: str = ""
+    """What `clean-swarm evaluate --strategy` takes afterwards."""
     before: str = ""
     """Arguments of a command of ours that goes before."""
 
 
 EXAMPLES = (
-    Example("ppo_one_file.py --updates 2 --worlds 4", "torch", "ppo_one_file.pt"),
-    Example("sb3_ppo.py --steps 5120", "stable_baselines3", "sb3_ppo.zip"),
-    Example("sb3_sac.py --steps 600", "stable_baselines3"),
-    Example("sb3_maskable_ppo.py --steps 5120", "sb3_contrib", "sb3_maskable_ppo.zip"),
-    Example("torchrl_mappo.py --frames 200 --batch 100", "torchrl", "torchrl_mappo.pt"),
-    Example("benchmarl_task.py mappo --frames 200 --batch 100", "benchmarl", "benchmarl.pt"),
-    Example("benchmarl_task.py ippo --frames 200 --batch 100", "benchmarl", "benchmarl.pt"),
-    Example("benchmarl_task.py qmix --frames 200 --batch 100", "benchmarl", "benchmarl.pt"),
-    Example("benchmarl_task.py masac --frames 200 --batch 100", "benchmarl"),
-    Example("rllib_ppo.py --iterations 1", "ray", "rllib_ppo.pt"),
-    Example("tianshou_dqn.py --epochs 1 --steps 200", "tianshou", "tianshou_dqn.pt"),
+    Example("ppo_one_file.py --updates 2 --worlds 4", "torch", "policy:ppo_one_file.pt"),
+    Example("sb3_ppo.py --steps 5120", "stable_baselines3", "policy:sb3_ppo.zip"),
+    Example("sb3_sac.py --steps 600", "stable_baselines3", "velocity:sb3_sac.zip"),
+    Example("sb3_maskable_ppo.py --steps 5120", "sb3_contrib", "policy:sb3_maskable_ppo.zip"),
+    Example("torchrl_mappo.py --frames 200 --batch 100", "torchrl", "policy:torchrl_mappo.pt"),
+    Example("benchmarl_task.py mappo --frames 200 --batch 100", "benchmarl", "policy:benchmarl.pt"),
+    Example("benchmarl_task.py ippo --frames 200 --batch 100", "benchmarl", "policy:benchmarl.pt"),
+    Example("benchmarl_task.py qmix --frames 200 --batch 100", "benchmarl", "policy:benchmarl.pt"),
+    Example("benchmarl_task.py masac --frames 200 --batch 100", "benchmarl", "velocity:benchmarl.pt"),
+    Example("rllib_ppo.py --iterations 1", "ray", "policy:rllib_ppo.pt"),
+    Example("tianshou_dqn.py --epochs 1 --steps 200", "tianshou", "policy:tianshou_dqn.pt"),
     Example(
         "minari_cloning.py swarm/rule-v0 --epochs 20",
         "minari",
-        "minari_cloning.pt",
+        "policy:minari_cloning.pt",
         "dataset swarm/rule-v0 --strategy rule --missions 2",
     ),
 )

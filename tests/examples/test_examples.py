@@ -33,10 +33,10 @@ def test_an_example_runs_and_its_model_is_evaluated(example, tmp_path):
         run(tmp_path, "-m", "clean_swarm_env", *example.before.split())
     file, *arguments = example.command.split()
     assert run(tmp_path, str(ROOT / "examples" / file), *arguments)
-    if example.model:
-        compared = ["--strategy", "fixed:RepulsionGradient", "--strategy", f"policy:{example.model}"]
+    if example.strategy:
+        compared = ["--strategy", "fixed:RepulsionGradient", "--strategy", example.strategy]
         settings = ["--family", "table1", "--scenarios", "1", "--workers", "1", "--output", "out"]
-        assert f"policy:{example.model}" in run(tmp_path, "-m", "clean_swarm_env", "evaluate", *settings, *compared)
+        assert example.strategy in run(tmp_path, "-m", "clean_swarm_env", "evaluate", *settings, *compared)
 
 
 def test_every_example_has_a_run_and_less_than_80_lines():

@@ -1,4 +1,4 @@
-"""`clean-swarm draw`: a diagram of a robot's behaviour network, or of a mechanism configuration.
+"""`clean-swarm draw`: a diagram of a robot's behaviour network, of a mechanism configuration, or of a state machine.
 
 The functions import Matplotlib and the library themselves, so that help is quick.
 """
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from train.reports.network_diagram.content import NetworkPanel
 
 RobotOrConfiguration = Annotated[
-    str, typer.Argument(help="Name of a robot or of a mechanism configuration, or path to its YAML file.")
+    str, typer.Argument(help="Name of a robot, a mechanism configuration or a state machine, or path to its YAML file.")
 ]
 PictureFile = Annotated[
     Path | None, typer.Option(help="File to write, .svg, .png or .pdf; NAME.svg in this directory unless given.")
@@ -33,31 +33,45 @@ def draw_command(
     configs: Configs = None,
 ) -> None:
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
+    from selector.documents.reading import read_mapping
+    from selector.strategies.machine_file import load_machine
+    from train.reports.machine_picture import draw_machine
     from train.reports.network_diagram.picture import PICTURE_SUFFIXES, draw_panels, save_picture
 
     if output is not None and output.suffix not in PICTURE_SUFFIXES:
         raise ConfigurationError(f"--output: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {output}")
     path = _found(robot, configs or [])
-    panels = _panels(path, knowledge, configs or [])
     file = output or Path(f"{path.stem}.svg")
+    if "states" in read_mapping(path):
+        if knowledge is not None:
+            raise ConfigurationError("--knowledge: expected a robot, got a state machine")
+        machine = load_machine(str(path))
+        figure, drawn = draw_machine(machine), f"{len(machine.states)} states"
+    else:
+        panels = _panels(path, knowledge, configs or [])
+        figure, drawn = draw_panels(panels), f"{len(panels)} network{'s' if len(panels) > 1 else ''}"
     try:
-        save_picture(draw_panels(panels), file)
+        save_picture(figure, file)
     except OSError as error:
         raise ConfigurationError(f"--output: {file}: {error.strerror or error}") from error
-    typer.echo(f"{len(panels)} network{'s' if len(panels) > 1 else ''} in {file}")
+    typer.echo(f"{drawn} in {file}")
 
 
 def _found(name: str, directories: list[Path]) -> Path:
-    """Return the file of a robot or configuration by its name, the robot's first, or by its path."""
+    """Return the file of a robot, a configuration or a machine by its name, in this order, or by its path."""
     from selector.documents.find import files_of, find_file
     from selforg.registry import unknown
 
-    robots, configurations = files_of("robots", directories), files_of("mechanisms", directories)
-    if Path(name).suffix or name in robots:
+    if Path(name).suffix:
         return find_file("robots", name, directories)
-    if name not in configurations:
-        raise ConfigurationError(unknown("robot or configuration", name, sorted({*robots, *configurations})))
-    return configurations[name]
+    found = {
+        **files_of("machines", directories),
+        **files_of("mechanisms", directories),
+        **files_of("robots", directories),
+    }
+    if name not in found:
+        raise ConfigurationError(unknown("robot, configuration or machine", name, sorted(found)))
+    return found[name]
 
 
 def _panels(path: Path, knowledge: str | None, directories: list[Path]) -> "list[NetworkPanel]":

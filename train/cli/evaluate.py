@@ -45,9 +45,9 @@ def evaluate_command(
         list[str] | None,
         typer.Option(
             help="With --family: fixed (every option; the default), rule, policy:NAME, policy:FILE (a directory, .zip "
-            "of Stable-Baselines3, .pt of TorchScript or .onnx), learned:NAME, learned:FILE, STRATEGY, "
-            "STRATEGY:parameter=value or module:Class of your own; + joins what several training seeds gave, LABEL=... "
-            "names it; can be repeated; Off and Random come beside.",
+            "of Stable-Baselines3, .pt of TorchScript or .onnx), velocity:FILE (a model that steers), learned:NAME, "
+            "learned:FILE, STRATEGY, STRATEGY:parameter=value or module:Class of your own; + joins what several "
+            "training seeds gave, LABEL=... names it; can be repeated; Off and Random come beside.",
         ),
     ] = None,
     world_seeds: Annotated[

@@ -11,11 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.observation.observer import Observer
 from selector.documents.arrays import check_known
-from selector.documents.errors import shown, validated
+from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.find import find_file
 from selector.documents.imported import is_import
 from selector.strategies.learned_file import description_of, load_strategy
+from selector.strategies.machine_file import load_machine
 from selector.strategies.policy_file import find_policy, load_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
@@ -23,10 +27,13 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.running.model_pilots import LOADERS, ModelPilot
-from train.running.pilots import Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
+from train.running.machine_pilot import MachinePilot
+from train.running.model_pilots import LOADERS, ModelPilot, VectorPilot
+from train.running.pilots import AnyPilot, Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
 
-FIXED, RULE, POLICY, LEARNED = "fixed", "rule", "policy", "learned"
+FIXED, RULE, POLICY, LEARNED, MACHINE, VELOCITY = "fixed", "rule", "policy", "learned", "fsm", "velocity"
+FILED = (POLICY, LEARNED, MACHINE, VELOCITY)
+"""Kinds of strategies that name a file."""
 NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
 """What every strategy has to beat: never to avoid, and any option in each decision period."""
 
@@ -62,8 +69,8 @@ class Entrant:
 def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
     """Return the entrants of the command line; `fixed` stands for one entrant for each option.
 
-    `learned:NAME` (the file of a strategy) and `policy:NAME` take names or paths; + joins those of several seeds of one
-    training to one entrant. `LABEL=...` names an entrant.
+    `learned:NAME` (the file of a strategy), `policy:NAME` and `fsm:NAME` take names or paths, `velocity:FILE` a model
+    that steers; + joins those of several seeds of one training to one entrant. `LABEL=...` names an entrant.
     """
     found: list[Entrant] = []
     for text in given:
@@ -74,7 +81,7 @@ def entrants_of(given: Sequence[str], options: Sequence[str]) -> list[Entrant]:
             found += [Entrant(f"{FIXED}:{option}", (f"{FIXED}:{option}",)) for option in options]
             continue
         kind, _, names = rest.partition(":")
-        several = kind in (POLICY, LEARNED)
+        several = kind in FILED
         members = tuple(f"{kind}:{name}" for name in names.split("+")) if several else (rest,)
         found.append(Entrant(kind if several and label == text and "+" in names else label, members))
     labels = [entrant.label for entrant in found]
@@ -94,10 +101,14 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
 
     """
     kind, _, name = member.partition(":")
+    if steers(member):
+        raise ConfigurationError(f"{member}: expected a strategy that chooses options, got one that steers")
     if kind == POLICY and Path(name).suffix in LOADERS:
         return ModelPilot(Path(name), problem)
     if kind == POLICY:
         return PolicyPilot(load_policy(find_policy(name, directories)), problem)
+    if kind == MACHINE:
+        return MachinePilot(load_machine(name, directories), problem, len(teams))
     if member == RULE:
         return _by_hand(problem, len(teams))
     features: tuple[str, ...] = ()
@@ -115,6 +126,30 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     if kind == LEARNED:
         load_strategy(file, strategy)
     return StrategyPilot(strategy, columns, problem)
+
+
+def steers(member: str) -> bool:
+    """Return whether a member gives movement vectors in place of options."""
+    return member.partition(":")[0] == VELOCITY
+
+
+def any_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[Path] = ()) -> AnyPilot:
+    """Return the pilot of a member, also of one that steers; see `member_pilot`."""
+    if steers(member):
+        return VectorPilot(Path(member.partition(":")[2]), len(problem.features))
+    return member_pilot(member, problem, teams, directories)
+
+
+def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, directories: Sequence[Path]) -> None:
+    """Raise an error of one line for a strategy that does not exist or does not fit a batch with options as actions."""
+    teams, seen = np.zeros(batch.rows, dtype=np.int64), ObservationConfig().steered()
+    steered = replace(problem, features=Observer(batch.worlds, batch.progress, seen).names)
+    for entrant in entrants:
+        for member in entrant.members:
+            try:
+                any_pilot(member, steered if steers(member) else problem, teams, directories)
+            except DocumentError as error:
+                raise DocumentError(f"--strategy {entrant.label}: {error}") from error
 
 
 def with_baselines(entrants: Sequence[Entrant], options: Sequence[str]) -> list[Entrant]:
@@ -146,7 +181,7 @@ def never_taken(
 
 def unlearned(entrants: Sequence[Entrant]) -> list[str]:
     """Return the labels of strategies that could learn, but have learned nothing and do not in an evaluation."""
-    kinds = (POLICY, LEARNED, FIXED, RULE)
+    kinds = (*FILED, FIXED, RULE)
     own = {entrant.label: named_in(entrant.members[0])[0] for entrant in entrants}
     return [
         label
@@ -165,7 +200,7 @@ def spec_of(member: str) -> StrategySpec:
     kind, _, name = member.partition(":")
     if kind == FIXED:
         return validated(StrategySpec, {"name": "Fixed", "parameters": {"option": name}}, member)
-    if kind in (POLICY, LEARNED) or member == RULE:
+    if kind in FILED or member == RULE:
         raise ConfigurationError(f"--learn: {member}: expected a strategy that chooses once in a mission")
     return spec_from_text(member)
 
@@ -174,16 +209,17 @@ def identified(member: str, directories: Sequence[Path] = ()) -> str:
     """Return a member that names a file with a digest of the file: another training is another member."""
     kind, _, name = member.partition(":")
     own, _ = named_in(member)
-    if kind == POLICY and Path(name).suffix in LOADERS:
+    if kind == VELOCITY or (kind == POLICY and Path(name).suffix in LOADERS):
         files = [path for path in (Path(name), Path(name).with_suffix(".pkl")) if path.is_file()]
         return f"{member} sha256:{hashlib.sha256(b''.join(path.read_bytes() for path in files)).hexdigest()}"
-    if kind not in (POLICY, LEARNED, FIXED) and is_import(own):
+    if kind not in (*FILED, FIXED) and is_import(own):
         source = Path(inspect.getfile(named(own)))
         return f"{member} sha256:{hashlib.sha256(source.read_bytes()).hexdigest()}"
     if kind == POLICY:
         return f"{member} sha256:{load_policy(find_policy(name, directories)).spec.weights_sha256}"
-    if kind == LEARNED:
-        return f"{member} sha256:{hashlib.sha256(find_file('strategies', name, directories).read_bytes()).hexdigest()}"
+    if kind in (LEARNED, MACHINE):
+        file = find_file({LEARNED: "strategies", MACHINE: "machines"}[kind], name, directories)
+        return f"{member} sha256:{hashlib.sha256(file.read_bytes()).hexdigest()}"
     return member
 
 

@@ -24,7 +24,16 @@ from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
 from train.evaluation.base import Choosers, Evaluation
-from train.evaluation.entrants import FIXED, Entrant, entrants_of, identified, member_pilot, spec_of, with_baselines
+from train.evaluation.entrants import (
+    FIXED,
+    any_pilot,
+    check_fit,
+    entrants_of,
+    identified,
+    spec_of,
+    steers,
+    with_baselines,
+)
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
@@ -32,7 +41,7 @@ from train.reports.write_report import Publication
 from train.running.decided_goal import DecidedGoal
 from train.running.finished_runs import natural_order
 from train.running.needs import ALONE, Machine, Workload, check_needs
-from train.running.pilots import Pilot
+from train.running.pilots import AnyPilot
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
@@ -142,7 +151,9 @@ class TrialTask:
         before = time.perf_counter()
         scenarios = [self.scenario_of(place) for place in self.places]
         record = self.record and replace(self.record, about=self.naming)
-        settings = TrialSettings(self.goal, TASK_SCENARIOS, directories=self.directories, record=record)
+        settings = TrialSettings(
+            self.goal, TASK_SCENARIOS, directories=self.directories, record=record, steered=self.steered
+        )
         for place, result in each_trial(scenarios, self.pilot, settings):
             before, began = time.perf_counter(), before
             wall = round(before - began, 3)
@@ -178,9 +189,14 @@ class TrialTask:
         limit = min(scenario.mission.time_limit, self.time_limit)
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
-    def pilot(self, problem: Problem, teams: Ints) -> Pilot:
+    @property
+    def steered(self) -> bool:
+        """Whether the member gives movement vectors in place of options."""
+        return steers(self.member)
+
+    def pilot(self, problem: Problem, teams: Ints) -> AnyPilot:
         """Return the pilot of the member."""
-        return member_pilot(self.member, problem, teams, self.directories)
+        return any_pilot(self.member, problem, teams, self.directories)
 
 
 class FamilyEvaluation(Evaluation):
@@ -203,7 +219,7 @@ class FamilyEvaluation(Evaluation):
         self.entrants = entrants_of(request.strategies, problem.options)
         if not (request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, problem.options)
-        _check_fits(self.entrants, problem, np.zeros(batch.rows, dtype=np.int64), request.directories)
+        check_fit(self.entrants, batch, problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.stem = f"{self.family.name}-seed{request.seed}"
@@ -294,13 +310,3 @@ class FamilyEvaluation(Evaluation):
 
 def _family(request: FamilyRequest) -> FamilyConfig:
     return load_family(request.family, request.directories).with_knowledge(request.knowledge)
-
-
-def _check_fits(entrants: Sequence[Entrant], problem: Problem, teams: Ints, directories: tuple[Path, ...]) -> None:
-    """Raise an error of one line for a strategy that does not exist or does not fit the family."""
-    for entrant in entrants:
-        for member in entrant.members:
-            try:
-                member_pilot(member, problem, teams, directories)
-            except DocumentError as error:
-                raise DocumentError(f"--strategy {entrant.label}: {error}") from error

@@ -53,13 +53,20 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 def trial_steps(task: TrialTask) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
     scenarios = iter((task.scenario_of(task.places[0]),))
-    batch = Batch(task.mission, source=lambda _: next(scenarios, None), directories=task.directories, explained=True)
+    action = {"mode": "velocity" if task.steered else "option"}
+    batch = Batch(
+        task.mission,
+        source=lambda _: next(scenarios, None),
+        directories=task.directories,
+        explained=True,
+        action=action,
+    )
     decided = DecidedGoal(batch, task.goal)
     pilot = task.pilot(decided.problem, np.zeros(batch.robots, dtype=np.int64))
     observations = batch.reset()
     pilot.begin(batch.worlds.rows_of(0), task.mission_seed)
     while batch.progress.outcome[0] == RUNNING:
-        yield from batch.ticks(decided.actions(pilot.choose(observations)))
+        yield from batch.ticks(decided.decide(pilot, observations))
         if batch.progress.outcome[0] == RUNNING:
             observations = batch.end_period().observations
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
-from clean_swarm_env.config.types import Count
 from selector.documents.arrays import Arrays, check_same_names, load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Number
 from selector.knowledge import learned_from
 from selector.store import RewardSums
 from selector.strategies.learned_file import save_strategy
@@ -25,25 +22,10 @@ from train.learning.by_missions import MissionLearning
 from train.learning.by_rewards import RewardLearning
 from train.learning.protocol import Learning, Paid
 from train.learning.training import Training, TrainingJob, expert_knowledge
-from train.learning.validation import CheckpointHistory
+from train.learning.validation import CheckpointDescription
 from train.running.pilots import PilotMaker, StrategyPilot, columns_of
 
 STRATEGY = "strategy.safetensors"
-
-
-class CheckpointDescription(Closed):
-    """What a checkpoint says besides its arrays."""
-
-    checkpoint: Count
-    """Number of checkpoints done."""
-    decisions: Annotated[int, Field(strict=True, ge=0)]
-    """Decisions made so far."""
-    history: tuple[dict[str, Any], ...]
-    """Figures of the checkpoints."""
-    best: Number | None
-    """Lowest score so far; None: none."""
-    since: Annotated[int, Field(strict=True, ge=0)]
-    """Measurements since the best one."""
 
 
 class BanditTraining(Training):
@@ -130,14 +112,7 @@ class BanditTraining(Training):
     def _save(self, figures: dict[str, Any]) -> None:
         arrays = {f"now.{name}": array for name, array in self.strategy.learned().items()}
         arrays |= {f"best.{name}": array for name, array in self._best.items()}
-        description = {
-            "checkpoint": self.checkpoint,
-            "decisions": self._decisions,
-            "history": self.history.entries,
-            "best": self.history.best if np.isfinite(self.history.best) else None,
-            "since": self.history.since,
-        }
-        save_arrays(self.checkpoint_file, arrays, description)
+        save_arrays(self.checkpoint_file, arrays, self._description())
         if self.job.memory is not None and self._record.count:
             self.job.memory.give_sums(self._record)
         self._record = RewardSums(self.problem.goal, self.problem.options)
@@ -156,8 +131,5 @@ class BanditTraining(Training):
                 self.strategy.load_learned(parts[kind])
             except ValueError as error:
                 raise DocumentError(f"{where}: {kind}: {error}") from error
-        self._best = parts["best"]
-        self.checkpoint, self._decisions = description.checkpoint, description.decisions
-        best = float("inf") if description.best is None else description.best
-        self.history = CheckpointHistory(list(description.history), best, description.since)
-        self.write_history()
+        self._best, self._decisions = parts["best"], description.decisions
+        self._go_on(description)

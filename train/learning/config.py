@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
@@ -16,10 +16,14 @@ from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.documents.find import load_file
+from selector.strategies.machine_file import MOST_STATES
 from selector.strategies.registry import StrategySpec
+from train.learning.racing import RaceConfig
 
 Width = Annotated[int, Field(strict=True, ge=1, le=4096)]
 """Width of a hidden layer; an observation has some tens of components."""
+LEARNERS = ("ppo", "bandit", "es", "design")
+"""Kinds of learners, each the key of its settings."""
 
 
 class TaskConfig(Closed):
@@ -124,6 +128,52 @@ class BanditConfig(Closed):
         return StrategySpec(name=spec.name, parameters={**spec.parameters, **self.exported}, sharing=spec.sharing)
 
 
+class MembersConfig(Closed):
+    """Learning from whole missions of the members of a population."""
+
+    opening: Scenarios = 4
+    """Scenarios of each family that every option alone does first."""
+
+
+class EsConfig(MembersConfig):
+    """Evolution strategies: members are linear policies about a point that climbs."""
+
+    pairs: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 16
+    """Pairs of members; the two of a pair are opposite to each other."""
+    scenarios: Scenarios = 1
+    """Scenarios of each family that all members of a generation do."""
+    sigma: Positive = 0.4
+    """Standard deviation of the parameters of members [-]."""
+    learning_rate: Positive = 0.12
+    """Step size of Adam [-]."""
+    limit: Positive = 0.5
+    """Largest absolute fitness: a failed mission counts as one that costs so much more, in logarithms [-]."""
+    lead: Positive = 2.0
+    """Output by which the best option alone is ahead of the others at the beginning [-]."""
+    averaged: Annotated[float, Field(strict=True, ge=0.0, lt=1.0)] = 0.9
+    """Weight of the old mean in the running mean that is exported [-]."""
+
+
+MachineSize = Annotated[int, Field(strict=True, ge=1, le=MOST_STATES)]
+
+
+class DesignConfig(MembersConfig):
+    """Automatic design of finite state machines by iterated races."""
+
+    states: MachineSize = 4
+    """Most states of a machine."""
+    transitions: MachineSize = 4
+    """Most transitions of a state."""
+    candidates: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 20
+    """New machines of each race."""
+    fresh: Share = 0.2
+    """Share of the new machines that are drawn anew; the others are changed best ones. 1: random search."""
+    kept: Annotated[int, Field(strict=True, ge=1, le=1000)] = 4
+    """Best machines that go on to the next race."""
+    race: RaceConfig = RaceConfig(block=4, blocks=5)
+    """The race; scenarios are counted for each family."""
+
+
 class TrainingConfig(Closed):
     """One training."""
 
@@ -142,18 +192,24 @@ class TrainingConfig(Closed):
     checkpoints: Count = 20
     """Number of checkpoints; each saves everything and resets all worlds."""
     decisions: Count = 100_000
-    """Decisions of all rows from one checkpoint to the next, at least."""
+    """Decisions of all rows from one checkpoint to the next, at least; missions for `es` and
+    `design`."""
     validation: ValidationConfig = ValidationConfig()
     """Validation at checkpoints."""
     ppo: PpoConfig | None = None
-    """Learn a policy by PPO; either this or `bandit`."""
+    """Learn a policy by PPO; this or another learner."""
     bandit: BanditConfig | None = None
-    """Train a strategy; either this or `ppo`."""
+    """Train a strategy."""
+    es: EsConfig | None = None
+    """Learn a linear policy by evolution strategies."""
+    design: DesignConfig | None = None
+    """Design a finite state machine."""
 
     @model_validator(mode="after")
     def _one_learner(self) -> Self:
-        if (self.ppo is None) == (self.bandit is None):
-            raise ValueError("expected either ppo or bandit")
+        given = [name for name in LEARNERS if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected one of {', '.join(LEARNERS)}, got {', '.join(given) or 'none'}")
         group = self.bandit.comparison.group if self.bandit is not None and self.bandit.comparison is not None else 1
         for task in self.tasks:
             if task.worlds % group:
@@ -162,9 +218,9 @@ class TrainingConfig(Closed):
         return self
 
     @property
-    def learner(self) -> Literal["ppo", "bandit"]:
+    def learner(self) -> str:
         """Kind of learner."""
-        return "ppo" if self.ppo is not None else "bandit"
+        return next(name for name in LEARNERS if getattr(self, name) is not None)
 
 
 def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> TrainingConfig:

@@ -91,7 +91,7 @@ def _mission(env: Any, seed: int, maker: PilotMaker, on_mission: Callable[[], ob
     pilot.begin(np.arange(batch.rows), seed)
     total, over = 0.0, False
     while not over:
-        actions = decided.actions(pilot.choose(batch.observations))
+        actions = decided.decide(pilot, batch.observations)
         _, reward, terminated, truncated, infos = env.step(actions.ravel())
         total, over = total + float(reward), terminated or truncated
     on_mission()

@@ -78,9 +78,7 @@ class PpoTraining(Training):
         """Write the best policy so far and return its directory."""
         last = self._weights()
         self._take(self._best or last)
-        entry = min(self.history.entries, key=lambda line: line["score"] or np.inf, default={})
-        training = {"command": command, "seed": self.job.seed, "configuration": self.config.model_dump(mode="json")}
-        policy = self.policy(**training, figures=entry)
+        policy = self.policy(**self.about(command))
         self._take(last)
         path = self.job.folder.path / POLICY_FOLDER
         save_policy(path, policy)

@@ -21,12 +21,14 @@ from selector.documents.fields import MOST_LETTERS
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
-from train.running.exit_codes import FINISHED, INTERRUPTED
+from train.running.engine import WorkerLost
+from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import Machine, Workload, check_needs
+from train.running.processes import Processes
 from train.running.provenance import versions
 from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 
-LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": ()}
+LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
 """Packages that a learner needs besides those of all runs."""
 
 
@@ -35,7 +37,7 @@ class TrainingRequest:
     """The request of the user."""
 
     learner: str
-    """`ppo` or `bandit`."""
+    """One of `LEARNERS`."""
     config: str
     """Name of a training, or path to its YAML file."""
     seed: int
@@ -50,6 +52,8 @@ class TrainingRequest:
     """Whether the missions of validations are recorded."""
     forced: bool = False
     """Whether to start what the machine is estimated to be too small for."""
+    workers: int = 1
+    """Processes for missions of members."""
 
     @property
     def directory(self) -> Path:
@@ -80,7 +84,8 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     for task in config.tasks:
         with within(f"{request.config}: tasks"):
             largest = task.load(request.directories).largest
-            check_needs(Workload(largest, task.worlds, task.worlds), Machine(forced=request.forced))
+            worlds, machine = task.worlds, Machine(request.workers, request.forced)
+            check_needs(Workload(largest, worlds * request.workers, worlds), machine)
     identity = {
         "learner": request.learner,
         "seed": request.seed,
@@ -96,8 +101,8 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     if not compiled_before():
         announce()
     try:
-        with folder.alone(), _progress(config) as on_progress:
-            training = made(replace(job, on_progress=on_progress))
+        with folder.alone(), _progress(config) as on_progress, Processes(request.workers).rounds() as done:
+            training = made(replace(job, on_progress=on_progress, workers=request.workers, done=done))
             on_progress(training.decisions)
             while not training.finished:
                 training.advance()
@@ -105,10 +110,10 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     except ValueError:  # the configuration is wrong: nothing has been learned
         folder.discard()
         raise
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, WorkerLost) as end:
         errors = Console(stderr=True, highlight=False, soft_wrap=True)
-        errors.print(f"interrupted; to go on:\n  {request.command(resume=True)}", markup=False)
-        return INTERRUPTED
+        errors.print(f"{str(end) or 'interrupted'}; to go on:\n  {request.command(resume=True)}", markup=False)
+        return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
     finally:
         if memory is not None:
             memory.close()

@@ -16,14 +16,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.knowledge import Knowledge, load_knowledge
 from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.learning.validation import CheckpointHistory, measured
+from train.learning.validation import CheckpointDescription, CheckpointHistory, measured
 from train.running.decided_goal import DecidedGoal
+from train.running.engine import Round, in_turn
 from train.running.pilots import PilotMaker
 from train.running.run_folder import RunFolder
 from train.running.trials import TrialSettings
@@ -49,6 +52,10 @@ class TrainingJob:
     given."""
     memory: Memory | None = None
     """The knowledge store, which gets the rewards if the training learns for it."""
+    workers: int = 1
+    """Processes for missions of members; the training is the same with any number."""
+    done: Round = in_turn
+    """Does the tasks of `workers` processes."""
 
 
 def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Knowledge:
@@ -105,6 +112,12 @@ class Training(ABC):
         """Write one line for each checkpoint to the directory."""
         self.job.folder.write(HISTORY_FILE, "".join(json.dumps(entry) + "\n" for entry in self.history.entries))
 
+    def about(self, command: str) -> dict[str, Any]:
+        """Return how the best result was trained, for its file."""
+        configuration = self.config.model_dump(mode="json")
+        figures = self.history.best_entry
+        return {"command": command, "seed": self.job.seed, "configuration": configuration, "figures": figures}
+
     @property
     @abstractmethod
     def decisions(self) -> int:
@@ -129,6 +142,19 @@ class Training(ABC):
     @abstractmethod
     def _save(self, figures: dict[str, Any]) -> None:
         """Write the checkpoint; `figures` are its entry in the history."""
+
+    def _description(self) -> dict[str, Any]:
+        """Return the content of `CheckpointDescription`."""
+        best = self.history.best if np.isfinite(self.history.best) else None
+        counted = {"checkpoint": self.checkpoint, "decisions": self.decisions}
+        return {**counted, "history": self.history.entries, "best": best, "since": self.history.since}
+
+    def _go_on(self, description: CheckpointDescription) -> None:
+        """Continue after the checkpoint that is described."""
+        self.checkpoint = description.checkpoint
+        best = float("inf") if description.best is None else description.best
+        self.history = CheckpointHistory(list(description.history), best, description.since)
+        self.write_history()
 
     def _measured(self) -> dict[str, float]:
         if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:

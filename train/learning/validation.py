@@ -1,14 +1,17 @@
-"""Validation: mission costs on scenarios that no training uses, and the best checkpoint."""
+"""Validation: mission costs on scenarios that no training uses, the best checkpoint, and how both are kept."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from clean_swarm_env.config.families import Scenario
+from clean_swarm_env.config.types import Count
+from selector.documents.fields import Closed, Number
 from train.running.pilots import PilotMaker
 from train.running.trials import TrialSettings, run_trials
 
@@ -51,3 +54,23 @@ class CheckpointHistory:
             self.best, self.since = (score, 0) if better else (self.best, self.since + 1)
         self.entries.append({**entry, **figures, "score": score if costs else None, "best": better})
         return better
+
+    @property
+    def best_entry(self) -> dict[str, Any]:
+        """The entry of the best checkpoint; empty without any."""
+        return min(self.entries, key=lambda line: line["score"] or np.inf, default={})
+
+
+class CheckpointDescription(Closed):
+    """What a checkpoint says besides what was learned."""
+
+    checkpoint: Count
+    """Number of checkpoints done."""
+    decisions: Annotated[int, Field(strict=True, ge=0)]
+    """Decisions made so far."""
+    history: tuple[dict[str, Any], ...]
+    """Figures of the checkpoints."""
+    best: Number | None
+    """Lowest score so far; None: none."""
+    since: Annotated[int, Field(strict=True, ge=0)]
+    """Measurements since the best one."""

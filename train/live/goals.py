@@ -100,7 +100,7 @@ class GoalSession(Session):
         robots = ("robot", self._arena.robots)
         heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
         self._channels = (
-            *(channel for channel, _ in point_channels("", (robots,), "where the robot is", order=2)),
+            *point_channels("", (robots,), "where the robot is", order=2),
             heading,
             whole_channel("present", robots, "1 where the robot is there, at work or failed"),
             whole_channel("working", robots, "1 where the robot is at work"),
@@ -171,7 +171,7 @@ class GoalSession(Session):
         values: list[AnyArray] = [*arena.positions.T.copy(), arena.headings.copy(), ones, ones, self._team.held.copy()]
         self._play.tick()
         whole = [channel.whole(value[None]) for channel, value in zip(self._channels, values, strict=True)]
-        return self._file.add(first, whole, notes)
+        return self._file.add(first, np.concatenate(whole, axis=1), notes)
 
     def _ended(self) -> Mapping[str, Any] | None:
         if not self.scene.over:

@@ -6,14 +6,19 @@ Shapes: R rows, C goals that the mission coordinates, in the order of the robot'
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.cleaning_robot import GOAL
 from selector.documents.errors import DocumentError
 from selforg.arrays import Ints
 from selforg.registry import unknown
+from train.running.model_pilots import VectorPilot
+from train.running.pilots import AnyPilot
 
 
 class DecidedGoal:
@@ -36,7 +41,16 @@ class DecidedGoal:
         name = named_goal(tuple(models), goal)
         self._column = list(models).index(name)
         self.problem = models[name].problem(batch.observer.names)
-        self._default = batch.choices.default
+        self._default, self._recorder = batch.choices.default, batch.recorder
+
+    def decide(self, pilot: AnyPilot, observations: Observations) -> NDArray[Any]:
+        """Return the actions of a batch whose pilot sees `observations` (R, F); a recording notes its opinions."""
+        if isinstance(pilot, VectorPilot):
+            return pilot.choose(observations)
+        options = pilot.choose(observations)
+        if self._recorder is not None:
+            self._recorder.think(self.problem.goal, pilot.opinions())
+        return self.actions(options)
 
     def actions(self, options: Ints) -> Ints:
         """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""

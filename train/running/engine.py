@@ -4,9 +4,9 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from train.running.runs import RunRecord, Task
+from train.running.runs import RunRecord, Work
 
-Round = Callable[[Sequence[Task]], Iterator[RunRecord]]
+Round = Callable[[Sequence[Work]], Iterator[RunRecord]]
 """A function that does tasks, and yields each run when it is done, in any order."""
 
 MOST_DEATHS = 3
@@ -27,13 +27,18 @@ class Engine(Protocol):
 class WorkerLost(Exception):
     """A task lost its worker again and again; the message names the task."""
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Work) -> None:
         (scenario, condition), *others = task.keys
         more = f" (and up to {len(others)} more runs)" if others else ""
         super().__init__(f"scenario {scenario}, condition {condition}{more}: its worker died {MOST_DEATHS} times")
 
 
-def each_done(tasks: Sequence[Task], engine: Engine) -> Generator[RunRecord, None, None]:
+def in_turn(tasks: Sequence[Work]) -> Iterator[RunRecord]:
+    """Do tasks in this process."""
+    return (record for task in tasks for record in task.each())
+
+
+def each_done(tasks: Sequence[Work], engine: Engine) -> Generator[RunRecord, None, None]:
     """Yield each run when it is done, in any order; see `Engine.rounds`."""
     with engine.rounds() as done:
         yield from done(tasks)

@@ -1,8 +1,8 @@
 """Pilots by models of other libraries: Stable-Baselines3, TorchScript and ONNX.
 
 A model gets the default observation of a robot (R, F), float32, and gives a number for each option (R, O), of which the
-largest counts, in the order of the expert knowledge. A model of Stable-Baselines3 is the `.zip` that `save` wrote; what
-`VecNormalize.save` wrote lies beside it with the ending `.pkl`.
+largest counts, in the order of the expert knowledge; or a movement vector (R, 2). A model of Stable-Baselines3 is the
+`.zip` that `save` wrote; what `VecNormalize.save` wrote lies beside it with the ending `.pkl`.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.learning.actions import checked_vectors
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 
 Model = Callable[[Observations], NDArray[Any]]
-"""Function from observations (R, F) to options (R,), or to a number for each option (R, O)."""
+"""Function from observations (R, F) to options (R,), to a number for each option (R, O), or to vectors (R, 2)."""
 
 
 class ModelPilot:
@@ -33,36 +34,68 @@ class ModelPilot:
     """
 
     def __init__(self, path: Path, problem: Problem) -> None:
-        if not path.is_file():
-            raise DocumentError(f"{path}: no such file")
-        self._path, self._options = path, len(problem.options)
-        try:
-            self._model = LOADERS[path.suffix](path)
-            self.choose(np.zeros((1, len(problem.features)), dtype=np.float32))
-        except ImportError as error:
-            raise DocumentError(f"{path}: {error}; the extras train and onnx have what models need") from error
-        except (RuntimeError, ValueError, KeyError) as error:  # libraries raise different errors
-            text = " ".join(str(error).split())[:200]
-            expected = f"a model of {len(problem.features)} numbers and {self._options} options"
-            raise DocumentError(f"{path}: expected {expected}, got {text}") from error
+        self._options = len(problem.options)
+        self._model = loaded(path, len(problem.features), f"{self._options} options", self._preferred)
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Do nothing: the decisions do not depend on the mission."""
 
     def choose(self, observations: Observations) -> Ints:
         """Return the options (R,) that the model prefers."""
-        given = np.asarray(self._model(observations))
-        if given.ndim == 2 and given.shape[1] != self._options:
-            raise ValueError(f"{given.shape[1]} options")
-        options: Ints = (given.argmax(axis=1) if given.ndim == 2 else given).astype(np.int64)
-        if options.shape != observations.shape[:1] or options.max(initial=0) >= self._options:
-            raise ValueError(f"options {options.tolist()}")
-        self._chosen = options
-        return options
+        self._chosen = self._preferred(self._model(observations), len(observations))
+        return self._chosen
 
     def opinions(self) -> Floats:
         """Return 1 for the option that the model preferred, 0 for the others (R, O)."""
         return np.eye(self._options)[self._chosen]
+
+    def _preferred(self, given: NDArray[Any], rows: int) -> Ints:
+        """Return the options (R,) in an answer; ValueError says what does not fit."""
+        if given.ndim == 2 and given.shape[1] != self._options:
+            raise ValueError(f"{given.shape[1]} options")
+        options: Ints = (given.argmax(axis=1) if given.ndim == 2 else given).astype(np.int64)
+        if options.shape != (rows,) or options.max(initial=0) >= self._options:
+            raise ValueError(f"options {options.tolist()}")
+        return options
+
+
+class VectorPilot:
+    """A model of another library whose answers are movement vectors (R, 2), see `VelocityActions`.
+
+    Args:
+        path: the file.
+        features: number of components of the observation of a robot that is steered.
+
+    Raises:
+        DocumentError: as `ModelPilot`.
+
+    """
+
+    def __init__(self, path: Path, features: int) -> None:
+        self.choose = loaded(path, features, "a vector", checked_vectors)
+
+    def begin(self, rows: Ints, seed: int) -> None:
+        """Do nothing: the vectors do not depend on the mission."""
+
+
+def loaded(path: Path, features: int, gives: str, check: Callable[[NDArray[Any], int], Any]) -> Model:
+    """Return the model of a file after an answer for one row, which `check` takes or refuses with ValueError.
+
+    `gives` says what a model of that many `features` has to give.
+    """
+    if not path.is_file():
+        raise DocumentError(f"{path}: no such file")
+    if path.suffix not in LOADERS:
+        raise DocumentError(f"{path}: expected a file that ends in {', '.join(LOADERS)}")
+    try:
+        model = LOADERS[path.suffix](path)
+        check(np.asarray(model(np.zeros((1, features), dtype=np.float32))), 1)
+    except ImportError as error:
+        raise DocumentError(f"{path}: {error}; the extras train and onnx have what models need") from error
+    except (RuntimeError, ValueError, KeyError) as error:  # libraries raise different errors
+        text = " ".join(str(error).split())[:200]
+        raise DocumentError(f"{path}: expected a model of {features} numbers and {gives}, got {text}") from error
+    return model
 
 
 def stable_baselines3(path: Path) -> Model:

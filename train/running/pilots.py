@@ -22,6 +22,7 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
+from train.running.model_pilots import VectorPilot
 
 
 class Pilot(Protocol):
@@ -37,7 +38,9 @@ class Pilot(Protocol):
         """Return what each row thought of each option (R, O) when it last chose, for recordings."""
 
 
-PilotMaker = Callable[[Problem, Ints], Pilot]
+AnyPilot = Pilot | VectorPilot
+"""Chooses options, or steers."""
+PilotMaker = Callable[[Problem, Ints], AnyPilot]
 """Makes a pilot for rows of teams (R,), for a problem whose features are all components of the observation."""
 
 

@@ -13,8 +13,8 @@ from multiprocessing.process import BaseProcess
 from traceback import format_exc
 
 from clean_swarm_env.siblings import call
-from train.running.engine import MOST_DEATHS, Round, WorkerLost
-from train.running.runs import RunKey, RunRecord, Task
+from train.running.engine import MOST_DEATHS, Round, WorkerLost, in_turn
+from train.running.runs import RunKey, RunRecord, Work
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Processes:
 class _Attempt:
     """A task that a worker does or has to do."""
 
-    task: Task
+    task: Work
     deaths: int = 0
     """Workers that died of it."""
     done: set[RunKey] = field(default_factory=set)
@@ -64,11 +64,10 @@ class _Workers:
         self._processes: dict[Connection, BaseProcess] = {}
         self._busy: dict[Connection, _Attempt] = {}
 
-    def round(self, tasks: Sequence[Task]) -> Iterator[RunRecord]:
+    def round(self, tasks: Sequence[Work]) -> Iterator[RunRecord]:
         """Do the tasks and yield their runs, also those that are done when it is interrupted or a task is given up."""
         if min(self._most, len(tasks)) <= 1 and not self._processes:
-            for task in tasks:
-                yield from task.each()
+            yield from in_turn(tasks)
             return
         try:
             yield from self._done(deque(map(_Attempt, tasks)))
@@ -164,7 +163,7 @@ def work(connection: Connection) -> None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
     with suppress(EOFError, OSError):  # the parent closed the pipe: there are no more tasks
         while True:
-            task: Task = connection.recv()
+            task: Work = connection.recv()
             try:
                 for record in task.each():
                     connection.send(record)

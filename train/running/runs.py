@@ -118,18 +118,22 @@ def under(disturbance: str, condition: str) -> str:
     return f"{disturbance} - {condition}"
 
 
-class Task(Protocol):
+class Work(Protocol):
     """Runs that one process does; plain data, which can be sent to a worker process."""
 
     @property
     def keys(self) -> tuple[RunKey, ...]:
         """Scenario and condition of each run."""
 
-    def without(self, done: Collection[RunKey]) -> "Task":
-        """Return the task of those runs that are not `done`, of which there is at least one."""
+    def without(self, done: Collection[RunKey]) -> "Work":
+        """Return those runs that are not `done`, of which there is at least one."""
 
     def each(self) -> Iterator[RunRecord]:
         """Do the runs, and yield each when it is done."""
+
+
+class Task(Work, Protocol):
+    """Runs of an evaluation or a study that one process does."""
 
     def run(self) -> list[RunRecord]:
         """Do the runs, and return them in the order of the task."""

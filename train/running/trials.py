@@ -1,4 +1,4 @@
-"""Trials: missions of given scenarios, many at the same time, in which a pilot chooses the options.
+"""Trials: missions of given scenarios, many at the same time, in which a pilot chooses the options or steers.
 
 The result of a mission depends neither on the worlds beside it nor on their number.
 """
@@ -38,6 +38,8 @@ class TrialSettings:
     """The user's own directories of configurations."""
     record: RecordSettings | None = None
     """Where the missions are recorded; none is unless given."""
+    steered: bool = False
+    """Whether the pilot gives movement vectors in place of options."""
 
 
 def run_trials(
@@ -81,7 +83,8 @@ def _trials(
         source=following,
         observation=settings.observation,
         directories=settings.directories,
-        record=replace(record, thinking=True) if record else None,
+        record=replace(record, thinking=not settings.steered) if record else None,
+        action={"mode": "velocity" if settings.steered else "option"},
     )
     decided = DecidedGoal(batch, settings.goal)
     pilot = maker(decided.problem, np.repeat(np.arange(worlds), batch.robots))
@@ -90,9 +93,6 @@ def _trials(
         for world, seed in begun:
             pilot.begin(batch.worlds.rows_of(world), seed)
         begun.clear()
-        options = pilot.choose(observations)
-        if batch.recorder is not None:
-            batch.recorder.think(decided.problem.goal, pilot.opinions())
-        observations = batch.step(decided.actions(options)).observations
+        observations = batch.step(decided.decide(pilot, observations)).observations
         for end in batch.finished:
             yield did[end.world], end.result

@@ -12,6 +12,7 @@ from clean_swarm_env.config.types import Scenarios
 from selector.documents.errors import impossible
 from selector.documents.fields import LARGEST_NUMBER, Closed, DocumentName, Flag, Label, Name, Number, Positive
 from selector.documents.find import load_file
+from train.learning.racing import RaceConfig
 
 WholeNumber = Annotated[int, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
 Method = Literal["random", "TPE", "CMA-ES", "NSGA-II", "MAP-Elites"]
@@ -50,17 +51,6 @@ class Choices(Closed):
 
     choices: Annotated[tuple[Flag | WholeNumber | Number | Label, ...], Field(min_length=2, max_length=1000)]
     """The values."""
-
-
-class RaceConfig(Closed):
-    """The race of the candidates of a batch, and the best ones before them, over blocks of common scenarios."""
-
-    block: Annotated[int, Field(strict=True, ge=2, le=1000)] = 10
-    """Scenarios after which candidates are compared."""
-    blocks: Annotated[int, Field(strict=True, ge=1, le=1000)] = 5
-    """Largest number of blocks."""
-    level: Annotated[float, Field(strict=True, gt=0.0, lt=0.5)] = 0.05
-    """A candidate is dropped if it is worse than the best one at this level of a paired one-sided t-test [-]."""
 
 
 class LastConfig(Closed):

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from selforg.arrays import Floats
+from train.learning.racing import front
 from train.studies.conclusion import Conclusion
 from train.studies.config import ArchiveConfig
 from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT
 from train.studies.proposals import empty_archive
-from train.studies.racing import front
 from train.studies.search import Arm
 
 COLOURS = ("#0072b2", "#999999")

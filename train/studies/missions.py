@@ -18,6 +18,7 @@ from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
+from train.evaluation.entrants import member_pilot
 from train.evaluation.family import TASK_SCENARIOS, TrialTask
 from train.running.engine import Round
 from train.running.pilots import Pilot, columns_of
@@ -72,7 +73,7 @@ class CandidateTask(TrialTask):
         watches: list[AvoidanceWatch] = []
 
         def pilot(problem: Problem, teams: Ints) -> AvoidanceWatch:
-            watches.append(AvoidanceWatch(self.pilot(problem, teams), problem))
+            watches.append(AvoidanceWatch(member_pilot(self.member, problem, teams, self.directories), problem))
             return watches[-1]
 
         settings = TrialSettings(self.goal, TASK_SCENARIOS, SEEN, self.directories)

@@ -15,10 +15,10 @@ import numpy as np
 
 from selector.documents.errors import DocumentError
 from selforg.arrays import Floats
-from train.studies.config import Method, RaceConfig, StudyConfig
+from train.learning.racing import RaceConfig, front, race
+from train.studies.config import Method, StudyConfig
 from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, LAST_RACE, SEARCH, Candidate, MissionField
 from train.studies.proposals import Told, proposer_of
-from train.studies.racing import front, race
 from train.studies.space import StudySpace
 
 

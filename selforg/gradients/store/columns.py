@@ -86,8 +86,9 @@ POSE_COLUMNS = 10
 ROW_TEAM = 0  # team of the row
 ROW_POSES = 1  # number of poses known
 ROW_SILENT = 2  # 1 if the row spreads none
-ROW_COLUMNS = 3
-ROW_HEARD = 3  # from here on, if rows hear each other: age of the last pose received from each of the team, -1: none;
+ROW_DEAF = 3  # 1 if the row stores nothing that others spread
+ROW_COLUMNS = 4
+ROW_HEARD = 4  # from here on, if rows hear each other: age of the last pose received from each of the team, -1: none;
 # after these, in the same order, the age of the one received before it
 
 # Pairs, float64 (P, PAIR_COLUMNS): what a row sees of one gradient

@@ -8,6 +8,7 @@ import pytest
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording import taking
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
@@ -79,6 +80,16 @@ def test_recording_changes_no_mission(tmp_path):
         run = run_of()
         result = record_mission(run, RecordSettings(tmp_path / str(minds), minds), {})
         assert result == run_mission(run.mission, run.start, run.seed, run.scores)
+
+
+def test_without_addresses_the_same_bytes_are_recorded(tmp_path, monkeypatch):
+    run = run_of(MISSION.model_copy(update={"time_limit": 12.0}))
+    written = []
+    for by_address in (True, False):
+        monkeypatch.setattr(taking, "BY_ADDRESS", by_address)
+        record_mission(run, RecordSettings(tmp_path, minds=True, name=str(by_address)), {})
+        written.append((tmp_path / f"{by_address}.swarm").read_bytes())
+    assert written[0] == written[1]
 
 
 def test_a_frame_holds_where_robots_are_and_what_they_then_decide(seen):

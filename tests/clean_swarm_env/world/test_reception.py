@@ -66,6 +66,22 @@ def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
     assert known == [1, 1, 0]
 
 
+@pytest.mark.parametrize("way", ["remove", "fail"])
+@pytest.mark.parametrize("delay", [0.0, 0.2])
+def test_robots_that_no_longer_work_hold_no_pheromones_and_receive_none(way, delay):
+    worlds = _still({"reach": 2.5, "delay": delay})
+    _spread(worlds)
+    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    _spread(worlds, 2)
+    assert worlds.minds.pheromones.count(0, "pheromone") == 2
+    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    getattr(worlds.team, way)(np.array([1]))  # with a delay its message is under way
+    for _ in range(2):
+        _spread(worlds, 2)
+        assert worlds.minds.pheromones.count(0, "pheromone") == 1
+        worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+
+
 def test_messages_arrive_after_their_delay():
     worlds = _still({"delay": 0.6})
     assert [_spread(worlds) for _ in range(4)] == [[0, 0, 0], [0, 0, 0], [0, 0, 0], [2, 2, 2]]

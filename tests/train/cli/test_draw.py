@@ -1,8 +1,11 @@
 """`clean-swarm draw` as a user meets it."""
 
 import pytest
+from matplotlib.patches import FancyArrowPatch
 
+from selector.strategies.machine_file import load_machine
 from train import cli
+from train.reports.machine_picture import draw_machine
 
 STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
 
@@ -35,6 +38,15 @@ def test_the_ending_chooses_the_format_and_equal_networks_give_equal_files(told,
     assert first == (tmp_path / f"b{suffix}").read_bytes()
 
 
+def test_a_machine_is_drawn_with_its_states_options_and_ways(told, tmp_path):
+    assert told("draw", "rule") == (0, "4 states in rule.svg\n", "")
+    figure = draw_machine(load_machine("rule"))
+    texts = {text.get_text() for text in figure.axes[0].texts}
+    assert {"free far", "RepulsionFernandez-\nview1.5", "3: carrying_near > 0.5", "4: free_far > 0.5\nstays"} <= texts
+    arrows = [patch for patch in figure.axes[0].patches if isinstance(patch, FancyArrowPatch)]
+    assert len(arrows) == 4 * 3
+
+
 def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
     (tmp_path / "my" / "mechanisms").mkdir(parents=True)
     shy = tmp_path / "my" / "mechanisms" / "Shy.yaml"
@@ -46,11 +58,12 @@ def test_a_path_and_a_directory_of_ones_own_are_found(told, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["cleanin"], "unknown robot or configuration 'cleanin'"),
+        (["cleanin"], "unknown robot, configuration or machine 'cleanin'"),
         (["none.yaml"], "none.yaml: "),
         (["cleaning", "--output", "x.gif"], "--output: expected a name that ends in .svg, .png, .pdf, got x.gif"),
         (["Spacing", "--output", "none/x.png"], "--output: none/x.png: No such file or directory"),
         (["Spacing", "--knowledge", "cleaning"], "--knowledge: expected a robot"),
+        (["rule", "--knowledge", "cleaning"], "--knowledge: expected a robot"),
         (["cleaning", "--knowledge", "nix"], "unknown expert knowledge 'nix'"),
         (["cleaning", "--knowledge", "library"], "unknown goal 'AvoidCollision'"),
         (["cleaning", "--configs", "none"], "none: no such directory"),

@@ -1,15 +1,18 @@
 """Strategies of one's own and models of other libraries take part in evaluations, and mistakes are one line."""
 
 from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from clean_swarm_env.clean_swarm_v0 import parallel_env
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
 from train.evaluation.entrants import entrants_of, identified, member_pilot, unlearned
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.repeat_trial import trial_steps
 from train.running.model_pilots import LOADERS
 
 PROBLEM = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.5]), ("near", "far"))
@@ -74,6 +77,53 @@ def test_a_family_without_the_options_of_a_policy_is_one_line():
 def test_strategies_that_have_learned_nothing_are_named():
     given = ("fixed", "rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
     assert unlearned(entrants_of(given, PROBLEM.options)) == ["UCB1", "mine"]
+
+
+@pytest.fixture
+def ahead(folder, monkeypatch):
+    """A model that lets all robots drive ahead and slightly to the left, as a file `ahead.const`."""
+    (folder / "ahead.const").write_text("0.9 0.1")
+    monkeypatch.setitem(LOADERS, ".const", lambda path: lambda seen: np.tile(np.loadtxt(path), (len(seen), 1)))
+    return "velocity:ahead.const"
+
+
+def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahead):
+    request = FamilyRequest("table1", (ahead,), 3, scenarios=2)
+    evaluation = FamilyEvaluation(request)
+    (task,) = (task for task in evaluation.tasks(()) if task.member == ahead)
+    for number, record in enumerate(task.run()):
+        scenario = evaluation.family.scenario(3, number, "test")
+        env = parallel_env(scenario.mission, action={"mode": "velocity"})
+        env.reset(seed=scenario.seed, options={"start": scenario.start})
+        while env.agents:
+            infos = env.step({agent: np.array([0.9, 0.1], dtype=np.float32) for agent in env.agents})[-1]
+        last = infos["robot_0"]
+        assert (record.result.garbage_done, record.result.completed) == (last["garbage_done"], last["completed"])
+        assert record.result.duration_s == last["duration_s"]
+    assert sum(1 for _ in trial_steps(task)) == task.run()[0].result.ticks
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1 2 3", r"velocity:ahead.const: ahead.const: expected a model of \d+ numbers and a vector, got .*3"),
+        ("nan 0", "expected a model of .* a vector, got actions: expected finite numbers"),
+    ],
+)
+def test_a_model_that_steers_must_give_vectors(ahead, text, message):
+    Path("ahead.const").write_text(text)
+    with pytest.raises(DocumentError, match=message):
+        FamilyEvaluation(FamilyRequest("table1", (ahead,), 3, scenarios=2))
+
+
+def test_a_model_that_steers_is_refused_where_options_are_chosen(ahead):
+    with pytest.raises(DocumentError, match=r"velocity:ahead.const: expected a strategy that chooses options"):
+        member_pilot(ahead, PROBLEM, TEAMS)
+    with pytest.raises(DocumentError, match=r"velocity:ahead.md: ahead.md: no such file"):
+        FamilyEvaluation(FamilyRequest("table1", ("velocity:ahead.md",), 3, scenarios=2))
+    Path("ahead.md").touch()
+    with pytest.raises(DocumentError, match=r"ahead.md: expected a file that ends in \.zip, "):
+        FamilyEvaluation(FamilyRequest("table1", ("velocity:ahead.md",), 3, scenarios=2))
 
 
 def models(folder):

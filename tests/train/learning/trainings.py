@@ -1,5 +1,7 @@
 """Trainings of some seconds: `missions` is one by bandit, rewarded by what whole missions cost."""
 
+from dataclasses import replace
+
 import yaml
 
 from train.learning.training import TrainingJob
@@ -32,6 +34,12 @@ KINDS = {
         "tasks": [{"family": "random", "worlds": 4}],
         "decisions": 8,
     },
+    "es": {"es": {"pairs": 1, "opening": 1}, "checkpoints": 2, "decisions": 2},
+    "design": {
+        "design": {"candidates": 2, "kept": 1, "opening": 1, "race": {"block": 2, "blocks": 1}},
+        "checkpoints": 2,
+        "decisions": 4,
+    },
 }
 
 
@@ -41,6 +49,6 @@ def written(directory, kind, **changes):
     return path
 
 
-def job(config, directory):
-    """A training of seed 1 in a new directory."""
-    return TrainingJob(config, 1, RunFolder(directory, {"identity": {}}, resume=False), lambda _: None)
+def job(config, directory, *, resume=False, **more):
+    """A training of seed 1 in a new directory, or one to go on with."""
+    return replace(TrainingJob(config, 1, RunFolder(directory, {"identity": {}}, resume=resume)), **more)

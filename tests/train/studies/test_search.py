@@ -9,11 +9,11 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
+from train.learning.racing import front
 from train.running.run_folder import RunFolder
 from train.studies.config import Method, load_study
 from train.studies.journal import MissionJournal
 from train.studies.missions import DURATION, EVENT_COUNT, FIGURES, LAST_RACE, Candidate, MissionField
-from train.studies.racing import front
 from train.studies.space import StudySpace
 
 pytest.importorskip("optuna", reason="optuna is not installed (extra tune)")

@@ -3,9 +3,8 @@
 import numpy as np
 
 from tests.train.studies.synthetic import NOISE
-from train.studies.config import RaceConfig
+from train.learning.racing import RaceConfig, front, race, worse_than_best
 from train.studies.missions import Candidate
-from train.studies.racing import front, race, worse_than_best
 
 RULES = RaceConfig(block=10, blocks=10)
 

@@ -11,19 +11,32 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
+from typing import Annotated, TypeVar
 
 import numpy as np
 import scipy.stats
+from pydantic import Field
 
+from selector.documents.fields import Closed
 from selforg.arrays import Flags, Floats, Ints
-from train.studies.config import RaceConfig
-from train.studies.missions import Candidate
 
-Measuring = Callable[[Sequence[Candidate], int], Floats]
+C = TypeVar("C")
+Measuring = Callable[[Sequence[C], int], Floats]
 """Returns the figures that count (C, J, n) of candidates on the first n scenarios."""
 
 
-def race(candidates: Sequence[Candidate], measure: Measuring, rules: RaceConfig) -> list[Candidate]:
+class RaceConfig(Closed):
+    """The race of new candidates, and the best ones before them, over blocks of common scenarios."""
+
+    block: Annotated[int, Field(strict=True, ge=2, le=1000)] = 10
+    """Scenarios after which candidates are compared."""
+    blocks: Annotated[int, Field(strict=True, ge=1, le=1000)] = 5
+    """Largest number of blocks."""
+    level: Annotated[float, Field(strict=True, gt=0.0, lt=0.5)] = 0.05
+    """A candidate is dropped if it is worse than the best one at this level of a paired one-sided t-test [-]."""
+
+
+def race(candidates: Sequence[C], measure: Measuring[C], rules: RaceConfig) -> list[C]:
     """Return the candidates that no block showed to be worse than the best ones, in their order."""
     alive = list(candidates)
     for block in range(1, rules.blocks + 1):

@@ -1,0 +1,199 @@
+"""Learners that compare whole missions of members: who decides where, exact resume, any number of workers."""
+
+from collections import deque
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.load import load_family
+from selector.documents.errors import DocumentError
+from selector.strategies.machine_file import StateMachine, load_machine
+from selector.strategies.policy import Network
+from selector.strategies.policy_file import load_policy
+from selector.strategies.problem import Problem
+from tests.train.learning.trainings import job, written
+from train.learning.config import DesignConfig, load_training
+from train.learning.members.design import DesignTraining
+from train.learning.members.es import EsState, EsTraining, climbed
+from train.learning.members.machine_space import MachineSpace
+from train.learning.members.missions import MachineMember, MembersPilot, MemberTask, OptionMember
+from train.learning.members.training import MembersTraining, ObservationScale
+from train.running.processes import Processes
+from train.running.trials import TrialSettings
+
+LEARNERS = {"es": (EsTraining, "policy/policy.safetensors"), "design": (DesignTraining, "machine.yaml")}
+
+
+def test_each_mission_follows_its_member_and_notes_what_it_sees():
+    problem, seen = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("left", "right")), {}
+    members, waiting = [OptionMember(k) for k in (2, 0, 1)], {7: deque([0, 2]), 9: deque([1])}
+    pilot = MembersPilot(problem, members, waiting, seen)
+    first, second = np.array([0, 1]), np.array([2, 3])
+    pilot.begin(second, 7)
+    pilot.begin(first, 9)
+    observed = np.arange(8, dtype=np.float32).reshape(4, 2)
+    assert pilot.choose(observed).tolist() == [0, 0, 2, 2]
+    pilot.begin(second, 7)
+    assert pilot.choose(observed).tolist() == [0, 0, 1, 1]
+    assert pilot.opinions().argmax(axis=1).tolist() == [0, 0, 1, 1]
+    assert seen[0].tolist() == [[2, 2], [4 + 6, 5 + 7], [16 + 36, 25 + 49]]
+    assert seen[1].tolist() == [[4, 4], [4, 8], [8, 20]]
+
+
+def test_the_missions_that_a_dead_worker_left_keep_their_members_and_places():
+    scenarios = tuple(load_family("table1").scenario(0, index, "train") for index in range(3))
+    task = MemberTask(scenarios, tuple(map(OptionMember, range(3))), (4, 5, 6), TrialSettings())
+    assert task.keys == tuple(zip(("train-1", "train-2", "train-3"), "456", strict=True))
+    left = task.without({task.keys[1]})
+    assert (left.scenarios, left.members, left.places) == (scenarios[::2], task.members[::2], (4, 6))
+
+
+@pytest.mark.parametrize("kind", LEARNERS)
+def test_a_training_comes_to_the_same_bits_in_pieces_and_with_two_workers(tmp_path, kind):
+    made, learned = LEARNERS[kind]
+    config = load_training(str(written(tmp_path, kind)), kind)
+    whole = made(job(config, tmp_path / "whole"))
+    while not whole.finished:
+        whole.advance()
+    whole.export("command")
+    made(job(config, tmp_path / "cut")).advance()
+    with Processes(2).rounds() as done:
+        cut = made(job(config, tmp_path / "cut", resume=True, workers=2, done=done))
+        assert cut.checkpoint == 1
+        while not cut.finished:
+            cut.advance()
+    cut.export("command")
+    for name in (learned, "history.jsonl", "checkpoint.json"):
+        assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+
+
+def fake(monkeypatch, cost_of):
+    """Let members cost what `cost_of` says, on scenarios that differ far more than members do."""
+    noise = np.random.default_rng(0)
+
+    def done(training, members, scenarios):
+        training._missions += len(members) * len(scenarios)
+        hardness = np.exp(noise.normal(scale=2.0, size=(len(scenarios), 1)))
+        costs = hardness * np.array([cost_of(member, training.problem) for member in members])
+        training._costs += costs.ravel().tolist()
+        features = len(training.problem.features)
+        return costs, np.array([[100.0], [20.0], [54.0]]) * np.ones(features)
+
+    monkeypatch.setattr(MembersTraining, "_done", done)
+    monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/cost_s": 1.0})
+
+
+def options_of(member, problem, observed):
+    return member.pilot(problem, len(observed)).choose(observed)
+
+
+def test_evolution_strategies_find_the_linear_rule_that_costs_least(tmp_path, monkeypatch):
+    observed = np.random.default_rng(1).uniform(-1.0, 1.0, (200, 7)).astype(np.float32)
+    best = np.where(observed[:, 0] > observed[:, 4], 3, 1)
+
+    def cost_of(member, problem):
+        return np.exp(0.5 * (options_of(member, problem, observed) != best).mean())
+
+    fake(monkeypatch, cost_of)
+    settings = {"pairs": 16, "averaged": 0.5}
+    config = load_training(str(written(tmp_path, "es", es=settings, checkpoints=1, decisions=2000)), "es")
+    training = EsTraining(job(config, tmp_path / "run"))
+    training.advance()
+    assert training.scale == ObservationScale(mean=(0.2,) * 7, variance=(0.5,) * 7)
+    policy = load_policy(training.export("a command"))
+    assert (policy.spec.hidden, policy.spec.training["command"]) == ((), "a command")
+    found = Network(policy.ordered_for(training.problem, "here")).outputs(observed.astype(np.float64)).argmax(axis=1)
+    assert (found == best).mean() > 0.9
+    assert training._pilot_maker()(training.problem, np.zeros(200, dtype=np.int64)).choose(observed).tolist() == (
+        found.tolist()
+    )
+
+
+def test_evolution_strategies_begin_at_the_best_option_alone(tmp_path, monkeypatch):
+    fake(monkeypatch, lambda member, _: 1.0 + abs(member.option - 4))
+    config = load_training(str(written(tmp_path, "es")), "es")
+    training = EsTraining(job(config, tmp_path / "run"))
+    training._costs, training.scale = [], ObservationScale(mean=(0.0,) * 7, variance=(1.0,) * 7)
+    state = training._first(np.array([[5.0, 4.0, 3.0, 2.0, 1.0, 2.0, 3.0, 4.0, 5.0]]))
+    matrix = np.array(state.parameters).reshape(9, 8)
+    assert np.argwhere(matrix).tolist() == [[4, 7]]
+    assert matrix[4, 7] == config.es.lead
+
+
+def test_a_step_goes_up_the_slope_and_the_average_follows():
+    state = EsState(parameters=(0.0, 0.0), average=(0.0, 0.0), slope=(0.0, 0.0), square=(0.0, 0.0))
+    for _ in range(50):
+        off = np.array(state.parameters) - np.array([1.0, -2.0])
+        state = climbed(state, -2.0 * off, rate=0.2, averaged=0.9)
+    np.testing.assert_allclose(state.parameters, [1.0, -2.0], atol=0.15)
+    np.testing.assert_allclose(state.average, [1.0, -2.0], atol=0.3)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (lambda text: text[:100], "checkpoint.json: line 1: "),
+        (lambda text: text.replace('"checkpoint": 1', '"checkpoint": 0'), "checkpoint: expected"),
+        (
+            lambda text: text.replace('"average": [0.0, ', '"average": ['),
+            "expected 72 numbers of this training, got 71",
+        ),
+    ],
+)
+def test_a_damaged_checkpoint_is_one_line(tmp_path, monkeypatch, change, line):
+    fake(monkeypatch, lambda *_: 1.0)
+    config = load_training(str(written(tmp_path, "es")), "es")
+    EsTraining(job(config, tmp_path / "run")).advance()
+    file = tmp_path / "run" / "checkpoint.json"
+    damaged = change(file.read_text())
+    assert damaged != file.read_text()
+    file.write_text(damaged)
+    with pytest.raises(DocumentError, match=line):
+        EsTraining(job(config, tmp_path / "run", resume=True))
+
+
+@pytest.mark.parametrize(("fresh", "most"), [(0.2, 0.2), (1.0, 0.4)])  # the best option alone: 0.4
+def test_a_design_finds_a_machine_that_costs_little(tmp_path, monkeypatch, fresh, most):
+    observed = np.random.default_rng(1).uniform(-1.0, 1.0, (20, 7)).astype(np.float32)
+    course = np.repeat(observed, 3, axis=0)[:, None]  # each robot sees the same for three decisions
+    best = np.where(course[:, 0, 0] > 0.2, 3, 1)
+    random = np.random.default_rng(2)
+
+    def wrong(member, problem):
+        pilot = member.pilot(problem, 1)
+        pilot.begin(np.array([0]), 3)
+        return (np.array([pilot.choose(seen)[0] for seen in course]) != best)[2::3].mean()
+
+    fake(monkeypatch, lambda member, problem: np.exp(wrong(member, problem) + random.normal(scale=0.02)))
+    settings = {"fresh": fresh, "race": {"block": 2, "blocks": 3}}
+    config = load_training(str(written(tmp_path, "design", design=settings, checkpoints=1, decisions=3000)), "design")
+    training = DesignTraining(job(config, tmp_path / "run"))
+    training.advance()
+    machine = load_machine(str(training.export("a command")))
+    assert machine.training["command"] == "a command"
+    assert all(way.to in machine.states for way in machine.ways)
+    assert wrong(MachineMember(machine), training.problem) <= most
+
+
+def test_machines_stay_within_their_sizes_whatever_is_changed():
+    problem = Problem("Goal", ("a", "b"), np.zeros(2), ("seen",))
+    settings = DesignConfig(states=3, transitions=2)
+    space = MachineSpace(problem, ObservationScale(mean=(0.5,), variance=(0.01,)), settings, np.random.default_rng(0))
+    machine, sizes = space.drawn(), set()
+    for _ in range(500):
+        machine = StateMachine.model_validate(space.changed(machine).model_dump())
+        machine.check_fits(problem, "here")
+        sizes.add((len(machine.states), max(len(state.transitions) for state in machine.states.values())))
+        bounds = [way.above or way.below for way in machine.ways if way.when]
+        assert all(0.3 <= bound <= 0.7 for bound in bounds)
+    assert sizes >= {(1, 0), (3, 2)}
+    assert max(states for states, _ in sizes) == 3
+    assert max(ways for _, ways in sizes) == 2
+
+
+def test_one_learner_is_given(tmp_path):
+    both = {"es": {}, "ppo": {}}
+    with pytest.raises(DocumentError, match="expected one of ppo, bandit, es, design, got ppo, es"):
+        load_training(str(written(tmp_path, "es", **both)), "es")
+    with pytest.raises(DocumentError, match="expected one of ppo, bandit, es, design, got none"):
+        load_training(str(written(tmp_path, "es", es=None)), "es")

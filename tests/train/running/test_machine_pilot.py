@@ -1,0 +1,88 @@
+"""Missions by state machines: one state is a fixed option, and the rule made by hand is a machine, bit for bit."""
+
+import re
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
+from selector.documents.building import yaml_value
+from selector.strategies.machine_file import StateMachine, load_machine
+from selector.strategies.problem import Problem
+from tests.paths import ROOT
+from train.evaluation.entrants import member_pilot
+from train.running.decided_goal import DecidedGoal
+from train.running.machine_pilot import MachinePilot
+from train.running.trials import run_trials
+
+PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))
+ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
+
+
+GUIDE = (ROOT / "docs" / "machines.md").read_text(encoding="utf-8")
+
+
+def machine(**states):
+    return StateMachine.model_validate({"goal": "Goal", "start": next(iter(states)), "states": states})
+
+
+@pytest.mark.parametrize(("one", "other"), [("fsm:rule", "rule"), ("fsm:{file}", "fixed:RepulsionGradient")])
+def test_machines_that_are_other_strategies_have_the_same_bits(tmp_path, one, other):
+    (tmp_path / "one.yaml").write_text(ONE)
+    scenarios = [load_family("random").scenario(1, number, "test") for number in range(2)]
+
+    def results(member):
+        return run_trials(scenarios, lambda problem, teams: member_pilot(member, problem, teams))
+
+    assert results(one.format(file=tmp_path / "one.yaml")) == results(other)
+
+
+def test_the_rule_has_another_course_than_its_first_option():
+    states = load_machine("rule").states
+    assert len({state.option for state in states.values()}) > 1
+
+
+def test_the_guide_shows_a_machine_for_the_options_that_ship():
+    (text,) = re.findall(r"```yaml\n(.*?)```", GUIDE, re.DOTALL)
+    shown = StateMachine.model_validate(yaml_value(text, "guide"))
+    batch = Batch(load_family("crowded").scenario(0, 0, "test").mission)
+    shown.check_fits(DecidedGoal(batch).problem, "docs/machines.md")
+    assert len(shown.ways) == 3
+
+
+def test_the_first_open_way_is_taken_and_one_way_a_decision():
+    ways = [{"to": "second", "when": "near", "above": 0.5}, {"to": "third", "when": "far", "below": 0.0}]
+    pilot = MachinePilot(
+        machine(
+            first={"option": "a", "transitions": ways},
+            second={"option": "b", "transitions": [{"to": "third"}]},
+            third={"option": "c"},
+        ),
+        PROBLEM,
+        rows=4,
+    )
+    pilot.begin(np.arange(4), 1)
+    seen = np.array([[0.6, -1.0], [0.5, -0.1], [0.5, 0.0], [0.9, 0.9]], dtype=np.float32)
+    assert pilot.choose(seen).tolist() == [1, 2, 0, 1]
+    assert pilot.choose(seen).tolist() == [2, 2, 0, 2]
+    assert pilot.opinions().argmax(axis=1).tolist() == [2, 2, 0, 2]
+    pilot.begin(np.array([1, 3]), 2)
+    assert pilot.choose(seen).tolist() == [2, 2, 0, 1]
+
+
+def test_probabilities_are_kept_and_rows_draw_the_same_in_any_batch():
+    flips = machine(
+        on={"option": "a", "transitions": [{"to": "off", "probability": 0.2}]},
+        off={"option": "b", "transitions": [{"to": "on", "when": "near", "above": -1.0, "probability": 0.4}]},
+    )
+
+    def course(rows, first):
+        pilot = MachinePilot(flips, PROBLEM, rows)
+        pilot.begin(np.arange(first, rows), 5)
+        return np.array([pilot.choose(np.zeros((rows, 2), dtype=np.float32)) for _ in range(300)])[:, first:]
+
+    alone = course(50, 0)
+    np.testing.assert_array_equal(course(60, 10), alone)
+    assert alone[100:].mean() == pytest.approx(0.2 / 0.6, abs=0.03)  # the share of the time in the second state
+    assert len(np.unique(alone, axis=1).T) == 50

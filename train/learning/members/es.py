@@ -1,0 +1,138 @@
+"""Evolution strategies by missions: a linear policy climbs by what antithetic pairs of members cost.
+
+Salimans et al. 2017, "Evolution Strategies as a Scalable Alternative to Reinforcement Learning",
+doi:10.48550/arXiv.1703.03864, with Adam (Kingma & Ba 2015, doi:10.48550/arXiv.1412.6980). All members do the same
+scenarios, because costs depend far more on the scenarios than on the members.
+
+Shapes: K pairs, P parameters (O options, each with F weights and a bias).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from selector.documents.fields import Closed, Number
+from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
+from selector.strategies.problem import Problem
+from selector.strategies.streams import normals
+from selforg.arrays import Floats
+from train.learning.by_missions import relative
+from train.learning.config import EsConfig
+from train.learning.members.missions import PolicyMember
+from train.learning.members.training import Drawing, MembersTraining, ObservationScale, check_lengths
+from train.learning.training import TrainingJob
+
+POLICY_FOLDER = "policy"
+LEAST_VARIANCE = 1e-3
+"""Added to the variance of a component, which may have been the same in all missions of the options alone."""
+SLOPE_DECAY, SQUARE_DECAY, SMALL = 0.9, 0.999, 1e-8
+"""Adam's weights of the old means, and what keeps its quotient finite."""
+
+Numbers = tuple[Number, ...]
+
+
+class EsState(Closed):
+    """What evolution strategies know after a generation."""
+
+    parameters: Numbers
+    """(P,) the point about which members are drawn."""
+    average: Numbers
+    """(P,) running mean of the points, which is what is exported."""
+    slope: Numbers
+    """(P,) Adam's running mean of slopes."""
+    square: Numbers
+    """(P,) Adam's running mean of their squares."""
+    decays: tuple[Number, Number] = (1.0, 1.0)
+    """Weights of the zeros with which Adam's two means began."""
+
+
+class EsTraining(MembersTraining):
+    """One training of a linear policy."""
+
+    State = EsState
+    state: EsState
+    _best: EsState
+
+    settings: EsConfig
+
+    def __init__(self, job: TrainingJob) -> None:
+        assert job.config.es is not None
+        super().__init__(job, job.config.es)
+
+    def policy(self, parameters: Floats, **training: object) -> TrainedPolicy:
+        """Return the linear policy of `parameters` (P,)."""
+        return linear_policy(self.problem, self.scale, parameters, training)
+
+    def export(self, command: str) -> Path:
+        """Write the best policy so far and return its directory."""
+        path = self.job.folder.path / POLICY_FOLDER
+        save_policy(path, self.policy(np.array(self._best.average), **self.about(command)))
+        return path
+
+    def _first(self, costs: Floats) -> EsState:
+        options = len(self.problem.options)
+        fitness = relative(costs.ravel(), options, self.settings.limit).reshape(costs.shape).mean(axis=0)
+        first = np.zeros((options, len(self.problem.features) + 1))
+        first[fitness.argmax(), -1] = self.settings.lead
+        point, nothing = tuple(first.ravel().tolist()), (0.0,) * first.size
+        return EsState(parameters=point, average=point, slope=nothing, square=nothing)
+
+    def _next(self, draw: Drawing, random: np.random.Generator) -> EsState:
+        settings, state = self.settings, self.state
+        point = np.array(state.parameters)
+        noise = np.empty((settings.pairs, len(point)))
+        normals(random.random((settings.pairs, 2 * len(point))), noise)
+        noise = np.concatenate([noise, -noise])
+        members = [PolicyMember(self.policy(point + settings.sigma * one)) for one in noise]
+        costs = self.costs(members, draw(settings.scenarios))
+        fitness = relative(costs.ravel(), len(members), settings.limit).reshape(costs.shape).mean(axis=0)
+        slope = (fitness[:, None] * noise).sum(axis=0) / (len(members) * settings.sigma)
+        return climbed(state, slope, settings.learning_rate, settings.averaged)
+
+    def _check(self, state: Closed, where: str) -> None:
+        assert isinstance(state, EsState)
+        size = len(self.problem.options) * (len(self.problem.features) + 1)
+        check_lengths(size, (state.parameters, state.average, state.slope, state.square), where)
+
+    def _member(self) -> PolicyMember:
+        return PolicyMember(self.policy(np.array(self.state.average)))
+
+
+def linear_policy(
+    problem: Problem, scale: ObservationScale, parameters: Floats, training: dict[str, object]
+) -> TrainedPolicy:
+    """Return the policy without hidden layer whose outputs are linear in the scaled observation."""
+    spec = PolicySpec(
+        goal=problem.goal,
+        options=problem.options,
+        observations=problem.features,
+        hidden=(),
+        mean=scale.mean,
+        variance=scale.variance,
+        epsilon=LEAST_VARIANCE,
+        training=training,
+    )
+    matrix = parameters.reshape(len(problem.options), -1).astype(np.float32)
+    return TrainedPolicy(spec, {"options.weight": matrix[:, :-1], "options.bias": matrix[:, -1]})
+
+
+def climbed(state: EsState, slope: Floats, rate: float, averaged: float) -> EsState:
+    """Return the state after a step of Adam along the `slope` (P,) of the fitness.
+
+    The first step of Adam has the length `rate` in each parameter:
+
+    >>> first = EsState(parameters=(0.0, 1.0), average=(0.0, 1.0), slope=(0.0, 0.0), square=(0.0, 0.0))
+    >>> [round(value, 6) for value in climbed(first, np.array([3.0, -0.5]), rate=0.1, averaged=0.5).parameters]
+    [0.1, 0.9]
+
+    """
+    slopes = SLOPE_DECAY * np.array(state.slope) + (1.0 - SLOPE_DECAY) * slope
+    squares = SQUARE_DECAY * np.array(state.square) + (1.0 - SQUARE_DECAY) * slope**2
+    decays = (SLOPE_DECAY * state.decays[0], SQUARE_DECAY * state.decays[1])
+    step = slopes / (1.0 - decays[0]) / (np.sqrt(squares / (1.0 - decays[1])) + SMALL)
+    point = np.array(state.parameters) + rate * step
+    average = averaged * np.array(state.average) + (1.0 - averaged) * point
+    parts = {"parameters": point, "average": average, "slope": slopes, "square": squares}
+    return EsState(**{name: tuple(part.tolist()) for name, part in parts.items()}, decays=decays)

@@ -1,0 +1,180 @@
+"""The base class of learners that compare whole missions of members of a population.
+
+Each training begins with every option alone, so that a learner knows the best one and the scale of what robots see.
+A mission counts as one decision: which member does it.
+
+Shapes: M members, N scenarios, F components of an observation, O options.
+"""
+
+from __future__ import annotations
+
+import json
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import Any, ClassVar
+
+import numpy as np
+
+from clean_swarm_env.config.families import Scenario
+from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import Closed, NonNegative, Number
+from selector.documents.reading import read_json
+from selector.strategies.problem import Problem
+from selforg.arrays import Floats, Ints
+from train.learning.config import MembersConfig
+from train.learning.members.missions import MemberRun, MemberTask, OptionMember, PopulationMember
+from train.learning.training import Training, TrainingJob
+from train.learning.validation import CheckpointDescription
+from train.running.pilots import Pilot, PilotMaker
+
+Drawing = Callable[[int], list[Scenario]]
+"""Returns so many new training scenarios of each family, the families in turn."""
+
+
+class ObservationScale(Closed):
+    """Mean and variance of each component of the observation, from the missions of the options alone."""
+
+    mean: tuple[Number, ...]
+    variance: tuple[NonNegative, ...]
+
+
+class MembersCheckpoint(CheckpointDescription):
+    """Everything that a training depends on."""
+
+    scale: ObservationScale
+    """The scale of what robots see."""
+    now: dict[str, Any]
+    """The state."""
+    kept: dict[str, Any]
+    """The state at the best checkpoint."""
+
+
+class MembersTraining(Training):
+    """One training by missions of members.
+
+    Args:
+        job: the work, and its directory.
+        settings: those of the learner.
+
+    Attributes:
+        problem: goal and options; its features are the observation.
+        scale: the scale of what robots see, from the first missions on.
+        state: what was learned so far.
+
+    """
+
+    CHECKPOINT = "checkpoint.json"
+    State: ClassVar[type[Closed]]
+    """Model of the state."""
+
+    def __init__(self, job: TrainingJob, settings: MembersConfig) -> None:
+        super().__init__(job)
+        self.settings = settings
+        self.problem = self.goal.problem
+        self._missions = 0
+        self._costs: list[float] = []
+        worlds = max(task.worlds for task in job.config.tasks)
+        self._settings = replace(self.trials, worlds=worlds)
+        self.scale: ObservationScale
+        self.state: Closed
+        self._best: Closed
+        if self.checkpoint_file.is_file():
+            self._load()
+
+    @property
+    def decisions(self) -> int:
+        """Missions of training so far."""
+        return self._missions
+
+    @abstractmethod
+    def _first(self, costs: Floats) -> Closed:
+        """Return the first state, from the costs (N, O) [s] of all options alone."""
+
+    @abstractmethod
+    def _next(self, draw: Drawing, random: np.random.Generator) -> Closed:
+        """Return the next state, from missions of members on scenarios that `draw` returns."""
+
+    @abstractmethod
+    def _check(self, state: Closed, where: str) -> None:
+        """Raise DocumentError unless a state that was read is one of this training."""
+
+    @abstractmethod
+    def _member(self) -> PopulationMember:
+        """Return the member that the present state would export."""
+
+    def _pilot_maker(self) -> PilotMaker:
+        member = self._member()
+
+        def pilot(problem: Problem, teams: Ints) -> Pilot:
+            return member.pilot(problem, len(teams))
+
+        return pilot
+
+    def _learn(self) -> dict[str, Any]:
+        series = self.curriculum.scenarios(self.checkpoint)
+        random = np.random.default_rng([self.job.seed, self.checkpoint, 5])
+        before, self._costs = self._missions, []
+
+        def draw(count: int) -> list[Scenario]:
+            drawn = [list(islice(following, count)) for following in series]
+            return [scenario for together in zip(*drawn, strict=True) for scenario in together]
+
+        if not self.checkpoint:
+            alone = [OptionMember(option) for option in range(len(self.problem.options))]
+            costs, seen = self._done(alone, draw(self.settings.opening))
+            mean = seen[1] / seen[0]
+            variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)
+            self.scale = ObservationScale(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
+            self.state = self._best = self._first(costs)
+        while self._missions < before + self.config.decisions:
+            self.state = self._next(draw, random)
+        return {"missions": self._missions - before, "training_cost_s": float(np.mean(self._costs))}
+
+    def costs(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> Floats:
+        """Return the costs (N, M) [s] of all members on all scenarios."""
+        return self._done(members, scenarios)[0]
+
+    def _done(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
+        """Return the costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations."""
+        count = len(scenarios) * len(members)
+        tasks = []
+        for first in range(min(self.job.workers, count)):
+            places = tuple(range(first, count, self.job.workers))
+            own = tuple(scenarios[place // len(members)] for place in places)
+            whose = tuple(members[place % len(members)] for place in places)
+            tasks.append(MemberTask(own, whose, places, self._settings))
+        costs, seen = np.zeros(count), np.zeros((count, 3, len(self.problem.features)))
+        for run in self.job.done(tasks):
+            assert isinstance(run, MemberRun)
+            costs[run.place], seen[run.place] = run.result.cost_s, run.seen
+            self._missions += 1
+            self.job.on_progress(self._missions)
+        self._costs += costs.tolist()
+        return costs.reshape(len(scenarios), len(members)), seen.sum(axis=0)
+
+    def _keep_best(self) -> None:
+        self._best = self.state
+
+    def _save(self, figures: dict[str, Any]) -> None:
+        kept = {"scale": self.scale, "now": self.state, "kept": self._best}
+        parts = {name: part.model_dump(mode="json") for name, part in kept.items()}
+        self.job.folder.write(self.CHECKPOINT, json.dumps({**self._description(), **parts}) + "\n")
+
+    def _load(self) -> None:
+        where = shown(self.checkpoint_file)
+        found = validated(MembersCheckpoint, read_json(self.checkpoint_file), where)
+        self.state, self._best = (validated(self.State, part, where) for part in (found.now, found.kept))
+        self.scale, self._missions = found.scale, found.decisions
+        check_lengths(len(self.problem.features), (self.scale.mean, self.scale.variance), where)
+        for state in (self.state, self._best):
+            self._check(state, where)
+        self._go_on(found)
+
+
+def check_lengths(length: int, parts: Sequence[Sequence[float]], where: str) -> None:
+    """Raise DocumentError unless all parts of a state have a length."""
+    for part in parts:
+        if len(part) != length:
+            raise DocumentError(f"{where}: expected {length} numbers of this training, got {len(part)}")
