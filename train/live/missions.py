@@ -22,7 +22,7 @@ from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.evaluation.entrants import FIXED, LEARNED, POLICY, RULE, identified, member_pilot
+from train.evaluation.entrants import FIXED, LEARNED, MACHINE, POLICY, RULE, identified, member_pilot
 from train.evaluation.repeat_trial import DIGEST
 from train.live.session import Session, check_files
 from train.running.decided_goal import DecidedGoal
@@ -175,6 +175,7 @@ class MissionSession(Session):
         directories = self._play.directories
         named = [f"{POLICY}:{name}" for name in files_of("policies", directories)]
         named += [f"{LEARNED}:{name}" for name in files_of("strategies", directories)]
+        named += [f"{MACHINE}:{name}" for name in files_of("machines", directories)]
         fitting = [member for member in (*OFFERED, *named) if self._fits(member)]
         return list(dict.fromkeys([self._play.member, *fitting]))
 

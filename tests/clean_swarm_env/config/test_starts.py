@@ -24,7 +24,7 @@ def _mission(count: int = 5, contacts: str = "solid", items: int = 10, **world: 
     )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 2**63), count=st.integers(1, 40), width=st.floats(8, 20), height=st.floats(8, 20))
 def test_random_starts_lie_on_the_torus_and_solid_robots_apart(seed, count, width, height):
     mission = _mission(count, width=width, height=height)
