@@ -42,15 +42,13 @@ def kill_one() -> None:
 
 def all_or_named(done) -> None:
     """Do three tasks: all their runs come, unless a worker is said to have been killed."""
-    found = []
+    found, why = [], ""
     try:
         found.extend(done([Some(name) for name in "abc"]))
     except BrokenProcessPool as error:
-        assert "killed" in str(error)
-        assert keys(found) <= EVERY
-    else:
-        assert keys(found) == EVERY
-        assert len(found) == len(EVERY)
+        why = str(error)
+    assert keys(found) <= EVERY
+    assert len(found) == len(EVERY) or "killed" in why
 
 
 def test_a_worker_that_dies_at_its_imports():
