@@ -16,6 +16,8 @@ from train.cli.options import (
     Force,
     Learn,
     RunStore,
+    ShareText,
+    check_share,
     check_whole,
     error_console,
     wide_console,
@@ -56,7 +58,9 @@ def evaluate_command(
     ] = None,
     goal: Annotated[
         str | None,
-        typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
+        typer.Option(
+            help="With --family: goal to decide on, or several joined by +; else AvoidCollision or the only one."
+        ),
     ] = None,
     store: RunStore = None,
     learn: Learn = False,
@@ -64,19 +68,24 @@ def evaluate_command(
     force: Force = False,
     record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
     minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
+    share: ShareText = None,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
     check_whole({"--seed": (seed, 0, MOST_SEED), "--world-seeds": (world_seeds, 1, MOST_WORLD_SEEDS)})
+    check_share(share, output, learn=learn)
     from clean_swarm_env.config.load import load_robustness
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
+    from train.evaluation.base import Evaluation
     from train.evaluation.entrants import never_taken, unlearned
     from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
     from train.evaluation.family import FamilyEvaluation, FamilyRequest
+    from train.evaluation.gathering import RunShare
     from train.evaluation.robustness import RobustnessEvaluation
     from train.knowledge_store import StoreRequest
     from train.running.needs import Machine
+    from train.running.processes import Processes
     from train.running.runs import usable_cpus
 
     if learn and workers not in (None, 1):
@@ -95,7 +104,7 @@ def evaluate_command(
         asked = FamilyRequest(
             experiment, robustness.strategies, seed, scenarios, directories=directories, machine=machine
         )
-        evaluation: pipeline.Evaluation = RobustnessEvaluation(asked, robustness)
+        evaluation: Evaluation = RobustnessEvaluation(asked, robustness)
     elif family is None:
         conditions = tuple(condition or ())
         request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept, machine=machine)
@@ -114,7 +123,8 @@ def evaluate_command(
             words = f"never takes {', '.join(missing)}, which it was trained without"
             error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
-    execution = pipeline.Execution(machine.workers, output, resume, wide_console(), recorded)
+    part = RunShare.of_text(share) if share is not None else None
+    execution = pipeline.Execution(Processes(machine.workers), output, resume, wide_console(), recorded, part)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 

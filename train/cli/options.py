@@ -38,7 +38,23 @@ RunStore = Annotated[
         metavar="URL",
     ),
 ]
+ShareText = Annotated[
+    str | None,
+    typer.Option(
+        "--share",
+        help="Do the I-th of N parts of the runs, beside the other parts in --output; `gather` merges them.",
+        metavar="I/N",
+    ),
+]
 Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
+
+
+def check_share(share: str | None, output: Path | None, *, learn: bool = False) -> None:
+    """Raise ConfigurationError for a share without a directory, or of missions that learn in turn."""
+    if share is not None and output is None:
+        raise ConfigurationError("--share: expected --output, the directory of all shares")
+    if share is not None and learn:
+        raise ConfigurationError("--share: expected no --learn, where missions learn in turn")
 
 
 def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:

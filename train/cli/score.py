@@ -6,7 +6,17 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SCENARIOS, MOST_SEED, MOST_WORKERS, Configs, Force, check_whole, wide_console
+from train.cli.options import (
+    MOST_SCENARIOS,
+    MOST_SEED,
+    MOST_WORKERS,
+    Configs,
+    Force,
+    ShareText,
+    check_share,
+    check_whole,
+    wide_console,
+)
 from train.running.exit_codes import FINISHED
 
 Names = Annotated[
@@ -35,21 +45,26 @@ def score_command(
         Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    share: ShareText = None,
     force: Force = False,
     configs: Configs = None,
 ) -> None:
     """Run every option of each goal on the same scenarios and keep its scores, with their counts and spreads."""
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--runs": (runs, 1, MOST_SCENARIOS)})
     check_whole({"--workers": (workers, 1, MOST_WORKERS), "--seed": (seed, 0, MOST_SEED)})
+    check_share(share, output)
     if output is not None and len(names) > 1:
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
+    from train.evaluation.gathering import RunShare
     from train.evaluation.scoring import ScoreRequest, score_scene, scored_missions
     from train.running.needs import Machine
+    from train.running.processes import Processes
     from train.running.runs import usable_cpus
 
     machine = Machine(workers or usable_cpus(), force)
-    execution = pipeline.Execution(machine.workers, output, resume, wide_console())
+    part = RunShare.of_text(share) if share is not None else None
+    execution = pipeline.Execution(Processes(machine.workers), output, resume, wide_console(), share=part)
     for name in names:
         request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()), machine)
         evaluations = scored_missions(request)

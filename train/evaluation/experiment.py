@@ -24,7 +24,7 @@ from selector.strategies.streams import row_keys
 from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
 from train.analysis.report import Measured, report_of, summary_json
-from train.evaluation.pipeline import Choosers, Evaluation
+from train.evaluation.base import Choosers, Evaluation
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
@@ -115,7 +115,6 @@ class ExperimentEvaluation(Evaluation):
             f"experiment {chosen.name}, seed {request.seed}, {starts}",
         )
         self.memory = store.memory(knowledge_of(self.mission, directories), context, source)
-        self.total = len(self.experiment.conditions) * len(self.scenarios)
         with within(shown(request.starts) if request.starts is not None else request.experiment):
             tasks = self._tasks()
             largest = max((task.mission for task in tasks), key=lambda mission: needs_of(mission).memory)

@@ -23,6 +23,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
+from train.evaluation.base import Choosers, Evaluation
 from train.evaluation.entrants import (
     FIXED,
     any_pilot,
@@ -33,7 +34,6 @@ from train.evaluation.entrants import (
     steers,
     with_baselines,
 )
-from train.evaluation.pipeline import Choosers, Evaluation
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
@@ -113,9 +113,14 @@ class TrialTask:
     split: Split = "test"
 
     @property
-    def runs(self) -> int:
-        """Number of scenarios."""
-        return len(self.places)
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition of each run."""
+        return tuple((scenario_name(self.split, *place), self.condition) for place in self.places)
+
+    def without(self, done: Collection[RunKey]) -> TrialTask:
+        """Return the task of the scenarios that are not `done`."""
+        keys = zip(self.places, self.keys, strict=True)
+        return replace(self, places=tuple(place for place, key in keys if key not in done))
 
     @property
     def experiment(self) -> str:
@@ -217,7 +222,6 @@ class FamilyEvaluation(Evaluation):
         check_fit(self.entrants, batch, problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
-        self.total = len(self.scenarios) * sum(len(entrant.members) for entrant in self.entrants)
         self.stem = f"{self.family.name}-seed{request.seed}"
         fixed = {f"{FIXED}:{option}": {self.goal: option} for option in problem.options}
         self.scored = fixed if request.scoring else {}

@@ -5,15 +5,11 @@
 
 import json
 import shlex
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -24,87 +20,29 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.store.exact_sums import REWARD_LIMIT
-from selector.strategies.strategy import DecisionStrategy
+from train.evaluation.base import Evaluation
+from train.evaluation.gathering import RunShare, gathered
 from train.knowledge_store import Memory
 from train.reports.knowledge_tables import learned_scores
 from train.reports.text_table import on_terminal
-from train.reports.write_report import Publication, publish
+from train.reports.write_report import publish
+from train.running.engine import Engine, WorkerLost, each_done
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
-from train.running.processes import each_done
-from train.running.run_folder import CHOSEN_OPTIONS, RunFolder, default_directory
-from train.running.runs import RunKey, RunRecord, Task
+from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
+from train.running.runs import RunKey, RunRecord
 from train.running.warm_up import compile_first
 
 NO_CONTEXT = np.zeros((1, 0))
 """Context of the one row of a strategy that chooses for a whole mission."""
-Choosers = Mapping[str, DecisionStrategy]
-"""Goal -> strategy with one row, which chooses one option for the whole team and mission."""
-
-
-class Evaluation(ABC):
-    """Base class of evaluations, which define runs and a report on them.
-
-    The constructor gets the user's request, and raises an error of one line, before anything is written, for everything
-    that does not exist or fit.
-
-    Attributes:
-        stem: name of the default directory for the results.
-        manifest: content of `manifest.json`; `identity` decides whether runs can be resumed, the rest is for readers.
-        words: the command of this evaluation, without its directory.
-        total: number of runs.
-        growing: name of a mapping in the identity to which entries can be added later; empty: none.
-        memory: the knowledge store of this evaluation, if any.
-        mission: the mission; before the runs begin it gets what was learned of its options.
-        scenarios: names of the scenarios, in the order in which missions learn.
-        directories: the user's own directories of configurations.
-        scored: condition -> goal -> option, where runs of fixed options are scored for the store.
-
-    """
-
-    stem: str
-    manifest: dict[str, Any]
-    words: list[str]
-    total: int
-    growing = ""
-    memory: Memory | None = None
-    mission: MissionConfig
-    scenarios: list[str]
-    directories: tuple[Path, ...]
-    scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
-
-    @property
-    def learns_in_turn(self) -> bool:
-        """Whether missions run one after the other, each with options chosen by what those before have brought."""
-        return self.memory is not None and self.memory.learns and not self.scored
-
-    @abstractmethod
-    def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
-        """Return the tasks for all runs except those that are `done`."""
-
-    @abstractmethod
-    def mistake(self, record: RunRecord) -> str:
-        """Return why a run kept in the directory is not one of this evaluation; empty if it is."""
-
-    @abstractmethod
-    def choosers(self) -> Mapping[str, Choosers]:
-        """Return for each condition the strategies that choose an option of each goal once in a mission."""
-
-    @abstractmethod
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> Task:
-        """Return the task of one run in which `options` serve the goals; goal -> option."""
-
-    @abstractmethod
-    def publication(self, records: Sequence[RunRecord]) -> Publication:
-        """Return the report on the finished runs; all runs of this evaluation are among them."""
 
 
 @dataclass(frozen=True)
 class Execution:
     """How an evaluation is executed; none of these settings changes a result."""
 
-    workers: int
-    """Number of processes."""
+    engine: Engine
+    """What does the runs."""
     output: Path | None
     """Directory for the results; a new one below results/ unless given."""
     resume: bool
@@ -113,6 +51,12 @@ class Execution:
     """Shows the tables; the standard error shows the progress."""
     record: RecordSettings | None = None
     """How the runs are recorded, in a directory below that of the results; they are not unless given."""
+    share: RunShare | None = None
+    """The part of the runs that is done, or the gathering of all parts; all runs are done unless given."""
+
+    def wanted(self, evaluation: Evaluation) -> Sequence[RunKey]:
+        """Return scenario and condition of the runs that are asked for."""
+        return evaluation.keys if self.share is None else self.share.part(evaluation.keys)
 
 
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:
@@ -120,24 +64,32 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
     if evaluation.memory is not None and not execution.resume:
         evaluation.memory.check_new()
-    folder = RunFolder(directory, evaluation.manifest, resume=execution.resume, growing=evaluation.growing)
+    manifest, share, known = {**evaluation.manifest, COMMAND: evaluation.words}, execution.share, list[RunRecord]()
+    if share is not None and share.gathers:
+        known, learned = gathered(evaluation, directory, share.count)
+        manifest |= {LEARNED_BEFORE: learned} if LEARNED_BEFORE in manifest else {}
+    elif share is not None:
+        directory = share.folder(directory)
+    folder = RunFolder(directory, manifest, resume=execution.resume, growing=evaluation.growing)
     with folder.alone():
-        return _evaluated(evaluation, execution, folder)
+        return _evaluated(evaluation, execution, Results(folder, evaluation.mistake, known))
 
 
-def _evaluated(evaluation: Evaluation, execution: Execution, folder: RunFolder) -> int:
-    memory = evaluation.memory
+def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -> int:
+    memory, folder = evaluation.memory, results.folder
     if folder.learned:
         evaluation.mission = evaluation.mission.beginning_with(folder.learned)
-    results = Results(folder, evaluation.mistake)
     try:
         _run_missing(evaluation, results, execution)
-    except (KeyboardInterrupt, BrokenProcessPool) as end:
+    except (KeyboardInterrupt, WorkerLost) as end:
         results.close()
-        broken = isinstance(end, BrokenProcessPool)
-        _print_how_to_resume(evaluation, results, "a worker process was killed" if broken else "interrupted")
-        return FAILED if broken else INTERRUPTED
+        _print_how_to_resume(evaluation, execution, results, str(end) or "interrupted")
+        return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
     results.close()
+    if execution.share is not None and not execution.share.gathers:
+        done = f"share {execution.share} is done; `clean-swarm gather {execution.output}` merges all shares"
+        execution.console.print(done, soft_wrap=True, highlight=False)
+        return FINISHED
     publication = evaluation.publication(results.records)
     if folder.learned and memory is not None:
         known = knowledge_of(evaluation.mission, evaluation.directories)
@@ -155,17 +107,19 @@ def _evaluated(evaluation: Evaluation, execution: Execution, folder: RunFolder) 
 
 
 def _run_missing(evaluation: Evaluation, results: Results, execution: Execution) -> None:
-    tasks = evaluation.tasks({record.key for record in results.records})
+    wanted = execution.wanted(evaluation)
+    others = set(evaluation.keys) - set(wanted)
+    tasks = evaluation.tasks(others | {record.key for record in results.records})
     if tasks and not compiled_before():
         compile_first(tasks[0])
     settings = execution.record
     if settings is not None:
-        settings = replace(settings, directory=results.folder.path / settings.directory)
+        settings = replace(settings, directory=(execution.output or results.folder.path) / settings.directory)
         tasks = [task.recorded(settings) for task in tasks]
-    done = evaluation.total - sum(task.runs for task in tasks)
+    done = len(wanted) - sum(len(task.keys) for task in tasks)
     in_turn = evaluation.learns_in_turn
-    runs = _lessons(evaluation, results, settings) if in_turn else each_done(tasks, execution.workers)
-    with _progress(evaluation.total, done) as advance, closing(runs) as each:
+    runs = _lessons(evaluation, results, settings) if in_turn else each_done(tasks, execution.engine)
+    with _progress(len(wanted), done) as advance, closing(runs) as each:
         for record in each:
             results.add(record)
             advance()
@@ -176,11 +130,13 @@ def _lessons(
 ) -> Generator[RunRecord, None, None]:
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 
-    The store gets the score of a run once the run is on the disk. A kill in between loses the score; none counts twice.
+    The store gets the score of a run once the run is on the disk. Scores of kept runs that it lacks are given first:
+    the command was killed, or the database went away, in between.
     """
     memory, done = evaluation.memory, {record.key: record for record in results.records}
     assert memory is not None
     choosers, choices, given = evaluation.choosers(), "", set()
+    held = memory.held()
     for scenario in evaluation.scenarios:
         for condition, strategies in choosers.items():
             chosen = {goal: strategy.select(NO_CONTEXT) for goal, strategy in strategies.items()}
@@ -194,7 +150,10 @@ def _lessons(
             trial = (scenario, *options.items())
             if kept is None:
                 yield record
-                if trial not in given:  # the same mission under another condition would count twice
+            if trial not in given:  # the same mission under another condition would count twice
+                if held:
+                    held -= len(options)
+                else:
                     memory.give((goal, option, score) for goal, option in options.items())
             given.add(trial)
             for goal, strategy in strategies.items():
@@ -229,8 +188,11 @@ def _progress(total: int, done: int) -> Iterator[Callable[[], None]]:
         yield partial(bar.advance, bar.add_task("runs", total=total, completed=done))
 
 
-def _print_how_to_resume(evaluation: Evaluation, results: Results, what: str) -> None:
+def _print_how_to_resume(evaluation: Evaluation, execution: Execution, results: Results, what: str) -> None:
     """Print on the standard error what happened, and the command that continues the evaluation."""
-    command = shlex.join([*evaluation.words, "--output", str(results.folder.path), "--resume"])
-    kept = f"{len(results.records)} of {evaluation.total} runs are kept; to go on:\n  {command}"
+    if execution.share is not None:
+        command = execution.share.command(evaluation, execution.output)
+    else:
+        command = shlex.join([*evaluation.words, "--output", str(results.folder.path), "--resume"])
+    kept = f"{len(results.records)} of {len(execution.wanted(evaluation))} runs are kept; to go on:\n  {command}"
     Console(stderr=True, highlight=False, soft_wrap=True).print(f"{what}: {kept}", markup=False)

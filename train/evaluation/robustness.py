@@ -24,7 +24,6 @@ class RobustnessEvaluation(FamilyEvaluation):
         words += ["--scenarios", str(request.scenarios)] if request.scenarios is not None else []
         words += ["--force"] if request.machine.forced else []
         self.words = words + [word for path in self.directories for word in ("--configs", str(path))]
-        self.total *= len(self._disturbed)
         del self.manifest["identity"]["family"]["strategies"]  # they stand beside the family, where they may grow
 
     def tasks(self, done: Collection[RunKey]) -> list[TrialTask]:

@@ -14,10 +14,10 @@ from selector.coordination.robot_document import coordinated_goals
 from selector.documents.find import files_of, find_file
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
+from train.evaluation.base import Evaluation
 from train.evaluation.entrants import FIXED
 from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.evaluation.pipeline import Evaluation
 from train.goals.scene_runs import GoalRequest, score_goal
 from train.knowledge_store import StoreRequest, store_url
 from train.reports.knowledge_tables import learned_scores

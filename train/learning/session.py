@@ -21,9 +21,10 @@ from selector.documents.fields import MOST_LETTERS
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
-from train.running.exit_codes import FINISHED, INTERRUPTED
+from train.running.engine import WorkerLost
+from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import Machine, Workload, check_needs
-from train.running.processes import rounds
+from train.running.processes import Processes
 from train.running.provenance import versions
 from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 
@@ -100,7 +101,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     if not compiled_before():
         announce()
     try:
-        with folder.alone(), _progress(config) as on_progress, rounds(request.workers) as done:
+        with folder.alone(), _progress(config) as on_progress, Processes(request.workers).rounds() as done:
             training = made(replace(job, on_progress=on_progress, workers=request.workers, done=done))
             on_progress(training.decisions)
             while not training.finished:
@@ -109,10 +110,10 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     except ValueError:  # the configuration is wrong: nothing has been learned
         folder.discard()
         raise
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, WorkerLost) as end:
         errors = Console(stderr=True, highlight=False, soft_wrap=True)
-        errors.print(f"interrupted; to go on:\n  {request.command(resume=True)}", markup=False)
-        return INTERRUPTED
+        errors.print(f"{str(end) or 'interrupted'}; to go on:\n  {request.command(resume=True)}", markup=False)
+        return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
     finally:
         if memory is not None:
             memory.close()

@@ -26,8 +26,8 @@ from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.validation import CheckpointDescription, CheckpointHistory, measured
 from train.running.decided_goal import DecidedGoal
+from train.running.engine import Round, in_turn
 from train.running.pilots import PilotMaker
-from train.running.processes import Round, in_turn
 from train.running.run_folder import RunFolder
 from train.running.trials import TrialSettings
 

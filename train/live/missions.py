@@ -200,7 +200,7 @@ class MissionSession(Session):
         batch, progress = self.batch, self.batch.progress
         while progress.outcome[0] == RUNNING:
             chosen = self._pilot.choose(self._observations)
-            self._recorder.think(self.goal, self._pilot.opinions())
+            self._decided.think(self._pilot.opinions())
             options = np.where(self._by_hand >= 0, self._by_hand, chosen)
             for _ in batch.ticks(self._decided.actions(options)):
                 yield

@@ -10,7 +10,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.errors import ConfigurationError
@@ -34,10 +34,19 @@ class Results:
 
     """
 
-    def __init__(self, folder: RunFolder, mistake: Callable[[RunRecord], str] = lambda record: "") -> None:
-        """Read the runs kept in `folder`; `mistake` returns why one is not of this evaluation, empty if it is."""
+    def __init__(
+        self,
+        folder: RunFolder,
+        mistake: Callable[[RunRecord], str] = lambda record: "",
+        known: Sequence[RunRecord] = (),
+    ) -> None:
+        """Read the runs kept in `folder`, and keep those that are `known` from elsewhere.
+
+        `mistake` returns why a run that is read is not of this evaluation, empty if it is.
+        """
         self.folder = folder
-        self.records = runs_of(folder.path / JOURNAL, mistake)
+        kept = runs_of(folder.path / JOURNAL, mistake)
+        self.records = list({record.key: record for record in (*known, *kept)}.values())
         self._rewrite()
 
     def add(self, record: RunRecord) -> None:

@@ -1,104 +1,123 @@
-"""Tasks in several processes; each run is returned as soon as it is done, also where its task goes on."""
+"""Tasks in processes of this machine; each run is returned as soon as it is done, also where its task goes on."""
 
 import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures.process import BrokenProcessPool
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from traceback import format_exc
-from typing import Protocol
 
 from clean_swarm_env.siblings import call
-from train.running.runs import RunRecord
+from train.running.engine import MOST_DEATHS, Round, WorkerLost, in_turn
+from train.running.runs import RunKey, RunRecord, Work
 
 
-class Work(Protocol):
-    """Runs that one process does; plain data, which can be sent to a worker process."""
+@dataclass(frozen=True)
+class Processes:
+    """The engine of this machine.
 
-    def each(self) -> Iterator[RunRecord]:
-        """Do the runs, and yield each when it is done."""
-
-
-Round = Callable[[Sequence[Work]], Iterator[RunRecord]]
-"""A function that does tasks, and yields each run when it is done."""
-
-
-def each_done(tasks: Sequence[Work], workers: int) -> Generator[RunRecord, None, None]:
-    """Yield each run when it is done, in any order, from up to `workers` processes.
-
-    Closing the iterator, or an error in a task, ends the other tasks at once. A single worker is this process itself.
-
-    Raises:
-        BrokenProcessPool: a worker was killed; all runs that were done have been yielded.
-
+    A single process, or a single task in the first round, is done by this process itself. A process that dies is
+    replaced, and what its task lacks is run again.
     """
-    with rounds(min(workers, len(tasks))) as done:
-        yield from done(tasks)
+
+    most: int
+    """Largest number of processes."""
+
+    @contextmanager
+    def rounds(self) -> Iterator[Round]:
+        """Yield a function that does tasks; see `Engine`."""
+        workers = _Workers(self.most)
+        try:
+            yield workers.round
+        finally:
+            workers.end()
 
 
-@contextmanager
-def rounds(workers: int) -> Iterator[Round]:
-    """Yield a function that does some tasks as `each_done` does, in processes that stay for the tasks after them."""
-    if workers <= 1:
-        yield in_turn
-        return
-    pool = _Workers()
-    try:
-        with _ctrl_c_ignored():  # workers inherit this
-            pool.start(workers)
-        yield pool.round
-    finally:
-        pool.end()
+@dataclass
+class _Attempt:
+    """A task that a worker does or has to do."""
 
+    task: Work
+    deaths: int = 0
+    """Workers that died of it."""
+    done: set[RunKey] = field(default_factory=set)
 
-def in_turn(tasks: Sequence[Work]) -> Iterator[RunRecord]:
-    """Do tasks in this process."""
-    return (record for task in tasks for record in task.each())
+    def again(self) -> "_Attempt | None":
+        """Return the attempt at what the task lacks after its worker has died; None if it lacks nothing."""
+        if self.done.issuperset(self.task.keys):
+            return None
+        if self.deaths + 1 == MOST_DEATHS:
+            raise WorkerLost(self.task)
+        return _Attempt(self.task.without(self.done), self.deaths + 1)
 
 
 class _Workers:
     """Processes that get tasks and send back their runs, each over a pipe of its own: a kill breaks no other's."""
 
-    def __init__(self) -> None:
-        self._processes: dict[Connection, multiprocessing.process.BaseProcess] = {}
-        self._busy: set[Connection] = set()
-
-    def start(self, count: int) -> None:
-        """Start processes."""
-        context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
-        for _ in range(count):
-            ours, theirs = context.Pipe()
-            process = context.Process(target=call, args=(__name__, "work", theirs))
-            process.start()
-            theirs.close()  # now its end is the worker's alone, and closed when that ends
-            self._processes[ours] = process
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._processes: dict[Connection, BaseProcess] = {}
+        self._busy: dict[Connection, _Attempt] = {}
 
     def round(self, tasks: Sequence[Work]) -> Iterator[RunRecord]:
-        """Do the tasks and yield their runs, also those that are done when it is interrupted or a worker is killed."""
+        """Do the tasks and yield their runs, also those that are done when it is interrupted or a task is given up."""
+        if min(self._most, len(tasks)) <= 1 and not self._processes:
+            yield from in_turn(tasks)
+            return
         try:
-            yield from self._done(iter(tasks))
-        except (BrokenProcessPool, KeyboardInterrupt):
+            yield from self._done(deque(map(_Attempt, tasks)))
+        except (WorkerLost, KeyboardInterrupt):
             yield from self._sent()
             raise
 
-    def _done(self, tasks: Iterator[Work]) -> Iterator[RunRecord]:
-        self._busy.update(self._processes)
-        for connection in self._processes:
-            self._give(connection, tasks)
-        while self._busy:
+    def _done(self, waiting: deque[_Attempt]) -> Iterator[RunRecord]:
+        while waiting or self._busy:
+            self._give(waiting)
             ready = wait(self._busy)
             for connection in [one for one in self._busy if one in ready]:
-                with _killed_worker():
+                try:
                     answer = connection.recv()
+                except (EOFError, OSError):
+                    again = self._buried(connection).again()
+                    waiting.extendleft([again] if again else [])
+                    continue
                 if isinstance(answer, Exception):
                     raise answer
                 if answer is None:
-                    self._give(connection, tasks)
+                    del self._busy[connection]
                 else:
+                    self._busy[connection].done.add(answer.key)
                     yield answer
+
+    def _give(self, waiting: deque[_Attempt]) -> None:
+        """Give tasks to idle processes, and start more where there are too few."""
+        idle = [connection for connection in self._processes if connection not in self._busy]
+        while waiting and len(self._busy) < self._most:
+            connection = idle.pop() if idle else self._started()
+            self._busy[connection] = waiting.popleft()
+            with suppress(OSError):  # the worker is dead, which the next reading from the pipe notices
+                connection.send(self._busy[connection].task)
+
+    def _started(self) -> Connection:
+        context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
+        ours, theirs = context.Pipe()
+        process = context.Process(target=call, args=(__name__, "work", theirs))
+        with _ctrl_c_ignored():  # the worker inherits this
+            process.start()
+        theirs.close()  # now its end is the worker's alone, and closed when that ends
+        self._processes[ours] = process
+        return ours
+
+    def _buried(self, connection: Connection) -> _Attempt:
+        """Forget a dead process, and return what it did."""
+        self._processes.pop(connection).join()
+        connection.close()
+        return self._busy.pop(connection)
 
     def _sent(self) -> Iterator[RunRecord]:
         """End the tasks, and yield the runs that were done but not yet received."""
@@ -119,23 +138,6 @@ class _Workers:
             connection.close()
         for process in self._processes.values():
             process.join()
-
-    def _give(self, connection: Connection, tasks: Iterator[Work]) -> None:
-        task = next(tasks, None)
-        if task is None:
-            self._busy.discard(connection)
-            return
-        with _killed_worker():
-            connection.send(task)
-
-
-@contextmanager
-def _killed_worker() -> Iterator[None]:
-    """Turn the end of a pipe into BrokenProcessPool."""
-    try:
-        yield
-    except (EOFError, OSError) as error:
-        raise BrokenProcessPool("a worker process was killed") from error
 
 
 @contextmanager

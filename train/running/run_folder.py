@@ -28,6 +28,10 @@ RECORDINGS = "recordings"
 """Directory of the recordings below a run folder."""
 LEARNED_BEFORE = "learned"
 """Key of the manifest for what was known at the beginning."""
+COMMAND = "command"
+"""Key of the manifest for the words of the command, without its directory."""
+SHARE_FOLDERS = "shares"
+"""Directory below a run folder in which commands keep the run folders of their shares."""
 CHOSEN_OPTIONS = "choices.jsonl"
 """File with the options that served each mission of an evaluation that learned."""
 
@@ -59,13 +63,13 @@ class RunFolder:
             raise ConfigurationError(f"{path}: expected a directory for the results, got a file")
         if path.exists():
             remove_parts(path)
-        if path.exists() and any(path.iterdir()):
+        if path.exists() and any(entry.name not in (SHARE_FOLDERS, RECORDINGS) for entry in path.iterdir()):
             held = self._claimed(identity, growing, resume=resume)
             self.learned = held.get(LEARNED_BEFORE, {})
             if not growing:
                 return
             identity[growing] = {**held["identity"][growing], **identity[growing]}
-            content[LEARNED_BEFORE] = self.learned
+            content = {**held, **content, LEARNED_BEFORE: self.learned}
         self.write(MANIFEST, json.dumps(content, indent=2) + "\n")
 
     @contextmanager

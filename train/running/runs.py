@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -118,15 +118,22 @@ def under(disturbance: str, condition: str) -> str:
     return f"{disturbance} - {condition}"
 
 
-class Task(Protocol):
+class Work(Protocol):
     """Runs that one process does; plain data, which can be sent to a worker process."""
 
     @property
-    def runs(self) -> int:
-        """Number of runs."""
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition of each run."""
+
+    def without(self, done: Collection[RunKey]) -> "Work":
+        """Return those runs that are not `done`, of which there is at least one."""
 
     def each(self) -> Iterator[RunRecord]:
         """Do the runs, and yield each when it is done."""
+
+
+class Task(Work, Protocol):
+    """Runs of an evaluation or a study that one process does."""
 
     def run(self) -> list[RunRecord]:
         """Do the runs, and return them in the order of the task."""
@@ -161,9 +168,13 @@ class RunTask:
     """Where the mission is recorded; it is not unless given."""
 
     @property
-    def runs(self) -> int:
-        """One run."""
-        return 1
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition."""
+        return ((self.scenario, self.condition),)
+
+    def without(self, done: Collection[RunKey]) -> "RunTask":
+        """Return this one run."""
+        return self
 
     @property
     def mission_seed(self) -> int:

@@ -20,8 +20,8 @@ from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.evaluation.entrants import member_pilot
 from train.evaluation.family import TASK_SCENARIOS, TrialTask
+from train.running.engine import Round
 from train.running.pilots import Pilot, columns_of
-from train.running.processes import Round
 from train.running.run_folder import RunFolder
 from train.running.runs import RunRecord, Task
 from train.running.trials import TrialSettings, each_trial

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,9 +21,10 @@ from train.evaluation.family import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
 from train.reports.write_report import Publication, publish
 from train.running.decided_goal import DecidedGoal
+from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
-from train.running.processes import rounds
+from train.running.processes import Processes
 from train.running.provenance import fingerprints
 from train.running.run_folder import RunFolder, default_directory
 from train.running.warm_up import compile_first
@@ -98,7 +98,7 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
     try:
-        with rounds(request.machine.workers) as done, _progress(study) as on_trials:
+        with Processes(request.machine.workers).rounds() as done, _progress(study) as on_trials:
             field = MissionField(make, journal, done)
             search = CandidateSearch(study, space, field, unchanged)
             arms = []
@@ -110,13 +110,12 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
 
                 arms.append(search.arm(method, request.seed, on_batch))
             conclusion = conclude(study, space, search, arms, field)
-    except (KeyboardInterrupt, BrokenProcessPool) as end:
-        broken = isinstance(end, BrokenProcessPool)
+    except (KeyboardInterrupt, WorkerLost) as end:
         command = shlex.join([*request.words, "--output", str(folder.path), "--resume"])
-        what = "a worker process was killed" if broken else "interrupted"
+        what = str(end) or "interrupted"
         errors = Console(stderr=True, highlight=False, soft_wrap=True)
         errors.print(f"{what}: {journal.missions} missions are kept; to go on:\n  {command}", markup=False)
-        return FAILED if broken else INTERRUPTED
+        return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
     export = Export(study, request.seed, family, space, conclusion)
     folder.write(f"knowledge/{study.name}.yaml", export.text())
     folder.write("trials.csv", trials_csv(arms, space))

@@ -311,10 +311,8 @@ def test_a_worker_that_is_killed_costs_no_finished_run(tmp_path):
             os.kill(int(child), signal.SIGKILL)
             break
     _, err = process.communicate(timeout=60)
-    assert process.returncode == 1
-    assert "a worker process was killed" in err
-    assert "--resume" in err
-    assert len(_rows(tmp_path / "r")) >= 2
+    assert process.returncode == 0, err
+    assert len(_rows(tmp_path / "r")) == 40
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

@@ -5,6 +5,7 @@ from collections import deque
 import numpy as np
 import pytest
 
+from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from selector.strategies.machine_file import StateMachine, load_machine
 from selector.strategies.policy import Network
@@ -15,9 +16,10 @@ from train.learning.config import DesignConfig, load_training
 from train.learning.members.design import DesignTraining
 from train.learning.members.es import EsState, EsTraining, climbed
 from train.learning.members.machine_space import MachineSpace
-from train.learning.members.missions import MachineMember, MembersPilot, OptionMember
+from train.learning.members.missions import MachineMember, MembersPilot, MemberTask, OptionMember
 from train.learning.members.training import MembersTraining, ObservationScale
-from train.running.processes import rounds
+from train.running.processes import Processes
+from train.running.trials import TrialSettings
 
 LEARNERS = {"es": (EsTraining, "policy/policy.safetensors"), "design": (DesignTraining, "machine.yaml")}
 
@@ -38,6 +40,14 @@ def test_each_mission_follows_its_member_and_notes_what_it_sees():
     assert seen[1].tolist() == [[4, 4], [4, 8], [8, 20]]
 
 
+def test_the_missions_that_a_dead_worker_left_keep_their_members_and_places():
+    scenarios = tuple(load_family("table1").scenario(0, index, "train") for index in range(3))
+    task = MemberTask(scenarios, tuple(map(OptionMember, range(3))), (4, 5, 6), TrialSettings())
+    assert task.keys == tuple(zip(("train-1", "train-2", "train-3"), "456", strict=True))
+    left = task.without({task.keys[1]})
+    assert (left.scenarios, left.members, left.places) == (scenarios[::2], task.members[::2], (4, 6))
+
+
 @pytest.mark.parametrize("kind", LEARNERS)
 def test_a_training_comes_to_the_same_bits_in_pieces_and_with_two_workers(tmp_path, kind):
     made, learned = LEARNERS[kind]
@@ -47,7 +57,7 @@ def test_a_training_comes_to_the_same_bits_in_pieces_and_with_two_workers(tmp_pa
         whole.advance()
     whole.export("command")
     made(job(config, tmp_path / "cut")).advance()
-    with rounds(2) as done:
+    with Processes(2).rounds() as done:
         cut = made(job(config, tmp_path / "cut", resume=True, workers=2, done=done))
         assert cut.checkpoint == 1
         while not cut.finished:

@@ -16,7 +16,10 @@ from selector.coordination.selection import BY_SCORE
 from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
+from train.evaluation.base import Evaluation
 from train.reports.text_table import flat
+from train.reports.write_report import Publication
+from train.running.processes import Processes
 from train.running.runs import RunTask
 from train.running.warm_up import compile_first
 
@@ -47,10 +50,10 @@ def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
     assert task.mission.time_limit == 3000.0
 
 
-class OneRun(pipeline.Evaluation):
+class OneRun(Evaluation):
     """One run."""
 
-    stem, manifest, words, total = "one", {"identity": {"one": 1}}, ["clean-swarm", "evaluate"], 1
+    stem, manifest, words = "one", {"identity": {"one": 1}}, ["clean-swarm", "evaluate"]
 
     def __init__(self, task):
         self.task = task
@@ -68,7 +71,7 @@ class OneRun(pipeline.Evaluation):
         raise AssertionError("nothing is learned")
 
     def publication(self, records):
-        return pipeline.Publication("", [flat("", "", (), [])], "{}")
+        return Publication("", [flat("", "", (), [])], "{}")
 
 
 @pytest.mark.parametrize(("compiled", "expected"), [(False, [300.0, 3000.0]), (True, [3000.0])])
@@ -76,14 +79,14 @@ def test_an_evaluation_compiles_in_one_process_before_the_workers_start(
     task, limits, compiled, expected, monkeypatch, tmp_path, capsys
 ):
     monkeypatch.setattr(pipeline, "compiled_before", lambda: compiled)
-    execution = pipeline.Execution(1, tmp_path / "r", False, pipeline.Console())
+    execution = pipeline.Execution(Processes(1), tmp_path / "r", False, pipeline.Console())
     assert pipeline.evaluate(OneRun(task), execution) == pipeline.FINISHED
     assert limits == expected
     assert (LINE in capsys.readouterr().err) is not compiled
 
 
 def test_nothing_is_compiled_for_an_evaluation_that_is_done(task, limits, monkeypatch, tmp_path):
-    execution = pipeline.Execution(1, tmp_path / "r", True, pipeline.Console())
+    execution = pipeline.Execution(Processes(1), tmp_path / "r", True, pipeline.Console())
     pipeline.evaluate(OneRun(task), execution)
     limits.clear()
     monkeypatch.setattr(pipeline, "compiled_before", lambda: False)

@@ -38,10 +38,6 @@ class SyntheticTask:
     log: str = ""
     rate: float = 0.1
 
-    @property
-    def runs(self) -> int:
-        return len(self.numbers)
-
     def each(self):
         for number in self.numbers:
             if self.log:

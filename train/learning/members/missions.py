@@ -8,8 +8,8 @@ Shapes: R rows, F components of an observation.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -22,7 +22,7 @@ from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.running.machine_pilot import MachinePilot
 from train.running.pilots import Pilot, PolicyPilot, RulePilot
-from train.running.runs import RunRecord
+from train.running.runs import RunKey, RunRecord
 from train.running.trials import TrialSettings, each_trial
 
 
@@ -86,6 +86,21 @@ class MemberTask:
     places: tuple[int, ...]
     """Number of each mission among those that were asked for."""
     settings: TrialSettings
+
+    @property
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and number of each mission."""
+        return tuple((scenario.id, str(place)) for scenario, place in zip(self.scenarios, self.places, strict=True))
+
+    def without(self, done: Collection[RunKey]) -> MemberTask:
+        """Return the missions that are not `done`."""
+        left = [number for number, key in enumerate(self.keys) if key not in done]
+        return replace(
+            self,
+            scenarios=tuple(self.scenarios[number] for number in left),
+            members=tuple(self.members[number] for number in left),
+            places=tuple(self.places[number] for number in left),
+        )
 
     def each(self) -> Iterator[MemberRun]:
         """Run the missions, and yield each when it is done."""

@@ -1,0 +1,190 @@
+"""Shares of an evaluation: gathered, they are one run; one that is killed, missing or foreign is named in one line."""
+
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.paths import ROOT
+from tests.train import fake_mission
+from train import cli
+from train.evaluation import pipeline
+from train.running import runs
+
+FAMILY = {
+    "name": "small",
+    "description": "Two to four robots and three items.",
+    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0},
+    "robots": [2, 4],
+    "items": [3, 3],
+}
+EXPERIMENT = ("evaluate", "--scenarios", 7, "--workers", 1)
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run the command line in this process, on the fake mission: code, output, errors."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
+
+    def call(*words: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        return int(ended.value.code or 0), out, err
+
+    return call
+
+
+def results(directory: Path) -> tuple[list[str], bytes, bytes]:
+    rows = [line.rpartition(",")[0] for line in (directory / "runs.csv").read_text().splitlines()]
+    return rows, (directory / "summary.json").read_bytes(), (directory / "table.md").read_bytes()
+
+
+@pytest.mark.parametrize("count", [1, 3, 20])
+def test_gathered_shares_are_one_run(run, tmp_path, count):
+    assert run(*EXPERIMENT, "--output", "whole")[0] == 0
+    for number in range(count, 0, -1):
+        code, out, err = run(*EXPERIMENT, "--output", "shares", "--share", f"{number}/{count}")
+        assert code == 0, err
+        assert "clean-swarm gather shares" in out
+    for _ in range(2):  # gathering twice changes nothing
+        code, out, err = run("gather", "shares")
+        assert code == 0, err
+        assert "ratios of means" in out
+        assert results(tmp_path / "shares") == results(tmp_path / "whole")
+
+
+def test_each_share_has_some_runs_of_every_condition(run, tmp_path):
+    for number in (1, 2):
+        run(*EXPERIMENT, "--output", "shares", "--share", f"{number}/2")
+        rows = (tmp_path / "shares" / "shares" / f"{number}-of-2" / "runs.csv").read_text().splitlines()[1:]
+        assert len(rows) == 7
+        assert {row.split(",")[3] for row in rows} == {"RepulsionFernandez", "RepulsionGradient"}
+
+
+def test_a_killed_share_goes_on_and_is_gathered(run, tmp_path):
+    words = ["evaluate", "--scenarios", "7", "--workers", "1", "--output", "shares", "--share", "2/2"]
+    command = [sys.executable, "-m", "tests.train.fake_mission", *words]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.3"}
+    journal, end = tmp_path / "shares" / "shares" / "2-of-2" / "runs.jsonl", time.monotonic() + 60.0
+    with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        while not journal.exists() or journal.read_text().count("\n") < 2:
+            assert time.monotonic() < end, "no run finished"
+            time.sleep(0.01)
+        process.send_signal(signal.SIGKILL)
+    run(*EXPERIMENT, "--output", "shares", "--share", "1/2")
+    code, _, err = run("gather", "shares")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "shares/shares/2-of-2: lacks" in err
+    goes_on = err.split("`")[1].split()
+    assert goes_on[0] == "clean-swarm"
+    assert not (tmp_path / "shares" / "manifest.json").exists()
+    assert run(*goes_on[1:], "--workers", 1)[0] == 0
+    assert run("gather", "shares")[0] == 0
+    run(*EXPERIMENT, "--output", "whole")
+    assert results(tmp_path / "shares") == results(tmp_path / "whole")
+
+
+def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
+    share = ("--output", "shares", "--share")
+    for number in (1, 3):
+        assert run(*EXPERIMENT, *share, f"{number}/3")[0] == 0
+
+    def refused(expected: str) -> None:
+        code, _, err = run("gather", "shares")
+        assert (code, err.count("\n")) == (2, 1)
+        assert expected in err
+
+    refused("shares/shares/2-of-3: no such share; expected the results of `clean-swarm evaluate table1")
+    run(*EXPERIMENT, "--seed", 1, *share, "2/3")
+    refused("shares/shares/2-of-3: holds other results: configuration.starts differ")
+    folder = tmp_path / "shares" / "shares"
+    for path in (folder / "2-of-3").iterdir():
+        path.unlink()
+    run(*EXPERIMENT, *share, "2/3")
+    number = os.open(folder / "2-of-3", os.O_RDONLY)
+    fcntl.flock(number, fcntl.LOCK_EX)  # as a share does that still runs
+    refused("another command writes these results now")
+    os.close(number)
+    run(*EXPERIMENT, *share, "1/4")
+    refused("expected shares of one number, got shares of 3 and of 4")
+    assert not (tmp_path / "shares" / "runs.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("evaluate", "--share", "1/2"), "--share: expected --output"),
+        (("evaluate", "--output", "r", "--share", "3/2"), "--share: expected I/N with I from 1 to N, got '3/2'"),
+        (("evaluate", "--output", "r", "--share", "0/2"), "--share: expected I/N"),
+        (
+            ("evaluate", "--output", "r", "--share", "1/2", "--store", "s", "--learn", "--workers", 1),
+            "--share: expected no --learn",
+        ),
+        (("score", "crowded", "--store", "s", "--share", "1/2"), "--share: expected --output"),
+        (("gather", "nothing"), "nothing/shares: expected shares of one number, got none"),
+        (("script", "slurm", "train", "ppo", "--output", "r"), "script: expected evaluate or score, got train"),
+        (("script", "slurm", "evaluate", "crowded"), "script: expected a command with --output"),
+    ],
+)
+def test_bad_input_is_one_line(run, words, expected):
+    code, _, err = run(*words)
+    assert (code, err.count("\n")) == (2, 1)
+    assert expected in err
+
+
+def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_path):
+    words = ("score", "table1", "--store", "s.sqlite", "--scenarios", 2, "--workers", 1)
+    for number in (1, 2):
+        assert run(*words, "--output", "shares", "--share", f"{number}/2")[0] == 0
+    assert "learned" not in run("knowledge", "list", "--store", "s.sqlite")[1]
+    code, out, err = run("gather", "shares")
+    assert code == 0, err
+    assert "known now" in out
+    code, _, err = run("gather", "shares")
+    assert code == 0, err
+    assert results(tmp_path / "shares")
+
+
+def test_the_job_array_of_a_family_gives_what_two_workers_give(tmp_path):
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(FAMILY))
+    words = [
+        "evaluate",
+        "--family",
+        "small.yaml",
+        "--strategy",
+        "fixed:RepulsionGradient",
+        "--scenarios",
+        "7",
+        "--record",
+    ]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+    def do(*command: str, **more: str) -> str:
+        given = {"cwd": tmp_path, "env": {**environment, **more}, "capture_output": True, "text": True}
+        done = subprocess.run(command, check=False, **given)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    program = (sys.executable, "-m", "clean_swarm_env")
+    text = do(*program, "script", "slurm", "--shares", "3", "--sbatch=--time=5", *words, "--output", "array")
+    assert text.startswith("#!/bin/sh\n#SBATCH --job-name=clean-swarm\n#SBATCH --array=1-3\n")
+    assert "\n#SBATCH --time=5\n" in text
+    (tmp_path / "array.sh").write_text(text)
+    for number in ("1", "2", "3"):
+        do("sh", "array.sh", SLURM_ARRAY_TASK_ID=number, SLURM_CPUS_PER_TASK="2")
+    do(*program, "gather", "array")
+    do(*program, *words, "--workers", "2", "--output", "whole")
+    assert results(tmp_path / "array") == results(tmp_path / "whole")
+    array, whole = ({path.name for path in (tmp_path / name).rglob("*.swarm")} for name in ("array", "whole"))
+    assert array == whole
+    assert len(whole) >= 7

@@ -1,0 +1,76 @@
+"""Evaluations: the base class of those of an experiment and of a family."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from clean_swarm_env.config.mission import MissionConfig
+from selector.strategies.strategy import DecisionStrategy
+from train.knowledge_store import Memory
+from train.reports.write_report import Publication
+from train.running.runs import RunKey, RunRecord, Task
+
+Choosers = Mapping[str, DecisionStrategy]
+"""Goal -> strategy with one row, which chooses one option for the whole team and mission."""
+
+
+class Evaluation(ABC):
+    """Base class of evaluations, which define runs and a report on them.
+
+    The constructor gets the user's request, and raises an error of one line, before anything is written, for everything
+    that does not exist or fit.
+
+    Attributes:
+        stem: name of the default directory for the results.
+        manifest: content of `manifest.json`; `identity` decides whether runs can be resumed, the rest is for readers.
+        words: the command of this evaluation, without its directory.
+        growing: name of a mapping in the identity to which entries can be added later; empty: none.
+        memory: the knowledge store of this evaluation, if any.
+        mission: the mission; before the runs begin it gets what was learned of its options.
+        scenarios: names of the scenarios, in the order in which missions learn.
+        directories: the user's own directories of configurations.
+        scored: condition -> goal -> option, where runs of fixed options are scored for the store.
+
+    """
+
+    stem: str
+    manifest: dict[str, Any]
+    words: list[str]
+    growing = ""
+    memory: Memory | None = None
+    mission: MissionConfig
+    scenarios: list[str]
+    directories: tuple[Path, ...]
+    scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+
+    @property
+    def learns_in_turn(self) -> bool:
+        """Whether missions run one after the other, each with options chosen by what those before have brought."""
+        return self.memory is not None and self.memory.learns and not self.scored
+
+    @property
+    def keys(self) -> list[RunKey]:
+        """Scenario and condition of all runs, condition by condition."""
+        return sorted((key for task in self.tasks(()) for key in task.keys), key=lambda key: key[1])
+
+    @abstractmethod
+    def tasks(self, done: Collection[RunKey]) -> Sequence[Task]:
+        """Return the tasks for all runs except those that are `done`."""
+
+    @abstractmethod
+    def mistake(self, record: RunRecord) -> str:
+        """Return why a run kept in the directory is not one of this evaluation; empty if it is."""
+
+    @abstractmethod
+    def choosers(self) -> Mapping[str, Choosers]:
+        """Return for each condition the strategies that choose an option of each goal once in a mission."""
+
+    @abstractmethod
+    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> Task:
+        """Return the task of one run in which `options` serve the goals; goal -> option."""
+
+    @abstractmethod
+    def publication(self, records: Sequence[RunRecord]) -> Publication:
+        """Return the report on the finished runs; all runs of this evaluation are among them."""

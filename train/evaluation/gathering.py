@@ -1,0 +1,95 @@
+"""Shares of an evaluation: commands that each do a part of its runs, beside each other in one directory."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.plain import short
+from train.evaluation.base import Evaluation
+from train.running.finished_runs import JOURNAL, runs_of
+from train.running.run_folder import COMMAND, MANIFEST, SHARE_FOLDERS, Json, RunFolder, read_manifest
+from train.running.runs import RunKey, RunRecord
+
+ALL = "all"
+"""In place of the number of a share: the results of all shares are gathered."""
+
+
+@dataclass(frozen=True)
+class RunShare:
+    """One of `count` parts of the runs of an evaluation, or the gathering of them all."""
+
+    number: int
+    """From 1 on; 0 gathers."""
+    count: int
+
+    @classmethod
+    def of_text(cls, text: str) -> RunShare:
+        """Return the share `I/N`, or what gathers, `all/N`."""
+        found = re.fullmatch(rf"({ALL}|[1-9]\d{{0,4}})/([1-9]\d{{0,4}})", text)
+        number, count = (0 if found[1] == ALL else int(found[1]), int(found[2])) if found else (1, 0)
+        if number > count:
+            raise ConfigurationError(f"--share: expected I/N with I from 1 to N, got {short(text)}")
+        return cls(number, count)
+
+    @property
+    def gathers(self) -> bool:
+        """Whether this is the gathering of all shares."""
+        return self.number == 0
+
+    def __str__(self) -> str:
+        return f"{self.number or ALL}/{self.count}"
+
+    def folder(self, directory: Path) -> Path:
+        """Return the run folder of this share in the directory of all shares."""
+        return directory / SHARE_FOLDERS / f"{self.number}-of-{self.count}"
+
+    def part(self, keys: Sequence[RunKey]) -> Sequence[RunKey]:
+        """Return every `count`-th of the keys, so that each share has some of every condition."""
+        return keys if self.gathers else keys[self.number - 1 :: self.count]
+
+    def command(self, evaluation: Evaluation, directory: Path | None) -> str:
+        """Return the command that goes on with this share."""
+        return shlex.join([*evaluation.words, "--output", str(directory), "--share", str(self), "--resume"])
+
+
+def gathered(evaluation: Evaluation, directory: Path, count: int) -> tuple[list[RunRecord], Json]:
+    """Return the runs of all shares, and what was known of options when they began.
+
+    Raises:
+        ConfigurationError: a share is not there, is not finished, or is one of another evaluation.
+
+    """
+    keys, runs, known = evaluation.keys, dict[RunKey, RunRecord](), list[Json]()
+    for share in (RunShare(number, count) for number in range(1, count + 1)):
+        path, part, command = share.folder(directory), share.part(keys), share.command(evaluation, directory)
+        if not (path / MANIFEST).exists():
+            raise ConfigurationError(f"{path}: no such share; expected the results of `{command}`")
+        folder = RunFolder(path, evaluation.manifest, resume=True, growing=evaluation.growing)
+        with folder.alone():
+            runs |= {record.key: record for record in runs_of(path / JOURNAL, evaluation.mistake)}
+        lacking = sum(key not in runs for key in part)
+        if lacking:
+            raise ConfigurationError(f"{path}: lacks {lacking} of {len(part)} runs; to go on: `{command}`")
+        known.append(folder.learned)
+        if folder.learned != known[0]:
+            raise ConfigurationError(f"{path}: began with other learned scores than share 1")
+    return list(runs.values()), known[0]
+
+
+def gathering_words(directory: Path) -> list[str]:
+    """Return the words of the command that gathers the shares in a directory, without the name of the program."""
+    names = [path.name for path in sorted((directory / SHARE_FOLDERS).glob("*-of-*"))]
+    counts = sorted({name.rpartition("-")[2] for name in names})
+    if len(counts) != 1:
+        found = f"shares of {' and of '.join(counts)}" if counts else "none"
+        raise ConfigurationError(f"{directory / SHARE_FOLDERS}: expected shares of one number, got {found}")
+    path = directory / SHARE_FOLDERS / names[0]
+    match read_manifest(path).get(COMMAND):
+        case ["clean-swarm", "evaluate" | "score", *_] as words if all(isinstance(word, str) for word in words):
+            return [*words[1:], "--output", str(directory), "--resume", "--share", f"{ALL}/{counts[0]}"]
+    raise ConfigurationError(f"{path / MANIFEST}: {COMMAND}: expected the words of a command that evaluates")

@@ -1,0 +1,44 @@
+"""The one seam through which tasks are spread: an engine does tasks, in processes of this machine or elsewhere."""
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import AbstractContextManager
+from typing import Protocol
+
+from train.running.runs import RunRecord, Work
+
+Round = Callable[[Sequence[Work]], Iterator[RunRecord]]
+"""A function that does tasks, and yields each run when it is done, in any order."""
+
+MOST_DEATHS = 3
+"""Times that a task may lose its worker: it is begun once and run again twice."""
+
+
+class Engine(Protocol):
+    """What does tasks."""
+
+    def rounds(self) -> AbstractContextManager[Round]:
+        """Return a context with a function that does some tasks, by workers that stay for the tasks after them.
+
+        Closing its iterator, or an error in a task, ends the other tasks at once. `WorkerLost` comes when all runs that
+        were done have been yielded.
+        """
+
+
+class WorkerLost(Exception):
+    """A task lost its worker again and again; the message names the task."""
+
+    def __init__(self, task: Work) -> None:
+        (scenario, condition), *others = task.keys
+        more = f" (and up to {len(others)} more runs)" if others else ""
+        super().__init__(f"scenario {scenario}, condition {condition}{more}: its worker died {MOST_DEATHS} times")
+
+
+def in_turn(tasks: Sequence[Work]) -> Iterator[RunRecord]:
+    """Do tasks in this process."""
+    return (record for task in tasks for record in task.each())
+
+
+def each_done(tasks: Sequence[Work], engine: Engine) -> Generator[RunRecord, None, None]:
+    """Yield each run when it is done, in any order; see `Engine.rounds`."""
+    with engine.rounds() as done:
+        yield from done(tasks)
