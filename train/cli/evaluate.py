@@ -58,7 +58,9 @@ def evaluate_command(
     ] = None,
     goal: Annotated[
         str | None,
-        typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
+        typer.Option(
+            help="With --family: goal to decide on, or several joined by +; else AvoidCollision or the only one."
+        ),
     ] = None,
     store: RunStore = None,
     learn: Learn = False,
