@@ -18,6 +18,7 @@ from benchmarks.record import record
 
 STARTS = 5
 MORE = 256  # worlds
+MANY = 10_000  # robots in one world
 
 START = """
 from time import perf_counter, process_time
@@ -32,7 +33,7 @@ print(json.dumps({"cpu": process_time(), "wall": perf_counter() - begin}))
 MEMORY = """
 import json, resource
 from benchmarks.scenes import mission_of, worlds_at_start
-worlds = worlds_at_start(mission_of(5), COUNT)
+worlds = worlds_at_start(mission_of(ROBOTS), WORLDS)
 for _ in range(100):
     worlds.tick()
 now = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmRSS")) / 1024.0
@@ -65,11 +66,14 @@ def starts() -> dict[str, float]:
 
 def memory() -> dict[str, float]:
     """Return megabytes of a process with one world, and of each further world."""
-    one, many = (figures_of(MEMORY.replace("COUNT", str(count))) for count in (1, 1 + MORE))
+    sizes = ((5, 1), (5, 1 + MORE), (MANY, 1))
+    programs = (MEMORY.replace("ROBOTS", str(robots)).replace("WORLDS", str(worlds)) for robots, worlds in sizes)
+    one, many, large = map(figures_of, programs)
     return {
         "first world [MB]": one["now"],
         "peak of the first world [MB]": one["peak"],
         "each further world [MB]": (many["now"] - one["now"]) / MORE,
+        "a robot among 10,000 [kB]": 1000.0 * (large["peak"] - one["now"]) / MANY,
     }
 
 

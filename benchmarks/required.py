@@ -61,7 +61,11 @@ REQUIREMENTS = (
     tick_of("1 x 5", 5.0),
     tick_of("64 x 5", 3.0),
     tick_of("1 x 1000", 4.0),
-    Requirement("growth from 50 to 1,000 robots, exponent", ("tick", "growth", "exponent"), 1.2),
+    Requirement(
+        "tick of 10,000 robots in one world [us]", ("tick", "tick [us]", "1 x 10000"), 200_000.0, absolute=True
+    ),
+    Requirement("growth from 50 to 10,000 robots, exponent", ("tick", "growth", "exponent"), 1.2),
+    Requirement("growth from 1,000 to 10,000 robots, exponent", ("tick", "growth", "exponent from 1,000 robots"), 1.05),
     Requirement("late tick / floor, 64 x 5", ("late", "64 x 5", "late tick / floor"), 3.0),
     Requirement("late / early, 1 x 5", ("late", "1 x 5", "late / early"), 1.5),
     Requirement("late / early, 64 x 5", ("late", "64 x 5", "late / early"), 1.5),
@@ -77,6 +81,7 @@ REQUIREMENTS = (
     ),
     Requirement("memory of the first world [MB]", ("costs", "memory", "first world [MB]"), 350.0),
     Requirement("memory of each further world [MB]", ("costs", "memory", "each further world [MB]"), 1.0),
+    Requirement("memory of a robot among 10,000 [kB]", ("costs", "memory", "a robot among 10,000 [kB]"), 40.0),
     Requirement("very first start, CPU [s]", ("costs", "start", "first start, CPU [s]"), 30.0),
     Requirement("second start, CPU [s]", ("costs", "start", "second start, CPU [s]"), 2.0),
 )

@@ -66,6 +66,14 @@ class DirectionStream:
         """Draw what is missing, after `vectors`, `cursor` and `generators` have been written to."""
         self.low[0] = True
 
+    def take(self, rows: Ints) -> Floats:
+        """Return the next unit vectors (K, 3) of `rows` (K,), each once at most; for kernels `take_direction`."""
+        self.refill()
+        places = np.minimum(self.cursor[rows], self.block - 1)
+        self.cursor[rows] += 1
+        self.low[0] = True
+        return self.vectors[rows, places]
+
     def refill(self) -> None:
         """Draw for every row that has used half of its block; does nothing unless `low` is set."""
         if not self.low[0]:

@@ -82,6 +82,11 @@ class Memory:
         own = (key for key in self._store.contents().learned if key[2:] == (self.context, self.source))
         return any(not options or key.option in options for key in own)
 
+    def held(self) -> int:
+        """Return how many rewards of this source the store holds in this context."""
+        learned = self._store.contents().learned.items()
+        return sum(entry.moments.count for key, entry in learned if key[2:] == (self.context, self.source))
+
     def check_new(self, options: Collection[str] = ()) -> None:
         """Raise StoreError if the store holds what this run would learn (of `options`), which would count twice."""
         if self.learns and self.given(options):

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.delivery import EVERYWHERE
-from clean_swarm_env.config.types import ArrivalRate, Index, Items, Point, Pose, Robots
+from clean_swarm_env.config.types import ArrivalRate, Index, Items, Point, Pose, Robots, Spots
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Positive, Share
 
@@ -62,7 +62,7 @@ class Land(At):
     do: Literal["land"]
     """What happens."""
     items: Annotated[Items, Field(ge=1)]
-    """Number of items, at random places."""
+    """Number of items, about the spots of the garbage or at random places."""
 
 
 class Respawn(At):
@@ -71,7 +71,16 @@ class Respawn(At):
     do: Literal["respawn"]
     """What happens."""
     rate: ArrivalRate
-    """Items that arrive in a minute from now on, at random times and places [1/min]."""
+    """Items that arrive in a minute from now on, at random times [1/min]."""
+
+
+class MoveSpots(At):
+    """The places about which garbage comes change."""
+
+    do: Literal["move_spots"]
+    """What happens."""
+    spots: Spots
+    """Their centres from now on; empty: garbage comes anywhere [m]."""
 
 
 class MoveStations(At):
@@ -96,7 +105,9 @@ class SetDelivery(At):
     """Probability that a receiver misses a message from now on [-]."""
 
 
-Event = Annotated[Join | Remove | Fail | Land | Respawn | MoveStations | SetDelivery, Field(discriminator="do")]
+Event = Annotated[
+    Join | Remove | Fail | Land | Respawn | MoveSpots | MoveStations | SetDelivery, Field(discriminator="do")
+]
 
 
 def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:

@@ -15,7 +15,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.events import Event, Join, Land, Respawn
-from clean_swarm_env.config.family_events import ChangesConfig, Span, draw_events, random_stations
+from clean_swarm_env.config.family_events import (
+    ChangesConfig,
+    Span,
+    SpotCount,
+    draw_events,
+    random_spots,
+    random_stations,
+)
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import drawn_start
 from clean_swarm_env.config.types import Items, Length, Point, Robots, Scenarios
@@ -71,6 +78,8 @@ class FamilyConfig(Closed):
     """Least and largest number of items at the start."""
     respawn: Span = (0.0, 0.0)
     """Least and largest rate at which garbage keeps coming [1/min]."""
+    spots: tuple[SpotCount, SpotCount] | None = None
+    """Least and largest number of spots of garbage, at random places; those of the mission unless given."""
     stations: Literal["given", "random"] = "given"
     """Whether the stations are where the mission has them, or at random places."""
     changes: ChangesConfig = ChangesConfig()
@@ -82,8 +91,8 @@ class FamilyConfig(Closed):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        for name in ("robots", "items", "respawn"):
-            least, most = getattr(self, name)
+        for name in ("robots", "items", "respawn", "spots"):
+            least, most = getattr(self, name) or (0, 0)
             if least > most:
                 raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
         for name in ("robots", "items"):
@@ -159,8 +168,11 @@ class FamilyConfig(Closed):
         recycling, dump = base.stations.recycling, base.stations.dump
         if self.stations == "random":
             recycling, dump = random_stations((width, height), rng)
-        drawn = draw_events(self.changes, (width, height), robots, base.time_limit, rng)
-        garbage = {"count": items, "respawn": respawn}
+        spots = base.garbage.spots
+        if self.spots is not None:
+            spots = random_spots(int(rng.integers(self.spots[0], self.spots[1] + 1)), (width, height), rng)
+        drawn = draw_events(self.changes, (width, height), robots, len(spots), base.time_limit, rng)
+        garbage = {"count": items, "respawn": respawn, "spots": spots}
         events = [event.model_dump() for event in base.events] or drawn
         return self._made((width, height), robots, garbage, (recycling, dump), events)
 

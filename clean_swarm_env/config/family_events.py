@@ -10,10 +10,12 @@ from clean_swarm_env.config.types import ArrivalRate, Items, Point
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Positive, Share
 
-Change = Literal["join", "remove", "fail", "land", "respawn", "move_stations", "deliver"]
+Change = Literal["join", "remove", "fail", "land", "respawn", "move_spots", "move_stations", "deliver"]
 Span = tuple[ArrivalRate, ArrivalRate]
 Changes = Annotated[int, Field(strict=True, ge=0, le=1000)]
 """Events of a scenario; more of them would hardly differ in time."""
+SpotCount = Annotated[int, Field(strict=True, ge=0, le=100)]
+"""Spots of garbage; see `types.Spots`."""
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
 STATION_GAP = 2.0
@@ -53,11 +55,17 @@ class ChangesConfig(Closed):
 
 
 def draw_events(
-    changes: ChangesConfig, size: tuple[float, float], robots: int, time_limit: float, rng: np.random.Generator
+    changes: ChangesConfig,
+    size: tuple[float, float],
+    robots: int,
+    spots: int,
+    time_limit: float,
+    rng: np.random.Generator,
 ) -> list[dict[str, Any]]:
-    """Return the events of one scenario that begins with `robots`, in the order of their times.
+    """Return the events of one scenario that begins with `robots` and `spots`, in the order of their times.
 
-    An event that would leave fewer than two robots becomes a join if robots may join; otherwise it is left out.
+    Spots that move remain as many. An event that would leave fewer than two robots becomes a join if robots may join;
+    otherwise it is left out.
     """
     number = int(rng.integers(changes.number[0], changes.number[1] + 1))
     times = np.sort(rng.uniform(QUIET, 1.0 - QUIET, size=number)) * time_limit
@@ -75,6 +83,8 @@ def draw_events(
             numbered += 1
         elif kind in ("remove", "fail"):
             event["robots"] = (working.pop(int(rng.integers(len(working)))),)
+        elif kind == "move_spots":
+            event["spots"] = random_spots(spots, size, rng)
         else:
             event |= _drawn(kind, changes, size, rng)
         events.append(event)
@@ -91,6 +101,11 @@ def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np
         recycling, dump = random_stations(size, rng)
         return {"recycling": recycling, "dump": dump}
     return {"reach": float(rng.uniform(*changes.reach)), "loss": float(rng.uniform(*changes.loss))}
+
+
+def random_spots(number: int, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
+    """Return the centres of spots anywhere on the torus `size` [m]."""
+    return tuple((x, y) for x, y in (rng.uniform(size=(number, 2)) * size).tolist())
 
 
 def random_stations(size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, Point]:

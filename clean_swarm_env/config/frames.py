@@ -17,7 +17,9 @@ NOWHERE: Point = (0.0, 0.0)
 def frame_of(mission: MissionConfig) -> MissionConfig:
     """Return the mission without the parts that may differ in a batch; missions with equal frames fit together."""
     robots = mission.robots.model_copy(update={"count": 1, "capacity": mission.rows})
-    garbage = mission.garbage.model_copy(update={"count": 0, "respawn": 0.0, "capacity": mission.item_rows})
+    garbage = mission.garbage.model_copy(
+        update={"count": 0, "respawn": 0.0, "capacity": mission.item_rows, "spots": (), "spot_radius": 1.0}
+    )
     stations = mission.stations.model_copy(update={"recycling": NOWHERE, "dump": NOWHERE})
     ideal = {"reach": EVERYWHERE, "loss": 0.0, "own_contents": mission.own_contents}
     delivery = mission.delivery.model_copy(update=ideal)

@@ -17,6 +17,7 @@ from clean_swarm_env.config.events import (
     Event,
     Join,
     Land,
+    MoveSpots,
     MoveStations,
     Respawn,
     SetDelivery,
@@ -24,7 +25,7 @@ from clean_swarm_env.config.events import (
 )
 from clean_swarm_env.config.network import NetworkConfig
 from clean_swarm_env.config.stations import StationsConfig
-from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds
+from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds, Spots
 from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
@@ -75,6 +76,10 @@ class GarbageConfig(Closed):
     """Items that arrive in a minute, at random times and places; above 0 a mission lasts its time limit [1/min]."""
     capacity: Items = 0
     """Most items lying or carried at a time, further ones are lost; 0: as needed, at least 40 with respawn."""
+    spots: Spots = ()
+    """Centres of the places about which items lie and arrive, all equally likely; empty: anywhere [m]."""
+    spot_radius: Length = 1.0
+    """Distance from the centre of its spot within which an item comes, evenly over the disc [m]."""
     diffusion: NonNegative = 1.0
     """Diffusion of an item's attractive gradient [m]."""
     goal_radius: NonNegative = 0.0
@@ -183,8 +188,11 @@ class MissionConfig(Closed):
     def _possible(self) -> Self:
         world, robots, stations = self.world, self.robots, self.stations
         places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
+        places |= {f"garbage.spots.{k}": spot for k, spot in enumerate(self.garbage.spots)}
         for k, event in enumerate(self.events):
-            if isinstance(event, MoveStations):
+            if isinstance(event, MoveSpots):
+                places |= {f"events.{k}.spots.{n}": spot for n, spot in enumerate(event.spots)}
+            elif isinstance(event, MoveStations):
                 places |= {f"events.{k}.recycling": event.recycling, f"events.{k}.dump": event.dump}
         for key, (x, y) in places.items():
             if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):

@@ -5,7 +5,8 @@ So a scenario does not depend on the number of scenarios or workers, nor do its 
 """
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -19,6 +20,7 @@ from selector.documents.errors import impossible, shown, validated
 from selector.documents.fields import Closed, Positive
 from selector.documents.reading import read_json
 from selforg.arrays import Floats
+from selforg.elementary import unit_vectors
 from selforg.space import Torus
 
 START_GAP = 0.01
@@ -27,8 +29,36 @@ START_TRIES = 20_000
 """Draws for the place of one robot before the placement fails."""
 
 
+@dataclass(frozen=True)
+class Places:
+    """Where items come: anywhere on the torus `size` (2,), or evenly within `radius` of a spot (S, 2) [m]."""
+
+    size: Floats
+    spots: Floats
+    radius: float
+
+    @classmethod
+    def of(cls, mission: MissionConfig) -> "Places":
+        """Return where the items of a mission come at first."""
+        size = np.array([mission.world.width, mission.world.height])
+        return cls(size, np.array(mission.garbage.spots).reshape(-1, 2), mission.garbage.spot_radius)
+
+    def at(self, spots: Sequence[Point]) -> "Places":
+        """Return the same with other spots."""
+        return replace(self, spots=np.array(spots).reshape(-1, 2))
+
+    def draw(self, count: int, rng: np.random.Generator) -> Floats:
+        """Return random places (count, 2) [m]."""
+        if not len(self.spots):
+            return rng.uniform(size=(count, 2)) * self.size
+        spot, share, turn = rng.uniform(size=(count, 3)).T
+        chosen = self.spots[(spot * len(self.spots)).astype(np.int64)]
+        ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
+        return Torus(*self.size.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
+
+
 def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfiguration:
-    """Return scenario `index` (from 0) of `seed`: uniform robots and items; solid robots do not overlap.
+    """Return scenario `index` (from 0) of `seed`: uniform robots that do not overlap if solid, items at `Places`.
 
     Its id is `index + 1`. Raises ConfigurationError if a robot finds no room in a bounded number of tries.
     """
@@ -43,7 +73,7 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     rng = np.random.default_rng(for_robots)
     positions = _positions_apart(mission.robots.count, size, apart, rng)
     headings = rng.uniform(-np.pi, np.pi, size=(mission.robots.count, 1))
-    items = np.random.default_rng(for_items).uniform(size=(mission.garbage.count, 2)) * size
+    items = Places.of(mission).draw(mission.garbage.count, np.random.default_rng(for_items))
     return StartConfiguration(
         id=name,
         robots=tuple((x, y, heading) for (x, y), (heading,) in zip(positions.tolist(), headings.tolist(), strict=True)),

@@ -29,4 +29,6 @@ Wait = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=3600.
 ArrivalRate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=10_000.0)]
 """Items that arrive in a minute [1/min]; robots cannot clean a hundredth of it."""
 Point = tuple[Number, Number]
+Spots = Annotated[tuple[Point, ...], Field(max_length=100)]
+"""Centres of places about which garbage comes [m]; more of them would cover any torus evenly."""
 Pose = tuple[Number, Number, Number]

@@ -39,12 +39,13 @@ def no_places() -> Floats:
 
 
 class Area(NamedTuple):
-    """A place that means something to robots: its name, middle and radius [m]."""
+    """A place that means something to robots: its name, middle and radius [m], and whether it repels them."""
 
     name: str
     x: float
     y: float
     radius: float
+    repels: bool = False
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,8 @@ LETTER_SIZE: Final = 13.0
 LETTER: Final = 0.58
 """Mean width of a letter, in sizes of its font; the legend's columns follow from it."""
 WHITE: Final = "#ffffff"
-AREA: Final = "#009E73"
+ATTRACTS: Final = "#009E73"
+REPELS: Final = "#D55E00"
 OUT_OF_WORK: Final = "#77736b"
 
 
@@ -118,9 +119,13 @@ class _Drawer:
     def shapes(self) -> list[Shape]:
         canvas, robots = self._canvas, len(self._canvas.positions)
         found: list[Shape] = []
-        for name, x, y, radius in canvas.areas:
+        for name, x, y, radius, repels in canvas.areas:
             for right, down in self._at(np.array([x, y]), radius):
-                found += [Disc(right, down, self._pixels(radius), AREA, 0.3), Caption(right, down, name, centred=True)]
+                colour = REPELS if repels else ATTRACTS
+                found += [
+                    Disc(right, down, self._pixels(radius), colour, 0.3),
+                    Caption(right, down, name, centred=True),
+                ]
         for place, (name, colour) in zip(canvas.stations, STATIONS, strict=False):
             found += self._station(place, name, colour)
         leftover = np.zeros(len(canvas.garbage), dtype=np.bool_) if canvas.leftover is None else canvas.leftover

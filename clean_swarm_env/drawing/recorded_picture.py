@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel
@@ -37,6 +38,8 @@ CHANNELS = {
 """Channels of which a picture is made, and what each has a number for."""
 TRAILS = (PHEROMONES, "trail")
 """Channels of the gradients that are drawn: those of missions and of the scene Foraging."""
+EDGE_OF_LAND = 2.0
+"""Width of the land around the places where robots have been [m]."""
 LEAST_AREA = 0.2
 """Least radius of an area [m]."""
 FRAME_ROUNDING = 1e-6
@@ -51,25 +54,31 @@ class _Stations(BaseModel):
     reach: NonNegative
 
 
-class _Around(BaseModel):
-    """Gradients that are there from the start on, in a scene."""
+class _Thing(BaseModel):
+    """A gradient that is there from the start on, in a scene."""
 
     channel: str
-    places: tuple[tuple[Number, Number], ...]
-    goal_radius: tuple[NonNegative, ...]
-
-
-class _Scene(BaseModel):
-    """What a picture takes from the head of a scene."""
-
-    around: tuple[_Around, ...] = ()
+    attraction: Literal[-1, 0, 1]
+    x: Number
+    y: Number
+    radius: NonNegative
 
 
 class _Sizes(BaseModel):
     """What a picture takes from the mission in the head."""
 
     robots: _Robots
-    stations: _Stations
+    stations: _Stations = _Stations(reach=0.0)
+
+
+class _Shown(BaseModel):
+    """What a picture takes from the head."""
+
+    mission: _Sizes
+    things: tuple[_Thing, ...] | None = None
+    """Those of a scene, which has no items and no stations."""
+    ground: Literal["torus", "open"] = "torus"
+    """Of open land the square is shown in which the robots have been."""
 
 
 class RecordedCourse:
@@ -83,23 +92,32 @@ class RecordedCourse:
     def __init__(self, recording: RecordedMission) -> None:
         head = recording.head
         self._recording = recording
-        self._sizes = validated(_Sizes, head["mission"], f"{recording.path}: head.mission")
-        around = validated(_Scene, head, f"{recording.path}: head").around
-        self._areas = tuple(
-            Area(lying.channel, x, y, max(radius, LEAST_AREA))
-            for lying in around
-            for (x, y), radius in zip(lying.places, lying.goal_radius, strict=False)
-        )
+        shown = validated(_Shown, head, f"{recording.path}: head")
+        self._sizes = shown.mission
         self._options = {goal: names for goal, names in head["options"].items() if f"held/{goal}" in recording}
         counts = {ROBOT: head["robots"], ITEM: head["items"]}
         kinds = CHANNELS | {f"held/{goal}": ROBOT for goal in self._options}
         self._values: dict[str, AnyArray] = {}
         for name, kind in kinds.items():
+            if shown.things is not None and kind in (ITEM, STATION):
+                self._values[name] = np.zeros((recording.frames, 0))
+                continue
             shape = recording.channels[name].shape if name in recording else None
             if shape is None or (len(shape) != 1 or shape[0] != counts.get(kind, shape[0])):
                 expected = f"channel {name} with a number for each {kind}"
                 raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
             self._values[name] = recording[name]
+        self._corner, self._extent = np.zeros(2), (head["width"], head["height"])
+        if shown.ground == "open":
+            places = np.stack([self._values["x"], self._values["y"]], axis=-1)
+            low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
+            side = float((high - low).max())
+            self._corner, self._extent = low, (side, side)
+        self._areas = tuple(
+            Area(thing.channel, *middle, max(thing.radius, LEAST_AREA), thing.attraction < 0)
+            for thing in shown.things or ()
+            for middle in [(thing.x - self._corner[0], thing.y - self._corner[1])]
+        )
         stage = self._values["item_stage"]
         before = np.concatenate([np.full_like(stage[:1], ABSENT), stage[:-1]])
         self._dumped = ((stage == DONE) & (before != DONE)).sum(axis=1).cumsum()
@@ -131,10 +149,10 @@ class RecordedCourse:
         trail = np.isin(traces.kind, [k for k, kind in enumerate(kinds) if kind.get("channel") in TRAILS])
         counted = f"{self._dumped[frame]} of {self._arrived[frame]} items dumped" if head["items"] else ""
         return Canvas(
-            np.stack([now["x"], now["y"]], axis=1)[there],
+            np.stack([now["x"], now["y"]], axis=1)[there] - self._corner,
             now["heading"][there],
-            width=head["width"],
-            height=head["height"],
+            width=self._extent[0],
+            height=self._extent[1],
             time=frame * self._recording.period,
             state=", ".join(filter(None, [str(head["about"].get("condition", "")), counted])),
             radius=self._sizes.robots.radius,
@@ -147,6 +165,6 @@ class RecordedCourse:
             stations=np.stack([now["station_x"], now["station_y"]], axis=1),
             station_radius=self._sizes.stations.reach,
             areas=self._areas,
-            pheromones=traces.positions[trail],
+            pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],
         )

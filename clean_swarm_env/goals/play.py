@@ -31,9 +31,9 @@ class Play:
 
     """
 
-    def __init__(self, scene: Scene, expert: Expertise, mode: Mode) -> None:
+    def __init__(self, scene: Scene, expert: Expertise, mode: Mode, *, explained: bool = False) -> None:
         self.scene, self._mode = scene, mode
-        self.team = ServedTeam(scene, expert)
+        self.team = ServedTeam(scene, expert, explained=explained)
         scene.begin(lambda _: self.team)
         self.asked: Floats = np.zeros((scene.arena.rows, 2))
         self._vectors: Floats = np.zeros((scene.arena.rows, 2))

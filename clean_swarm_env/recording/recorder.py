@@ -9,16 +9,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final, NoReturn, SupportsIndex
+from typing import Any, NoReturn, SupportsIndex
 
 import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
-from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays, networks_of, points
-from clean_swarm_env.recording.stepping import WholeNumbers, copy_poses
-from clean_swarm_env.recording.taking import FrameFiller, Sampled
+from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points
+from clean_swarm_env.recording.stepping import copy_poses
+from clean_swarm_env.recording.taking import Sampled, fillers_of, waiting_frames
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
@@ -27,12 +27,6 @@ from selforg.arrays import Floats
 from selforg.elementary import directions
 from selforg.gradients.store import columns as c
 from selforg.network.state.state import EXPLAINED_LAYERS
-
-MOST_FRAMES: Final = 256
-"""Frames that wait for being written; a killed run loses at most these."""
-WAITING_BYTES: Final = 1 << 25
-"""Memory for these frames; worlds with many robots and minds keep fewer."""
-LEAST_FRAMES: Final = 16
 
 
 @dataclass(frozen=True)
@@ -86,22 +80,17 @@ class MissionRecorder:
         self._poses: Floats = np.zeros((worlds.rows, 3))
         sampled = [*self._pose_arrays(), *floor_arrays(worlds), *self._messages.arrays()]
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
-        sampled += mind_arrays(worlds) if settings.minds else []
+        minds = Thinking(worlds.network, worlds.coordinators, worlds.minds.nested)
+        sampled += mind_arrays(worlds.robots, minds) if settings.minds else []
         self._channels = [each.channel for each in sampled]
         self._prepare = [each.prepare for each in sampled if each.prepare is not None]
-        ends = np.cumsum([channel.columns for channel in self._channels]).tolist()
-        begins = list(zip([0, *ends], sampled, strict=False))
-        self._always = FrameFiller([source for source in begins if source[1].option is None], worlds.worlds)
-        self._of_option = {
-            option: FrameFiller([source for source in begins if source[1].option == option], worlds.worlds)
-            for option in dict.fromkeys(each.option for each in sampled if each.option is not None)
-        }
-        self.room = int(np.clip(WAITING_BYTES // (4 * worlds.worlds * ends[-1]), LEAST_FRAMES, MOST_FRAMES))
-        self._frames: WholeNumbers = np.zeros((worlds.worlds, self.room, ends[-1]), dtype=np.int32)
+        self._always, self._of_option = fillers_of(sampled, worlds.worlds)
+        self._frames = waiting_frames(worlds.worlds, self._channels)
+        self.room = self._frames.shape[1]
         self._begun = False  # whether a mission has begun since the last frame
         self._at = 0
         self._joined = worlds.team.joined.tobytes()
-        self._networks = networks_of(worlds) if settings.minds else {}
+        self._networks = networks_of(minds) if settings.minds else {}
         self._by_hand: list[dict[str, Any]] = []  # what was done by hand and is not in the file yet
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel, point_channels, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.worlds import Worlds
-from selector.coordination.inner_network import at_any_depth
+from selector.coordination.coordinator import Coordinator
+from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.network.explain.explanation import in_short
@@ -36,6 +37,14 @@ MARKS = {
 }
 PLAN_STEPS = 16
 """Steps of a plan that are kept."""
+
+
+class Thinking(NamedTuple):
+    """The networks of robots."""
+
+    network: BehaviourNetwork
+    coordinators: tuple[Coordinator, ...]
+    inner: tuple[InnerNetwork, ...]
 
 
 def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
@@ -71,24 +80,27 @@ def points(
         yield Sampled(channel, places[..., axis])
 
 
-def mind_arrays(worlds: Worlds) -> Iterator[Sampled]:
-    """Yield what the networks of explained worlds read, computed and decided, those inside behaviours included."""
-    yield from _network(worlds, "robot", worlds.network)
-    for number, coordinator in enumerate(worlds.coordinators):
+def mind_arrays(robots: int, minds: Thinking) -> Iterator[Sampled]:
+    """Yield what the networks of rows read, computed and decided, those of options and inside behaviours included.
+
+    `robots`: how many of the rows a world has.
+    """
+    yield from _network(robots, "robot", minds.network)
+    for number, coordinator in enumerate(minds.coordinators):
         for k, content in enumerate(coordinator.contents):
             prefix = f"{coordinator.model.goal}/{coordinator.model.options[k]}"
-            yield from _network(worlds, prefix, content.network, (number, k))
-    for nested in at_any_depth(worlds.minds.nested):
-        yield from _network(worlds, nested.name, nested.network)
+            yield from _network(robots, prefix, content.network, (number, k))
+    for nested in at_any_depth(minds.inner):
+        yield from _network(robots, nested.name, nested.network)
 
 
-def networks_of(worlds: Worlds) -> dict[str, Any]:
+def networks_of(minds: Thinking) -> dict[str, Any]:
     """Return what the head says about networks: names along the axes of their channels, and the words of reasons."""
-    found = {"robot": worlds.network}
-    for c in worlds.coordinators:
+    found = {"robot": minds.network}
+    for c in minds.coordinators:
         names = zip(c.model.options, c.contents, strict=True)
         found |= {f"{c.model.goal}/{name}": content.network for name, content in names}
-    found |= {nested.name: nested.network for nested in at_any_depth(worlds.minds.nested)}
+    found |= {nested.name: nested.network for nested in at_any_depth(minds.inner)}
     return {
         "terms": BEHAVIOUR_TERMS,
         "reasons": [WORDS[code] for code in range(len(WORDS))],
@@ -97,10 +109,10 @@ def networks_of(worlds: Worlds) -> dict[str, Any]:
 
 
 def _network(
-    worlds: Worlds, prefix: str, network: BehaviourNetwork, option: tuple[int, int] | None = None
+    robots: int, prefix: str, network: BehaviourNetwork, option: tuple[int, int] | None = None
 ) -> Iterator[Sampled]:
     """Yield the arrays of one network, under names that begin with `prefix`."""
-    model, state, plans, robots = network.model, network.state, network.plans, worlds.robots
+    model, state, plans = network.model, network.state, network.plans
     behaviours = len(model.behaviours)
 
     def channel(name: str, axes: tuple[str, ...], shape: tuple[int, ...], scale: int, about: str) -> Channel:
@@ -124,7 +136,7 @@ def _network(
         steps = channel("plan", ("step",), (PLAN_STEPS,), 1, "behaviours of the plan; those after its end mean nothing")
         length = channel("plan_length", (), (), 1, "number of steps of the plan, -1 without one")
         due = channel("plan_due", (), (), 1, "the step that is due, -1 without a plan")
-        known: Ints = np.zeros((worlds.rows, 2), dtype=np.int64)
+        known: Ints = np.zeros((len(plans.mark_table), 2), dtype=np.int64)
         yield Sampled(steps, plans.steps[:, :PLAN_STEPS], option, partial(note_plans, plans.mark_table, known))
         yield Sampled(length, known[:, 0], option)
         yield Sampled(due, known[:, 1], option)

@@ -1,137 +1,183 @@
-"""Recordings of scenes: one file for each run of a goal, written when the runs are over.
-
-On open land the recording holds the square in which the robots have been.
-"""
+"""Recordings of scenes: one file for each run of a goal."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, point_channels, whole_channel
+from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile
 from clean_swarm_env.recording.messages import DepositLog
-from clean_swarm_env.recording.recorder import MOST_FRAMES
+from clean_swarm_env.recording.sampled import Thinking, mind_arrays, networks_of, points
+from clean_swarm_env.recording.stepping import WholeNumbers, copy_poses
+from clean_swarm_env.recording.taking import Sampled, fillers_of, waiting_frames
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
 from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import ServedTeam
 from clean_swarm_env.world.garbage import NOTHING
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Ints
+from selforg.network.state.state import EXPLAINED_LAYERS
 
-EDGE_OF_LAND = 2.0
-"""Width of the land around the places where robots have been [m]."""
 CARRYING = "carrying"
 """What robots know that carry something."""
 
 
-class SceneRecorder:
-    """Records the runs of a scene that has begun: `run` it, then `write`.
+class SceneFrames:
+    """What recordings hold of a scene that has begun: its heads, and its numbers in every control period.
 
     Args:
         scene: the scene, with its controller.
-        directory: where the files go; made if it is missing.
         option: the option that serves the goal, or what else the robots do.
+
+    Attributes:
+        channels: what every frame holds.
 
     """
 
-    def __init__(self, scene: Scene, directory: Path, option: str) -> None:
-        self._scene, self._directory, self._option = scene, directory, option
-        self._frames: list[list[AnyArray]] = []
-        arena, controller = scene.arena, scene.controller
-        self._served = controller if isinstance(controller, ServedTeam) else None
-        self._log = DepositLog(self._served.buffers if self._served is not None else {}, arena.rows)
-        self._poses = arena.positions.copy(), arena.headings.copy()
+    def __init__(self, scene: Scene, option: str) -> None:
+        self._scene, self._option, rows = scene, option, scene.arena.rows
+        self._team = scene.controller if isinstance(scene.controller, ServedTeam) else None
+        minds = self._team.minds if self._team else None
+        explained = minds is not None and minds.network.state.mark_table.shape[1] == EXPLAINED_LAYERS
+        self._minds = Thinking(minds.network, minds.coordinators, minds.inner) if minds and explained else None
+        self._log = DepositLog(self._team.buffers if self._team else {}, rows)
+        self._poses: Floats = np.zeros((rows, 3))
+        self._cargo: Ints = np.full(rows, NOTHING)
+        self._contacts, self._entered = np.zeros(rows, dtype=np.int64), scene.arena.entered.copy()
+        sampled = list(self._sampled())
+        self.channels = tuple(each.channel for each in sampled)
+        always, of_option = fillers_of(sampled, scene.arena.worlds)
+        self._prepare = [each.prepare for each in sampled if each.prepare is not None]
+        self._fillers = always, *of_option.values()
+        self.note_poses()
+
+    @property
+    def notes(self) -> dict[str, Any]:
+        """What was found out until now: the kinds of deposits."""
+        return {"deposits": self._log.kinds}
+
+    def note_poses(self) -> None:
+        """Keep the poses, at which the next control period begins; call it after they were changed by hand."""
+        copy_poses(self._scene.arena.positions, self._scene.arena.headings, self._poses)
+
+    def take(self, frames: WholeNumbers, at: int) -> None:
+        """Fill frame `at` of `frames` (W, T, K) with the control period that has just been run."""
+        arena = self._scene.arena
+        np.subtract(arena.entered, self._entered, out=self._contacts)
+        self._entered[:] = arena.entered
+        if self._team is not None and CARRYING in self._team.memory.kinds:
+            self._cargo[:] = np.where(self._team.memory[CARRYING].values == 1.0, 0, NOTHING)
+        for prepare in self._prepare:
+            prepare()
+        for filler in self._fillers:
+            filler.fill(frames, at)
+        self._log.begin()
+        self.note_poses()
+
+    def head(self, world: int, about: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the head of the recording of a world: a mission without items and stations; `about` is plain data."""
+        scene, team, body = self._scene, self._team, self._scene.body
+        look = {"radius": body.radius, "pose_goal_radius": body.pose_goal_radius, "pose_diffusion": body.pose_diffusion}
+        return {
+            "about": {"experiment": scene.goal, "condition": self._option, **about},
+            "period": CONTROL_PERIOD,
+            "ticks_per_decision": 1,
+            "width": scene.ground.side,
+            "height": scene.ground.side,
+            "ground": scene.ground.kind,
+            "field": scene.ground.field_side,
+            "things": list(self._things(world)),
+            "robots": scene.arena.robots,
+            "items": 0,
+            "minds": self._minds is not None,
+            "options": {scene.goal: team.options if team else (self._option,)},
+            "views": {scene.goal: team.views if team else (0.0,)},
+            "mission": {"name": scene.goal, "scene": scene.story, "robots": look},
+            **(networks_of(self._minds) if self._minds is not None else {}),
+        }
+
+    def result(self, world: int) -> dict[str, Any]:
+        """Return the figures of a world as they stand."""
+        figures = {name: float(values[world]) for name, values in self._scene.measured().items()}
+        met = all(measure.met(figures[measure.name]) for measure in self._scene.measures)
+        return {"completed": met, "duration_s": self._scene.chosen.seconds, "measures": figures}
+
+    def close(self) -> None:
+        """Stop listening to the buffers."""
+        self._log.close()
+
+    def _sampled(self) -> Iterator[Sampled]:
+        count, team = self._scene.arena.robots, self._team
+        robots, ones = ("robot", count), np.ones(len(self._poses), dtype=np.int64)
+        yield from points("", (robots,), self._poses[:, :2], "where the robot is", order=2)
+        heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
+        yield Sampled(heading, self._poses[:, 2])
+        for name, values, about in (
+            ("present", ones, "1 where the robot is there"),
+            ("working", ones, "1 where the robot is at work"),
+            ("cargo", self._cargo, "0 where the robot carries something, -1 for nothing"),
+            ("recycled", 0 * ones, "0"),
+            ("contact", self._contacts, "robots that came too close until the next frame"),
+            (f"held/{self._scene.goal}", team.held if team else 0 * ones, "the option that serves the goal"),
+            ("deposit", self._log.deposits, "kinds of gradients that the robot leaves here, a bit for each"),
+        ):
+            yield Sampled(whole_channel(name, robots, about), values)
+        if self._minds is not None:
+            yield from mind_arrays(count, self._minds)
+
+    def _things(self, world: int) -> Iterator[dict[str, Any]]:
+        """Yield the gradients that are there from the start on, as plain data."""
+        for lying in self._scene.around:
+            places = lying.places[world]
+            reaches = (np.broadcast_to(reach, len(places)).tolist() for reach in (lying.diffusion, lying.goal_radius))
+            for (x, y), diffusion, radius in zip(places.tolist(), *reaches, strict=True):
+                what = {"channel": lying.channel, "attraction": lying.attraction}
+                yield {**what, "x": x, "y": y, "diffusion": diffusion, "radius": radius}
+
+
+class SceneRecorder:
+    """Records the runs of a scene that has begun, one file for each seed: call `take` after every control period.
+
+    Args:
+        scene, option: as `SceneFrames` has them.
+        directory: where the files go; made if it is missing.
+        seeds: of the worlds.
+
+    Attributes:
+        paths: the files.
+
+    """
+
+    def __init__(self, scene: Scene, option: str, directory: Path, seeds: Sequence[int]) -> None:
+        self._frames_of, self._at, self._written = SceneFrames(scene, option), 0, 0
+        channels = self._frames_of.channels
+        self._frames = waiting_frames(len(seeds), channels)
+        self.paths = [directory / f"{scene.goal}-{option}-seed{seed}{SUFFIX}" for seed in seeds]
+        heads = (
+            self._frames_of.head(world, {"scenario": f"seed {seed}", "seed": seed}) for world, seed in enumerate(seeds)
+        )
+        self._files = [RecordingFile(path, head, channels) for path, head in zip(self.paths, heads, strict=True)]
 
     def take(self) -> None:
         """Record the control period that has just been run."""
-        arena, served = self._scene.arena, self._served
-        cargo, held = np.full(arena.rows, NOTHING), np.zeros(arena.rows, dtype=np.int64)
-        if served is not None:
-            held = served.held.copy()
-            if CARRYING in served.memory.kinds:
-                cargo = np.where(served.memory[CARRYING].values == 1.0, 0, NOTHING)
-        self._frames.append([*self._poses, cargo, held, self._log.deposits.copy()])
-        self._log.begin()
-        self._poses = arena.positions.copy(), arena.headings.copy()
+        self._frames_of.take(self._frames, self._at)
+        self._at += 1
+        if self._at == self._frames.shape[1]:
+            self._write()
 
-    def write(self, seeds: Sequence[int]) -> list[Path]:
-        """Write the run of each seed with its measures as they stand; return the files."""
-        self._log.close()
-        values = self._scene.measured()
-        robots, paths = self._scene.arena.robots, []
-        taken = [np.stack(frames) for frames in zip(*self._frames, strict=True)]  # each (T, R, ...)
-        for world, seed in enumerate(seeds):
-            positions, *others = (frames[:, world * robots : (world + 1) * robots] for frames in taken)
-            corner, side = self._square(positions)
-            path = self._directory / f"{self._scene.goal}-{self._option}-seed{seed}{SUFFIX}"
-            contents = list(self._contents(positions - corner, *others))
-            head = self._head(seed, side) | {"around": self._around(world, corner)}
-            file = RecordingFile(path, head, [channel for channel, _ in contents])
-            for first in range(0, len(positions), MOST_FRAMES):
-                whole = [channel.whole(frames[first : first + MOST_FRAMES]) for channel, frames in contents]
-                file.add(first, np.concatenate(whole, axis=1), {"deposits": self._log.kinds})
-            file.close({name: float(value[world]) for name, value in values.items()})
-            paths.append(path)
-        return paths
+    def close(self) -> None:
+        """End the files, with the measures as they stand."""
+        self._write()
+        self._frames_of.close()
+        for world, file in enumerate(self._files):
+            file.close(self._frames_of.result(world))
 
-    def _square(self, positions: Floats) -> tuple[Floats, float]:
-        """Return the lower left corner and the side [m] of what is shown: the torus, or where robots have been."""
-        ground = self._scene.ground
-        if ground.kind == "torus":
-            return np.zeros(2), ground.side
-        low, high = positions.min(axis=(0, 1)) - EDGE_OF_LAND, positions.max(axis=(0, 1)) + EDGE_OF_LAND
-        return low, float((high - low).max())
-
-    def _contents(
-        self, positions: Floats, headings: Floats, cargo: AnyArray, held: AnyArray, deposits: AnyArray
-    ) -> Iterator[tuple[Channel, AnyArray]]:
-        """Yield the channels of a run and their values (T, ...)."""
-        frames, count = headings.shape
-        robots, nothing, none = ("robot", count), np.zeros((frames, count), dtype=np.int64), np.zeros((frames, 0, 2))
-        for axis, channel in enumerate(point_channels("", (robots,), "where the robot is", order=2)):
-            yield channel, positions[..., axis]
-        yield Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks"), headings
-        for name in ("item", "station"):
-            for channel in point_channels(name, ((name, 0),), "none in a scene"):
-                yield channel, none[..., 0]
-        for name in ("item_stage", "item_leftover"):
-            yield whole_channel(name, ("item", 0), "none in a scene"), nothing[:, :0]
-        for name, values, about in (
-            ("present", nothing + 1, "1 where the robot is there"),
-            ("working", nothing + 1, "1 where the robot is at work"),
-            ("cargo", cargo, "0 where the robot carries something, -1 for nothing"),
-            ("recycled", nothing, "0"),
-            (f"held/{self._scene.goal}", held, "the option that serves the goal in the robot"),
-            ("deposit", deposits, "kinds of gradients that the robot leaves here, a bit for each"),
-        ):
-            yield whole_channel(name, robots, about), values
-
-    def _head(self, seed: int, side: float) -> dict[str, Any]:
-        scene, served, body = self._scene, self._served, self._scene.body
-        look = {"radius": body.radius, "pose_goal_radius": body.pose_goal_radius, "pose_diffusion": body.pose_diffusion}
-        return {
-            "about": {"experiment": scene.goal, "scenario": f"seed {seed}", "condition": self._option, "seed": seed},
-            "period": CONTROL_PERIOD,
-            "ticks_per_decision": 1,
-            "width": side,
-            "height": side,
-            "robots": scene.arena.robots,
-            "items": 0,
-            "minds": False,
-            "options": {scene.goal: served.options if served is not None else (self._option,)},
-            "views": {scene.goal: served.views if served is not None else (0.0,)},
-            "mission": {"scene": scene.story, "robots": look, "stations": {"reach": 0.0}},
-        }
-
-    def _around(self, world: int, corner: Floats) -> list[dict[str, Any]]:
-        """Return the gradients that are there from the start on, as plain data."""
-        found = []
-        for lying in self._scene.around:
-            places = lying.places[world] - corner
-            reaches = {"diffusion": lying.diffusion, "goal_radius": lying.goal_radius}
-            each = {name: np.broadcast_to(reach, len(places)).tolist() for name, reach in reaches.items()}
-            found.append({"channel": lying.channel, "attraction": lying.attraction, "places": places.tolist(), **each})
-        return found
+    def _write(self) -> None:
+        """Write the frames that are in no file yet."""
+        if self._at:
+            for file, frames in zip(self._files, self._frames, strict=True):
+                file.add(self._written, frames[: self._at], self._frames_of.notes)
+        self._written, self._at = self._written + self._at, 0

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Final, cast
 
 import numpy as np
 from numba import types
@@ -22,6 +22,11 @@ from selforg.compiler.switches import COMPILED, PLAIN
 
 BY_ADDRESS = COMPILED and not PLAIN
 """Whether compiled code reads the arrays by their addresses, as it reads records."""
+MOST_FRAMES: Final = 256
+"""Frames that wait for being written; a killed run loses at most these."""
+WAITING_BYTES: Final = 1 << 25
+"""Memory for these frames; worlds with many robots and minds keep fewer."""
+LEAST_FRAMES: Final = 16
 # columns of a table of sources
 ADDRESS, KIND, SCALE, BEGIN, LENGTHS, STRIDES, SOURCE_COLUMNS = 0, 1, 2, 3, 4, 7, 11
 NUMBER_KINDS = {np.dtype(np.float64): 0, np.dtype(np.int64): 1, np.dtype(np.bool_): 2}
@@ -69,6 +74,23 @@ class FrameFiller:
             return
         for begin, channel, values in self._sources:
             frames[:, at, begin : begin + channel.columns] = channel.whole(values)
+
+
+def fillers_of(sampled: Sequence[Sampled], worlds: int) -> tuple[FrameFiller, dict[tuple[int, int], FrameFiller]]:
+    """Return what fills the columns of all channels but those of options, and of each option, in the order given."""
+    begins = np.cumsum([0, *(each.channel.columns for each in sampled)]).tolist()
+    by_option: dict[tuple[int, int] | None, list[tuple[int, Sampled]]] = {None: []}
+    for begin, each in zip(begins, sampled, strict=False):
+        by_option.setdefault(each.option, []).append((begin, each))
+    always = FrameFiller(by_option.pop(None), worlds)
+    return always, {option: FrameFiller(own, worlds) for option, own in by_option.items() if option is not None}
+
+
+def waiting_frames(worlds: int, channels: Sequence[Channel]) -> WholeNumbers:
+    """Return memory (W, T, K) for the frames of all channels that wait for being written."""
+    columns = sum(channel.columns for channel in channels)
+    frames = int(np.clip(WAITING_BYTES // (4 * worlds * columns), LEAST_FRAMES, MOST_FRAMES))
+    return np.zeros((worlds, frames, columns), dtype=np.int32)
 
 
 def _number_at(kind: Compiler) -> Callable[[int], float]:

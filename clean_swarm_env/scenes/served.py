@@ -76,10 +76,11 @@ class ServedTeam(Controller):
         memory: knowledge of every robot, shared by all options; at first that of the scene.
         options: names of the options of the goal.
         buffers: what the robots perceive and leave, by the names that configurations use.
+        minds: coordinator and networks of the robots; `explained` ones note why each behaviour runs or does not.
 
     """
 
-    def __init__(self, scene: Scene, expert: Expertise) -> None:
+    def __init__(self, scene: Scene, expert: Expertise, *, explained: bool = False) -> None:
         super().__init__(scene.arena)
         arena = scene.arena
         self._goal, self.buffers = expert.model.goal, scene.buffers()
@@ -88,7 +89,7 @@ class ServedTeam(Controller):
             if name in self.memory.kinds:
                 self.memory[name].write(np.arange(arena.rows), values)
         host = Host(arena.poses, self.buffers, arena.directions, arena.generators(DRAWS), self.memory)
-        self._robots = CoordinatedRobots(expert.model, host)
+        self.minds = CoordinatedRobots(expert.model, host, explained=explained)
         self._steers = expert.model.configurations[expert.option].steers
         self._errand: Controller | None = None
         self.options = expert.model.options
@@ -97,7 +98,7 @@ class ServedTeam(Controller):
     @property
     def coordinator(self) -> Coordinator:
         """The coordinator of which the robots consist."""
-        return self._robots.coordinators[0]
+        return self.minds.coordinators[0]
 
     @property
     def held(self) -> Ints:
@@ -107,11 +108,11 @@ class ServedTeam(Controller):
     @property
     def views(self) -> tuple[float, ...]:
         """View distances of the options [m]."""
-        return tuple(float(content.view_distance) for content in self._robots.coordinators[0].contents)
+        return tuple(float(content.view_distance) for content in self.minds.coordinators[0].contents)
 
     def hold(self, options: Ints) -> None:
         """Give each robot the option (R,) that serves the goal from now on."""
-        self._robots.hold(options)
+        self.minds.hold(options)
 
     def with_errand(self, errand: Controller) -> Controller:
         """Return the team on an errand, which an option that steers changes, and any other adds to."""
@@ -122,7 +123,7 @@ class ServedTeam(Controller):
 
     def decisions(self) -> tuple[Floats, Ints]:
         """Return values (R,) and states (R,) of the first decision mechanism of the option that each robot holds."""
-        (coordinator,) = self._robots.coordinators
+        (coordinator,) = self.minds.coordinators
         values, states = np.zeros(self.arena.rows), np.zeros(self.arena.rows, dtype=np.int64)
         for option in coordinator.used:
             rows, mechanism = self.held == option, self._deciding(coordinator.contents[option])
@@ -138,4 +139,4 @@ class ServedTeam(Controller):
     def _command(self, commands: Commands) -> None:
         for buffer in self.buffers.values():
             buffer.deliver(self.arena.now)
-        commands.take(self._robots.tick(self.arena.now, self._errand.command() if self._errand else None))
+        commands.take(self.minds.tick(self.arena.now, self._errand.command() if self._errand else None))

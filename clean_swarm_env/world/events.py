@@ -10,8 +10,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveStations, Remove, Respawn, in_order
+from clean_swarm_env.config.events import Event, Fail, Join, Land, MoveSpots, MoveStations, Remove, Respawn, in_order
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import Places
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.garbage import NO_TICK, Arrivals
@@ -33,10 +34,12 @@ class Affected(NamedTuple):
     team: Team
     clock: Clock
 
-    def land(self, world: int, position: Floats) -> None:
-        """Put an item at `position` (2,) [m]; it is lost if there is no room for more items."""
-        if self.floor.garbage.arrive(world, position):
-            self.minds.show_items(world, position[None], self.clock.now)
+    def land(self, world: int, positions: Floats) -> int:
+        """Put items at `positions` (M, 2) [m]; they are lost if there is no room for more. Return their number."""
+        for position in positions:
+            if self.floor.garbage.arrive(world, position):
+                self.minds.show_items(world, position[None], self.clock.now)
+        return len(positions)
 
 
 class Agenda:
@@ -54,6 +57,7 @@ class Agenda:
         streams = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, OWN_STREAMS)).spawn(3)
         arriving, self._landings, self._places = (np.random.default_rng(stream) for stream in streams)
         per_tick = mission.world.control_rate
+        self._garbage = Places.of(mission)
         self._arrivals = Arrivals(arriving, mission.garbage.respawn, 60.0 * per_tick)
         self._events: list[tuple[int, Event]] = [
             (ceil(event.at * per_tick - TOLERANCE), event) for _, event in in_order(mission.events)
@@ -66,10 +70,9 @@ class Agenda:
 
     def run(self, world: int, affected: Affected) -> None:
         """Apply the events due in `world`."""
-        tick, extent = int(affected.clock.ticks[world]), affected.floor.extent
-        for share in self._arrivals.until(tick):
-            affected.land(world, share * extent)
-            self.came += 1
+        tick = int(affected.clock.ticks[world])
+        for places in self._arrivals.until(tick, self._garbage):
+            self.came += affected.land(world, places)
         while (
             (not self._joining or self._let_join(world, affected.team)) and self._events and self._events[0][0] <= tick
         ):
@@ -106,12 +109,12 @@ class Agenda:
             if len(rows):
                 (team.remove if isinstance(event, Remove) else team.fail)(rows)
         elif isinstance(event, Land):
-            for position in self._landings.uniform(size=(event.items, 2)) * floor.extent:
-                affected.land(world, position)
+            self.came += affected.land(world, self._garbage.draw(event.items, self._landings))
             self._landing -= event.items
-            self.came += event.items
         elif isinstance(event, Respawn):
             self._arrivals.set_rate(event.rate, tick)
+        elif isinstance(event, MoveSpots):
+            self._garbage = self._garbage.at(event.spots)
         elif isinstance(event, MoveStations):
             floor.stations[world] = event.recycling, event.dump
         else:

@@ -19,8 +19,10 @@ from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.world.consequences import Consequences
 from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
-from selforg.arrays import Floats, Ints, Lasting, together
+from selforg.arrays import Flags, Floats, Ints, Lasting, together
+from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
+from selforg.space import nearest_image
 
 SAME_PLACE = 1e-6
 """Distance below which the gradients of two items may have become one [m]; a buffer tells farther ones apart."""
@@ -132,6 +134,9 @@ class Floor:
 
     def left_at(self, worlds: Ints, places: Floats) -> tuple[Ints, Floats]:
         """Return worlds (K,) and places (K, 2) [m] of the items that lie where others were: `worlds` and `places`."""
+        shared: Flags = np.zeros(len(worlds), dtype=bool)  # hardly ever; all offsets of a large world fill the memory
+        find_shared(worlds, places, self.garbage.positions, self.garbage.stage, self.extent, shared)
+        worlds, places = worlds[shared], places[shared]
         apart = np.abs(self.garbage.positions[worlds] - places[:, None])  # (P, M, 2)
         apart = np.minimum(apart, self.extent - apart)
         lying = self.garbage.stage[worlds] == LYING
@@ -141,3 +146,14 @@ class Floor:
     def move(self, orders: Packed[Orders], now: float) -> None:
         """Move the robots by their orders for one control period, and count collisions meanwhile."""
         self.physics.tick(now, self._substeps, orders, self.drive, self.collisions)
+
+
+@lean_kernel
+def find_shared(worlds: Ints, places: Floats, positions: Floats, stages: Ints, extent: Floats, shared: Flags) -> None:
+    """Set `shared` (K,) where an item lies at `places` (K, 2) of `worlds` (K,); positions (W, M, 2), stages (W, M)."""
+    for place, world in enumerate(worlds):
+        for item in range(positions.shape[1]):
+            dx = nearest_image(positions[world, item, 0] - places[place, 0], extent[0])
+            dy = nearest_image(positions[world, item, 1] - places[place, 1], extent[1])
+            if stages[world, item] == LYING and abs(dx) < SAME_PLACE and abs(dy) < SAME_PLACE:
+                shared[place] = True

@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from clean_swarm_env.config.starts import Places
 from selforg.arrays import Floats, Ints
 
 LYING, CARRIED, DONE, ABSENT = range(4)
@@ -85,7 +86,7 @@ class Garbage:
 
 
 class Arrivals:
-    """The times and places at which items arrive in one world.
+    """The times at which items arrive in one world, and their places.
 
     Attributes:
         due: tick of the next arrival.
@@ -98,10 +99,10 @@ class Arrivals:
         self._expected = float(rng.exponential())  # number of items expected until the next one arrives
         self._count_from(0.0, rate)
 
-    def until(self, tick: int) -> Iterator[Floats]:
-        """Yield the place of each item that has arrived by `tick`, (2,) shares of the world's extent."""
+    def until(self, tick: int, places: Places) -> Iterator[Floats]:
+        """Yield the place (1, 2) [m] of each item that has arrived by `tick`."""
         while self.due <= tick:
-            yield self._rng.uniform(size=2)
+            yield places.draw(1, self._rng)
             self._expected = float(self._rng.exponential())
             self._count_from(self._next_time, self._rate)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -77,9 +77,7 @@ class MissionRun:
             ValueError: no such robot, or a time at which the mission does not run.
 
         """
-        course = Course(self, explained=True)
-        if not 0 <= robot < course.worlds.robots:
-            raise ValueError(f"robot: expected a number from 0 to {course.worlds.robots - 1}, got {robot}")
+        course = self._explained(robot)
         ticks = period_of(time, self.mission.world.control_rate) + 1
         while course.in_progress and course.worlds.ticks[0] < ticks:
             course.tick()
@@ -87,6 +85,25 @@ class MissionRun:
             ended = result_of(course.worlds, 0).duration_s
             raise ValueError(f"time: expected seconds from 0 to the end of the mission at {ended:g}, got {time:g}")
         return explain_robot(course.worlds, robot)
+
+    def explanations(self, robot: int) -> Iterator[RobotStep]:
+        """Run the mission, and yield what a robot decides in each control period, and why, as soon as it has decided.
+
+        Raises:
+            ValueError: no such robot.
+
+        """
+        course = self._explained(robot)
+        while course.in_progress:
+            course.tick()
+            yield explain_robot(course.worlds, robot)
+
+    def _explained(self, robot: int) -> Course:
+        """Return the mission at its beginning, for one who asks why."""
+        course = Course(self, explained=True)
+        if not 0 <= robot < course.worlds.robots:
+            raise ValueError(f"robot: expected a number from 0 to {course.worlds.robots - 1}, got {robot}")
+        return course
 
 
 def period_of(time: float, control_rate: float) -> int:

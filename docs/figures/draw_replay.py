@@ -1,7 +1,8 @@
 """Draws the replay page in Chromium: `python -m docs.figures.draw_replay [DIR]` (default docs).
 
-Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; and
-its page, `replay.html`. Needs Chromium (`apt-get install chromium`) and Playwright (`pip install playwright`).
+Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; its
+page, `replay.html`; and the picture of a report, `pictures/report.png`. Needs Chromium (`apt-get install chromium`)
+and Playwright (`pip install playwright`).
 """
 
 import shutil
@@ -18,13 +19,21 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
-from train.evaluation.family import TrialTask
+from train.cli.options import wide_console
+from train.evaluation.family import FamilyEvaluation, FamilyRequest, TrialTask
+from train.evaluation.pipeline import Execution, evaluate
 from train.replay.page_file import write_page
+from train.report_page.page import report_of_results
+from train.report_page.results import results_in
+from train.running.run_folder import RECORDINGS
 
 DOCS = Path(__file__).parents[1]
 CONDITIONS = ("fixed:RepulsionGradient-from0.25", "policy:general")
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
+REPORT = (1000, 1700)
+"""Width and height of the picture of a report [pixels]."""
+SCENARIOS = 6
 SIDE = 400
 """Side of the animation [pixels]."""
 STEP = 4
@@ -50,6 +59,11 @@ def opened(browser: Browser, path: Path, link: str = "") -> Page:
     return page
 
 
+def save(page: Page, path: Path) -> None:
+    """Write a picture of what a page shows."""
+    Image.open(BytesIO(page.screenshot())).convert("RGB").quantize(256).save(path, optimize=True)
+
+
 def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
     """Yield pictures of the world from the first to the last frame."""
     for frame in range(0, frames, STEP):
@@ -57,6 +71,15 @@ def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
         data = page.evaluate("document.querySelector('.world').toDataURL('image/png')")
         picture = Image.open(BytesIO(b64decode(data.partition(",")[2]))).convert("RGB")
         yield picture.resize((SIDE, SIDE), Image.Resampling.LANCZOS)
+
+
+def write_report(folder: Path) -> Path:
+    """Evaluate both conditions on some scenarios and write the report; return it."""
+    evaluation = FamilyEvaluation(FamilyRequest("crowded", CONDITIONS, 0, SCENARIOS))
+    evaluate(evaluation, Execution(1, folder, False, wide_console(), RecordSettings(Path(RECORDINGS))))
+    page = folder / "report.html"
+    page.write_text(report_of_results([results_in(folder)], {}), encoding="utf-8")
+    return page
 
 
 def main(folder: Path) -> None:
@@ -67,8 +90,10 @@ def main(folder: Path) -> None:
         write_page(recordings, both)
         write_page(recordings[1:], folder / "replay.html")
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        screen = Image.open(BytesIO(opened(browser, both, MOMENT).screenshot())).convert("RGB").quantize(256)
-        screen.save(folder / "pictures" / "replay.png", optimize=True)
+        save(opened(browser, both, MOMENT), folder / "pictures" / "replay.png")
+        report = browser.new_page(viewport={"width": REPORT[0], "height": REPORT[1]})
+        report.goto(write_report(Path(place) / "results").as_uri())
+        save(report, folder / "pictures" / "report.png")
         first, *others = pictures(opened(browser, folder / "replay.html"), recordings[1].frames)
         animation = folder / "pictures" / "mission.webp"
         first.save(animation, save_all=True, append_images=others, duration=SHOWN, loop=0, quality=40, method=4)

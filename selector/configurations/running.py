@@ -128,7 +128,9 @@ class RunningConfiguration:
         """Return what a name refers to, of the type that the component takes."""
         mechanism = self.mechanisms.get(name)
         if reference.annotation is MovementSource and isinstance(mechanism, MovementMechanism):
-            return self._movements.setdefault(name, MovementSource(mechanism, self.spec.mechanisms[name].hold))
+            declared = self.spec.mechanisms[name]
+            times = declared.hold, declared.hold_exponent, declared.longest_hold
+            return self._movements.setdefault(name, MovementSource(mechanism, *times))
         if reference.annotation is DecisionSource and isinstance(mechanism, DecisionMechanism):
             return self._decisions.setdefault(name, DecisionSource(mechanism))
         found: dict[str, Mapping[str, Any]] = {

@@ -1,5 +1,6 @@
 """Connections to the database of a store, SQLite or PostgreSQL, and the schema of the store in it."""
 
+import logging
 import os
 import re
 import sqlite3
@@ -84,6 +85,8 @@ def engine_of(url: URL, *, create: bool) -> Engine:
     _check_driver(url)
     if url.get_backend_name() == "sqlite":
         return _sqlite(url, Path(str(url.database)), create)
+    # A lost connection is an error of ours: without a handler, Python would print SQLAlchemy's traceback of it, too.
+    logging.getLogger("sqlalchemy").addHandler(logging.NullHandler())
     return create_engine(url, pool_pre_ping=True, pool_size=1)
 
 

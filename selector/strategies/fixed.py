@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name
+from selector.documents.fields import Closed, Label
 from selector.strategies.choosing import best
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
@@ -17,7 +17,7 @@ from selforg.registry import unknown
 class FixedParameters(Closed):
     """The option."""
 
-    option: Name
+    option: Label
     """Name of the option to take wherever it can serve; elsewhere the option of the highest score is taken."""
 
 

@@ -32,6 +32,10 @@ class MechanismSpec(Closed):
     """Name of the host's buffer that the mechanism reads and spreads to."""
     hold: NonNegative = 0.0
     """Time for which the vector of a movement mechanism is kept before the mechanism is asked again [s]."""
+    hold_exponent: Annotated[float, Field(strict=True, ge=0.0, le=10.0)] = 0.0
+    """Exponent, above 1, of the power law by which times from `hold` on are drawn; 0: always `hold` [-]."""
+    longest_hold: NonNegative = 3600.0
+    """Longest time that is drawn [s]."""
     parameters: dict[Name, Any] = Field(default_factory=dict)
     """Keyword arguments of the mechanism."""
 

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.elementary import directions, exponentials, logarithms
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
@@ -41,18 +42,25 @@ class MovementSource(Source):
     """Answers of a movement mechanism.
 
     hold: time for which an answer is kept before the mechanism is asked again [s].
+    exponent: if not 0, above 1: that of the power law by which times from `hold` to `longest` [s] are drawn, one for
+        each answer. With an `Exploration` this is a Lévy walk (Viswanathan et al. 1999, doi:10.1038/44831).
     vectors: (N, D) [m/s] movement; zero without one.
     active: (N,) whether there is a movement.
     """
 
-    def __init__(self, mechanism: MovementMechanism, hold: float = 0.0) -> None:
+    def __init__(
+        self, mechanism: MovementMechanism, hold: float = 0.0, exponent: float = 0.0, longest: float = np.inf
+    ) -> None:
         if not hold >= 0.0:
             raise ValueError(f"MovementSource: hold must be at least 0, got {hold}")
-        self.mechanism, self.hold = mechanism, float(hold)
+        if exponent != 0.0 and not exponent > 1.0:
+            raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
+        self.mechanism, self.hold, self.exponent, self.longest = mechanism, float(hold), exponent, longest
         rows, dim = mechanism.poses.rows, mechanism.poses.space.dim
         self.vectors: Floats = np.zeros((rows, dim))
         self.active: Flags = np.zeros(rows, dtype=np.bool_)
         self._asked: Floats = np.full(rows, -np.inf)  # time of the last question [s]
+        self._holds: Floats = np.full(rows, self.hold)  # times for which the answers are kept [s]
 
     def forget(self, rows: Ints) -> None:
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
@@ -60,15 +68,22 @@ class MovementSource(Source):
 
     def lasting(self) -> Lasting:
         """Return movements and when they were asked for."""
-        return Lasting((self.vectors, self.active), (self._asked,))
+        return Lasting((self.vectors, self.active, self._holds), (self._asked,))
 
     def _ask(self, now: float, rows: Ints) -> None:
         if self.hold > 0.0:
-            rows = rows[~self.active[rows] | (now - self._asked[rows] > self.hold - CLOCK_TOLERANCE)]
+            rows = rows[~self.active[rows] | (now - self._asked[rows] > self._holds[rows] - CLOCK_TOLERANCE)]
             if not len(rows):
                 return
             self._asked[rows] = now
+            if self.exponent:
+                times = self.hold * exponentials(logarithms(self._shares(rows)) / (1.0 - self.exponent))
+                self._holds[rows] = np.minimum(times, self.longest)
         self.mechanism.move_into(now, rows, self.vectors, self.active)
+
+    def _shares(self, rows: Ints) -> Floats:
+        """Return random numbers (K,) from 0 to 1 of `rows`: the shares of a circle at which random directions lie."""
+        return 0.5 + directions(self.mechanism.directions.take(rows)[:, :2]) / (2.0 * np.pi)
 
 
 class GoalSource(Source):

@@ -19,6 +19,8 @@ from selforg.gradients.store.tables import Tables
 from selforg.space import Space
 
 MOST_STALE_PAYLOADS = 1024
+MOST_IN_A_CALL = 1 << 16
+"""Messages that are stored in one call: some tenths of a second, because compiled code does not hear of Ctrl-C."""
 
 
 class SoBuffer:
@@ -216,8 +218,10 @@ class SoBuffer:
 
     def store_tables(self, messages: Floats, tags: Ints, now: float) -> None:
         """Store checked messages (M, MESSAGE_COLUMNS) with tags (M, TAG_COLUMNS), one after the other."""
-        self.table.reserve(len(messages))
-        store_rows(messages, tags, float(now), self.table.packed.words)
+        for begin in range(0, len(messages), MOST_IN_A_CALL):
+            part = slice(begin, begin + MOST_IN_A_CALL)
+            self.table.reserve(len(messages[part]))
+            store_rows(messages[part], tags[part], float(now), self.table.packed.words)
 
     def _clear_spaces(self, spaces: Ints) -> None:
         for space in spaces.tolist():

@@ -19,6 +19,15 @@ def test_a_row_gets_its_generators_directions_in_order(dim):
     np.testing.assert_array_equal(take(stream, 1, 50), expected)
 
 
+def test_rows_take_at_once_what_each_takes_alone():
+    stream = DirectionStream([np.random.default_rng(s) for s in (1, 2, 3)], block=8)
+    asked = [[2, 0]] * 15 + [[2]] * 15 + [[1, 2]] * 15
+    mixed = [stream.take(np.array(rows))[rows.index(2)] for rows in asked]
+    np.testing.assert_array_equal(mixed, draw_directions(np.random.default_rng(3), 45, 2))
+    steady = DirectionStream.fixed(2)
+    np.testing.assert_array_equal(steady.take(np.array([1])), steady.take(np.array([1])))
+
+
 def test_a_row_does_not_depend_on_another_rows_use():
     alone = take(DirectionStream([np.random.default_rng(5)], block=8), 0, 30)
     stream = DirectionStream([np.random.default_rng(4), np.random.default_rng(5)], block=8)

@@ -1,12 +1,73 @@
 """The command line `clean-swarm`; heavy libraries are imported by the commands that need them."""
 
+import signal
 import sys
+import time
+from types import FrameType
+
+ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Signals that end a command as Ctrl-C does; not every system has all."""
+WINDING_UP = 10.0
+"""Seconds for which a command that is ending ignores further signals, so that nothing is left behind."""
+AGAIN = 0.05
+"""Seconds after which a signal that had to wait is tried again."""
+
+
+class _Ending:
+    """Raises KeyboardInterrupt at a signal, unless another one came less than `WINDING_UP` before.
+
+    While LLVM compiles, a signal waits: an exception is lost there, or leaves memory broken. Signals that the program
+    was told to ignore (nohup) stay ignored.
+    """
+
+    def __init__(self) -> None:
+        found = (getattr(signal, name) for name in ENDING if hasattr(signal, name))
+        self._before = {number: signal.getsignal(number) for number in found}
+        self._latest = float("-inf")
+
+    def __enter__(self) -> None:
+        for number, before in self._before.items():
+            if before is not signal.SIG_IGN:
+                signal.signal(number, self._end)
+
+    def __exit__(self, *_: object) -> None:
+        if self._latest == float("-inf"):
+            for number, before in self._before.items():
+                signal.signal(number, before)
+            return
+        for number in self._before:  # the program is about to end
+            signal.signal(number, signal.SIG_IGN)
+        eval(
+            "0"
+        )  # else CPython kills itself by SIGINT where a KeyboardInterrupt passed any evaluated text, as of imports
+
+    def _end(self, number: int, frame: FrameType | None) -> None:
+        now = time.monotonic()
+        if now - self._latest < WINDING_UP:
+            return
+        if _compiles(frame) and hasattr(signal, "setitimer"):
+            signal.signal(signal.SIGALRM, self._end)
+            signal.setitimer(signal.ITIMER_REAL, AGAIN)
+            return
+        self._latest = now
+        raise KeyboardInterrupt
+
+
+def _compiles(frame: FrameType | None) -> bool:
+    """Return whether LLVM is at work below a frame."""
+    while frame is not None:
+        if str(frame.f_globals.get("__name__")).startswith("llvmlite"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def main() -> None:
-    """Run the command line and exit with its code; Ctrl-C during the imports is as quiet as later."""
-    try:
-        from train.cli import app
-    except KeyboardInterrupt:
-        sys.exit(130)
-    app.run_app()
+    """Run the command line and exit with its code; Ctrl-C during the imports is like later."""
+    with _Ending():
+        try:
+            from train.cli import app
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            sys.exit(130)
+        app.run_app()

@@ -1,15 +1,12 @@
 """The command line of Clean Swarm: `app` has all commands.
 
 A mistake in the input gives one line on the standard error and exit code 2, a full disk one line and exit code 1;
-Ctrl-C and the signals by which a system ends programs give one line and exit code 130. The commands import heavy
-libraries inside their functions, so that help is quick.
+Ctrl-C and the signals by which a system ends programs (`train.cli`) give one line and exit code 130. The commands
+import heavy libraries inside their functions, so that help is quick.
 """
 
 import os
-import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.metadata import version
 from typing import Annotated, Any
 
@@ -40,9 +37,6 @@ from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
-ENDING = ("SIGTERM", "SIGHUP")
-"""Signals that end a program like Ctrl-C; not every system has both."""
-
 
 class _Interruptible(TyperGroup):
     """A group whose commands end with a line and exit code 130 when they are interrupted."""
@@ -71,6 +65,7 @@ app.command("tune")(tune.tune_command)
 app.command("configure")(configure.configure_command)
 app.command("claims")(claims.claims_command)
 app.command("headroom")(headroom.headroom_command)
+app.command("look-ahead")(headroom.look_ahead_command)
 app.command("gather")(gather.gather_command)
 app.add_typer(script.app, name="script")
 app.command("warm")(warm.warm_command)
@@ -91,8 +86,7 @@ def run_app() -> None:
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
     try:
-        with _ended_by_signals():
-            app()
+        app()
     except ConfigurationError as error:
         print_error(str(error))
         sys.exit(BAD_INPUT)
@@ -103,20 +97,6 @@ def run_app() -> None:
         sys.exit(FAILED)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Let the signals `ENDING` do what Ctrl-C does, except those that the program was told to ignore (nohup)."""
-    numbers = [getattr(signal, name) for name in ENDING if hasattr(signal, name)]
-    changed = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
-    for number in changed:
-        signal.signal(number, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        for number in changed:
-            signal.signal(number, signal.SIG_DFL)
 
 
 def _version(wanted: bool) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import Configs, Force, Place, check_whole
+from train.cli.options import Configs, Force, OnPlace, check_whole
 from train.cli.tune import (
     GivenStore,
     Output,
@@ -32,7 +32,7 @@ def configure_command(
     storage: Storage = None,
     store: GivenStore = None,
     force: Force = False,
-    on: Place = None,
+    on: OnPlace = None,
     configs: Configs = None,
 ) -> None:
     """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""

@@ -16,7 +16,7 @@ from train.cli.options import (
     Configs,
     Force,
     Learn,
-    Place,
+    OnPlace,
     RunStore,
     ShareText,
     check_share,
@@ -60,7 +60,9 @@ def evaluate_command(
     ] = None,
     goal: Annotated[
         str | None,
-        typer.Option(help="With --family: goal to decide on; AvoidCollision or the only one unless given."),
+        typer.Option(
+            help="With --family: goal to decide on, or several joined by +; else AvoidCollision or the only one."
+        ),
     ] = None,
     store: RunStore = None,
     learn: Learn = False,
@@ -69,7 +71,7 @@ def evaluate_command(
     record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
     minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
     share: ShareText = None,
-    on: Place = None,
+    on: OnPlace = None,
     any_bits: AnyBits = False,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""

@@ -1,4 +1,4 @@
-"""`clean-swarm headroom`: what choosing by the situation can save on a family, beside the best single choice."""
+"""`clean-swarm headroom` and `look-ahead`: what choosing brings on a family, by the situation or by looking ahead."""
 
 from typing import Annotated
 
@@ -6,6 +6,9 @@ import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, check_whole, wide_console
+
+MOST_COPIES, MOST_TIME = 1000, 1e6
+"""Most copies of a world, and longest times [s]."""
 
 
 def headroom_command(
@@ -17,14 +20,22 @@ def headroom_command(
     judged: Annotated[int, typer.Option(help="Test scenarios on which the result is judged.")] = 50,
     seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
     knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
-    goal: Annotated[str | None, typer.Option(help="Goal to decide on; AvoidCollision unless given.")] = None,
+    goal: Annotated[
+        str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
+    ] = None,
+    spots: Annotated[
+        bool, typer.Option("--spots", help="Choose by the scenario's number of spots of garbage, not by situations.")
+    ] = False,
+    terms: Annotated[
+        str, typer.Option(help="Terms of the observation beside the default ones, for their components.")
+    ] = "",
     configs: Configs = None,
 ) -> None:
-    """Search for the best option of each situation, and compare it with the best single option, Off and Random."""
+    """Search for the best option of each case, and compare it with the best single option, Off and Random."""
     check_whole({"--searched": (searched, 1, MOST_SCENARIOS), "--judged": (judged, 2, MOST_SCENARIOS)})
     check_whole({"--seed": (seed, 0, MOST_SEED)})
-    names = tuple(name.strip() for name in situations.split(",") if name.strip())
-    if not names:
+    names = () if spots else _names(situations)
+    if not names and not spots:
         raise ConfigurationError("--situations: expected components of the observation, got none")
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
     from train.evaluation.headroom import HeadroomRequest, headroom_of, headroom_table
@@ -32,5 +43,37 @@ def headroom_command(
 
     directories = tuple(configs or ())
     known = load_family(family, directories).with_knowledge(knowledge)
-    request = HeadroomRequest(known, names, seed, searched, judged, goal, directories)
+    request = HeadroomRequest(known, names, seed, searched, judged, goal, _names(terms), directories)
     wide_console().print(on_terminal(headroom_table(headroom_of(request), known.name)))
+
+
+def look_ahead_command(
+    family: Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")],
+    base: Annotated[str, typer.Option(help="Option that copies hold after the one that they try.")],
+    scenarios: Annotated[int, typer.Option(help="Test scenarios.")] = 30,
+    copies: Annotated[int, typer.Option(help="Copies of the world for each option.")] = 4,
+    hold: Annotated[float, typer.Option(help="Seconds for which an option is held.")] = 5.0,
+    horizon: Annotated[float, typer.Option(help="Seconds for which copies run.")] = 120.0,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
+    goal: Annotated[str | None, typer.Option(help="Goal to decide on; AvoidCollision unless given.")] = None,
+    configs: Configs = None,
+) -> None:
+    """Let teams look ahead with copies of their world, and compare what it costs with every option alone."""
+    check_whole({"--scenarios": (scenarios, 2, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
+    check_whole({"--copies": (copies, 1, MOST_COPIES)})
+    for name, time in (("--hold", hold), ("--horizon", horizon)):
+        if not 0.0 < time <= MOST_TIME:
+            raise ConfigurationError(f"{name}: expected more than 0 s and at most {MOST_TIME:g} s, got {time:g}")
+    from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
+    from train.evaluation.look_ahead import LookAheadRequest, look_ahead_table
+    from train.reports.text_table import on_terminal
+
+    directories = tuple(configs or ())
+    known = load_family(family, directories).with_knowledge(knowledge)
+    request = LookAheadRequest(known, base, seed, scenarios, copies, hold, horizon, goal, directories)
+    wide_console().print(on_terminal(look_ahead_table(request)))
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())

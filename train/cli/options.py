@@ -46,7 +46,7 @@ ShareText = Annotated[
         metavar="I/N",
     ),
 ]
-Place = Annotated[
+OnPlace = Annotated[
     str | None,
     typer.Option(
         "--on",

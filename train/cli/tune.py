@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, Place, check_whole, wide_console
+from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, OnPlace, check_whole, wide_console
 
 if TYPE_CHECKING:  # imports pydantic, NumPy and Numba
     from train.studies.config import StudyConfig
@@ -38,7 +38,7 @@ def tune_command(
     storage: Storage = None,
     store: GivenStore = None,
     force: Force = False,
-    on: Place = None,
+    on: OnPlace = None,
     configs: Configs = None,
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""

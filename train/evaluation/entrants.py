@@ -27,6 +27,7 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from selforg.registry import unknown
+from train.running.decided_goal import JOINT, option_named
 from train.running.machine_pilot import MachinePilot
 from train.running.model_pilots import LOADERS, ModelPilot, VectorPilot
 from train.running.pilots import AnyPilot, Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
@@ -119,7 +120,7 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
         check_known(shown(file), "options", problem.options, description.options)
         spec, features, known = description.spec, description.features, problem.only(description.options)
     else:
-        spec = spec_of(member)
+        spec = spec_of(f"{FIXED}:{option_named(problem, name)}" if kind == FIXED else member)
     columns = columns_of(problem, features, f"strategy {spec.name}")
     keys = row_keys(np.random.SeedSequence(0), len(teams))
     strategy = spec.build(replace(known, features=features), keys, teams, directories)
@@ -155,7 +156,7 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, direc
 def with_baselines(entrants: Sequence[Entrant], options: Sequence[str]) -> list[Entrant]:
     """Return the entrants, and after them those of `NEVER_AVOIDING` and `RANDOM` that are not among them and exist."""
     taken = {member for entrant in entrants for member in entrant.members}
-    exist = [RANDOM, *(f"{FIXED}:{option}" for option in options)]
+    exist = [RANDOM, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
     return [
         *entrants,
         *(Entrant(name, (name,)) for name in (NEVER_AVOIDING, RANDOM) if name in exist and name not in taken),

@@ -1,10 +1,11 @@
-"""The headroom of a family: what the best choice of an option for each situation saves beside the best single choice.
+"""The headroom of a family: what the best choice of an option for each case saves beside the best single choice.
 
-Both are searched on scenarios of the split "train" and judged on those of "test", so that luck in the search does not
-count. The search begins with the best single option. It then tries every option in one situation after the other, and
-keeps what lowers the mean excess cost, until a whole round changes nothing.
+A case is the situation of a robot, or the kind of a scenario: its number of spots of garbage. Both choices are searched
+on scenarios of the split "train" and judged on those of "test", so that luck in the search does not count. The search
+begins with the best single option. For situations it then tries every option in one after the other, and keeps what
+lowers the mean excess cost, until a whole round changes nothing. For kinds it takes the best option of each.
 
-Shapes: S situations, O options, Q rules, T scenarios of the search, K scenarios of the test.
+Shapes: S situations, 1 without any; O options, Q rules, T scenarios of the search, K scenarios of the test.
 """
 
 from __future__ import annotations
@@ -17,18 +18,19 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
 from clean_swarm_env.world.mission import MissionResult
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.analysis.claims import Claim, claims_of
-from train.evaluation.entrants import NEVER_AVOIDING, RANDOM, member_pilot
+from train.evaluation.entrants import member_pilot, with_baselines
 from train.learning.by_missions import TeamsPilot
 from train.reports.text_table import Grid, flat
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import Pilot, columns_of
 from train.running.trials import TrialSettings, run_trials
 
-SINGLE, RULE_FOUND = "best single choice", "best choice for each situation"
+SINGLE, RULE_FOUND = "best single choice", "best choice for each case"
 MOST_ROUNDS = 5
 """Rounds over all situations after which a search ends."""
 
@@ -39,13 +41,15 @@ class HeadroomRequest:
 
     family: FamilyConfig
     situations: tuple[str, ...]
-    """Components of the observation, of which the largest tells the situation of a robot."""
+    """Components of the observation, of which the largest tells the situation of a robot; empty: kinds of scenarios."""
     seed: int
     searched: int
     """T."""
     judged: int
     """K."""
     goal: str | None = None
+    terms: tuple[str, ...] = ()
+    """Terms of the observation beside the default ones."""
     directories: tuple[Path, ...] = ()
 
 
@@ -56,7 +60,7 @@ class Headroom:
     single: str
     """The best single option."""
     rule: dict[str, str]
-    """Situation -> option."""
+    """Situation or kind -> option."""
     missions: int
     """Missions of the search."""
     claims: tuple[Claim, ...]
@@ -69,23 +73,34 @@ class RuleSearch:
     """Costs of rules on the same scenarios; each rule is run once."""
 
     def __init__(self, request: HeadroomRequest) -> None:
-        batch = Batch(request.family.scenario(0, 0, "train").mission, directories=request.directories)
+        observation = ObservationConfig.model_validate({"terms": (*DEFAULT_TERMS, *request.terms)})
+        first = request.family.scenario(0, 0, "train").mission
+        batch = Batch(first, observation=observation, directories=request.directories)
         self.problem = DecidedGoal(batch, request.goal).problem
         columns_of(self.problem, request.situations, "--situations")
         self._request = request
-        self._settings = TrialSettings(request.goal, directories=request.directories)
-        self._known: dict[tuple[int, ...], float] = {}
+        self._scenarios = [request.family.scenario(request.seed, k, "train") for k in range(request.searched)]
+        self._settings = TrialSettings(request.goal, observation=observation, directories=request.directories)
+        self._known: dict[tuple[int, ...], Floats] = {}
 
     @property
     def missions(self) -> int:
         """Missions run so far."""
         return len(self._known) * self._request.searched
 
-    def best(self) -> tuple[int, Ints]:
-        """Return the best single option and the best rule (S,)."""
+    def single(self) -> int:
+        """Return the best single option."""
+        return int(self._means(self._singles).argmin())
+
+    def of_spots(self) -> dict[int, int]:
+        """Return the best single option for each number of spots of garbage."""
+        excesses, spots = self._excesses(self._singles), spots_of(self._scenarios)
+        return {number: int(excesses[:, spots == number].mean(axis=1).argmin()) for number in np.unique(spots).tolist()}
+
+    def rule(self) -> Ints:
+        """Return the best rule (S,)."""
         count, options = len(self._request.situations), len(self.problem.options)
-        single = int(self._means(np.repeat(np.arange(options)[:, None], count, axis=1)).argmin())
-        rule = np.full(count, single)
+        rule = np.full(count, self.single())
         for _ in range(MOST_ROUNDS):
             before = rule.copy()
             for situation in range(count):
@@ -94,17 +109,16 @@ class RuleSearch:
                 rule = tried[self._means(tried).argmin()]
             if np.array_equal(rule, before):
                 break
-        return single, rule
+        return rule
 
     def excess(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
-        """Return the excess costs (Q, T) of teams that follow `rules` (Q, S) on scenarios (T,)."""
-        missions = [scenario for _ in rules for scenario in scenarios]
-        seeds, own = [scenario.seed for scenario in missions], np.repeat(rules, len(scenarios), axis=0)
+        """Return the excess costs (T,) of teams that follow `rules` (T, S) on scenarios (T,)."""
+        seeds = [scenario.seed for scenario in scenarios]
 
         def pilot(problem: Problem, teams: Ints) -> Pilot:
-            return TeamsPilot(problem, self._request.situations, len(teams), seeds, own)
+            return TeamsPilot(problem, self._request.situations, len(teams), seeds, rules)
 
-        return _excess(run_trials(missions, pilot, self._settings)).reshape(len(rules), len(scenarios))
+        return _excess(run_trials(scenarios, pilot, self._settings))
 
     def excess_of(self, scenarios: Sequence[Scenario], member: str) -> Floats:
         """Return the excess costs (T,) of an entrant."""
@@ -114,35 +128,51 @@ class RuleSearch:
 
         return _excess(run_trials(scenarios, pilot, self._settings))
 
+    @property
+    def _singles(self) -> Ints:
+        """The rules (O, S) of one option each."""
+        return np.repeat(np.arange(len(self.problem.options))[:, None], max(len(self._request.situations), 1), axis=1)
+
     def _means(self, rules: Ints) -> Floats:
         """Return the mean excess (Q,) of `rules` (Q, S)."""
+        means: Floats = self._excesses(rules).mean(axis=1)
+        return means
+
+    def _excesses(self, rules: Ints) -> Floats:
+        """Return the excess costs (Q, T) of `rules` (Q, S) on the scenarios of the search."""
         keys = [tuple(rule.tolist()) for rule in rules]
         new = list(dict.fromkeys(key for key in keys if key not in self._known))
         if new:
-            request = self._request
-            scenarios = [request.family.scenario(request.seed, k, "train") for k in range(request.searched)]
-            means = self.excess(scenarios, np.array(new)).mean(axis=1)
-            self._known |= dict(zip(new, means.tolist(), strict=True))
-        return np.array([self._known[key] for key in keys])
+            count = self._request.searched
+            found = self.excess(self._scenarios * len(new), np.repeat(np.array(new), count, axis=0))
+            self._known |= dict(zip(new, found.reshape(-1, count), strict=True))
+        return np.stack([self._known[key] for key in keys])
 
 
 def headroom_of(request: HeadroomRequest) -> Headroom:
     """Search for the best rule and the best single option of a family, and judge them on other scenarios."""
     search = RuleSearch(request)
-    single, rule = search.best()
     scenarios = [request.family.scenario(request.seed, k, "test") for k in range(request.judged)]
-    judged = search.excess(scenarios, np.stack([np.full(len(rule), single), rule]))
-    excesses = {SINGLE: judged[0], RULE_FOUND: judged[1]}
-    options = search.problem.options
-    for member in (NEVER_AVOIDING, RANDOM):
-        if member == RANDOM or NEVER_AVOIDING.partition(":")[2] in options:
-            excesses[member] = search.excess_of(scenarios, member)
+    single, options = search.single(), search.problem.options
+    if request.situations:
+        rule = search.rule()
+        rules, named = np.tile(rule, (len(scenarios), 1)), dict(zip(request.situations, rule.tolist(), strict=True))
+    else:
+        best = search.of_spots()
+        rules = np.array([[best.get(number, single)] for number in spots_of(scenarios).tolist()])
+        named = {f"spots {number}": option for number, option in best.items()}
+    excesses = {
+        SINGLE: search.excess(scenarios, np.full_like(rules, single)),
+        RULE_FOUND: search.excess(scenarios, rules),
+    }
+    for member in (entrant.label for entrant in with_baselines((), options)):
+        excesses[member] = search.excess_of(scenarios, member)
     tables = {label: own[None, :, None] for label, own in excesses.items()}
     others = [label for label in excesses if label != SINGLE]
     claims = claims_of({request.family.name: tables}, others, {request.family.name: SINGLE})
-    named = {name: options[option] for name, option in zip(request.situations, rule.tolist(), strict=True)}
     means = {label: float(own.mean()) for label, own in excesses.items()}
-    return Headroom(options[single], named, search.missions, tuple(claims), means)
+    named_options = {name: options[option] for name, option in named.items()}
+    return Headroom(options[single], named_options, search.missions, tuple(claims), means)
 
 
 def headroom_table(found: Headroom, family: str) -> Grid:
@@ -162,6 +192,11 @@ def headroom_table(found: Headroom, family: str) -> Grid:
     )
     grid = flat(f"{family}: headroom", "strategy", ("excess s", "ratio to the best single choice", "95 %"), rows)
     return Grid(grid.title, grid.corner, grid.columns, grid.rows, notes=notes)
+
+
+def spots_of(scenarios: Sequence[Scenario]) -> Ints:
+    """Return the number of spots of garbage (T,) of each scenario."""
+    return np.array([len(scenario.mission.garbage.spots) for scenario in scenarios])
 
 
 def _excess(results: Sequence[MissionResult]) -> Floats:

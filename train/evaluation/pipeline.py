@@ -141,11 +141,13 @@ def _lessons(
 ) -> Generator[RunRecord, None, None]:
     """Run one mission after the other, each with options that its strategies choose and then learn from.
 
-    The store gets the score of a run once the run is on the disk. A kill in between loses the score; none counts twice.
+    The store gets the score of a run once the run is on the disk. Scores of kept runs that it lacks are given first:
+    the command was killed, or the database went away, in between.
     """
     memory, done = evaluation.memory, {record.key: record for record in results.records}
     assert memory is not None
     choosers, choices, given = evaluation.choosers(), "", set()
+    held = memory.held()
     for scenario in evaluation.scenarios:
         for condition, strategies in choosers.items():
             chosen = {goal: strategy.select(NO_CONTEXT) for goal, strategy in strategies.items()}
@@ -159,7 +161,10 @@ def _lessons(
             trial = (scenario, *options.items())
             if kept is None:
                 yield record
-                if trial not in given:  # the same mission under another condition would count twice
+            if trial not in given:  # the same mission under another condition would count twice
+                if held:
+                    held -= len(options)
+                else:
                     memory.give((goal, option, score) for goal, option in options.items())
             given.add(trial)
             for goal, strategy in strategies.items():

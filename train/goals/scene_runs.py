@@ -135,7 +135,8 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
     expert = expertise(request.goal, request.option, request.directories, known or request.knowledge)
     if memory is not None:
         memory.check_new([expert.name])
-    served = _values(request, expert.name, lambda made: ServedTeam(made, expert))
+    explained = request.record is not None
+    served = _values(request, expert.name, lambda made: ServedTeam(made, expert, explained=explained))
     rival = _values(request, BASELINE)
     if memory is not None:
         if memory.learns:
@@ -149,13 +150,13 @@ def _values(request: GoalRequest, name: str, make: Callable[[Scene], Controller]
     """Run the scene with what `make` returns, or with the baseline; return the measures (W,), and record if asked."""
     scene = find(request.goal)(request.setting, request.seeds)
     scene.begin(make)
-    recorder = SceneRecorder(scene, request.record, name) if request.record is not None else None
+    recorder = SceneRecorder(scene, name, request.record, request.seeds) if request.record is not None else None
     while not scene.over:
         scene.advance()
         if recorder is not None:
             recorder.take()
     if recorder is not None:
-        recorder.write(request.seeds)
+        recorder.close()
     return scene.measured()
 
 

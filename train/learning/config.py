@@ -192,8 +192,8 @@ class TrainingConfig(Closed):
     checkpoints: Count = 20
     """Number of checkpoints; each saves everything and resets all worlds."""
     decisions: Count = 100_000
-    """Decisions of all rows from one checkpoint to the next, at least; missions for `es` and
-    `design`."""
+    """Decisions of all rows from one checkpoint to the next, at least; missions for `es` and `design`, which count what
+    they did beyond it."""
     validation: ValidationConfig = ValidationConfig()
     """Validation at checkpoints."""
     ppo: PpoConfig | None = None

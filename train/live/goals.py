@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,12 +15,12 @@ from clean_swarm_env.goals.play import Play
 from clean_swarm_env.learning.batch import whole_mission
 from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.recording.by_hand import Change, FollowStrategy, HoldOption, PutRobot
-from clean_swarm_env.recording.channels import MILLI, AnyArray, Channel, point_channels, whole_channel
 from clean_swarm_env.recording.file import RecordingFile
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.scene_recording import SceneFrames
+from clean_swarm_env.recording.taking import waiting_frames
 from clean_swarm_env.scenes import Setting, find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
-from clean_swarm_env.scenes.scene import Gradients
 from clean_swarm_env.scenes.served import expertise
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
@@ -55,8 +55,8 @@ class PlayedGoal:
         return self.setting.robots
 
     def open(self, output: Path, *, minds: bool) -> GoalSession:
-        """Return the session, recorded in a file; robots of scenes have no networks to record."""
-        return GoalSession(self, output)
+        """Return the session, recorded in a file."""
+        return GoalSession(self, output, minds=minds)
 
 
 class _GoalPlay(Closed):
@@ -90,22 +90,15 @@ class GoalSession(Session):
 
     """
 
-    def __init__(self, played: PlayedGoal, output: Path) -> None:
+    def __init__(self, played: PlayedGoal, output: Path, *, minds: bool) -> None:
         compile_once(whole_mission)
         expert = expertise(played.name, played.option, played.directories)
         self.scene = find(played.name)(played.setting, (played.seed,))
-        self._play = Play(self.scene, expert, "option")
+        self._play = Play(self.scene, expert, "option", explained=minds)
         self._team, self._arena = self._play.team, self.scene.arena
         self._names = expert.model.options
-        robots = ("robot", self._arena.robots)
-        heading = Channel("heading", robots[:1], robots[1:], MILLI, 1, "rad", "where the robot looks")
-        self._channels = (
-            *point_channels("", (robots,), "where the robot is", order=2),
-            heading,
-            whole_channel("present", robots, "1 where the robot is there, at work or failed"),
-            whole_channel("working", robots, "1 where the robot is at work"),
-            whole_channel(f"held/{played.name}", robots, "the option that serves the goal in the robot"),
-        )
+        self._frames_of = SceneFrames(self.scene, expert.name)
+        self._frame = waiting_frames(1, self._frames_of.channels)[:, :1]
         told = _GoalPlay(
             goal=played.name,
             option=expert.name,
@@ -113,7 +106,8 @@ class GoalSession(Session):
             directories=tuple(str(path) for path in played.directories),
             files=fingerprints(played.directories),
         )
-        self._file = RecordingFile(output, self._head(played.name, told.model_dump(mode="json")), self._channels)
+        head = self._frames_of.head(0, {"seed": played.seed, "play": told.model_dump(mode="json")})
+        self._file = RecordingFile(output, head, self._frames_of.channels)
         super().__init__(self._file.beginning, CONTROL_PERIOD, played.by_hand)
 
     @property
@@ -132,6 +126,7 @@ class GoalSession(Session):
 
     def close(self) -> None:
         """End the recording."""
+        self._frames_of.close()
         self._file.close(self.result)
 
     def _changed(self, change: Change) -> Change:
@@ -167,49 +162,11 @@ class GoalSession(Session):
         self._team.hold(held)
 
     def _run_period(self, notes: Mapping[str, Any]) -> bytes:
-        arena, first, ones = self._arena, self.ticks, np.ones(self._arena.robots, dtype=np.int64)
-        values: list[AnyArray] = [*arena.positions.T.copy(), arena.headings.copy(), ones, ones, self._team.held.copy()]
+        first = self.ticks
+        self._frames_of.note_poses()
         self._play.tick()
-        whole = [channel.whole(value[None]) for channel, value in zip(self._channels, values, strict=True)]
-        return self._file.add(first, np.concatenate(whole, axis=1), notes)
+        self._frames_of.take(self._frame, 0)
+        return self._file.add(first, self._frame[0], {**self._frames_of.notes, **notes})
 
     def _ended(self) -> Mapping[str, Any] | None:
-        if not self.scene.over:
-            return None
-        figures = {name: float(values[0]) for name, values in self.scene.measured().items()}
-        met = all(measure.met(figures[measure.name]) for measure in self.scene.measures)
-        return {"completed": met, "duration_s": self.scene.chosen.seconds, "measures": figures}
-
-    def _head(self, name: str, told: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the head: a mission without items and stations, whose only goal is that of the scene."""
-        body, side, coordinator = self._arena.body, self.scene.ground.side, self._team.coordinator
-        return {
-            "about": {"experiment": name, "condition": told["option"], "seed": told["seed"], "play": told},
-            "period": CONTROL_PERIOD,
-            "ticks_per_decision": 1,
-            "width": side,
-            "height": side,
-            "field": self.scene.ground.field_side,
-            "things": [thing for gradients in self.scene.around for thing in _things(gradients)],
-            "robots": self._arena.robots,
-            "items": 0,
-            "minds": False,
-            "options": {name: self._names},
-            "views": {name: [content.view_distance for content in coordinator.contents]},
-            "mission": {
-                "name": name,
-                "robots": {
-                    "radius": body.radius,
-                    "pose_goal_radius": body.pose_goal_radius,
-                    "pose_diffusion": body.pose_diffusion,
-                },
-            },
-        }
-
-
-def _things(gradients: Gradients) -> Iterator[dict[str, Any]]:
-    """Yield the gradients that are in the first world from the start on, as plain data."""
-    places = gradients.places[0]
-    radii = np.broadcast_to(gradients.goal_radius, len(places))
-    for (x, y), radius in zip(places.tolist(), radii.tolist(), strict=True):
-        yield {"channel": gradients.channel, "attraction": gradients.attraction, "x": x, "y": y, "radius": radius}
+        return self._frames_of.result(0) if self.scene.over else None

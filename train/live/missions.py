@@ -22,7 +22,7 @@ from selector.documents.fields import Closed
 from selector.documents.find import files_of
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.evaluation.entrants import FIXED, LEARNED, POLICY, RULE, identified, member_pilot
+from train.evaluation.entrants import FIXED, LEARNED, MACHINE, POLICY, RULE, identified, member_pilot
 from train.evaluation.repeat_trial import DIGEST
 from train.live.session import Session, check_files
 from train.running.decided_goal import DecidedGoal
@@ -175,6 +175,7 @@ class MissionSession(Session):
         directories = self._play.directories
         named = [f"{POLICY}:{name}" for name in files_of("policies", directories)]
         named += [f"{LEARNED}:{name}" for name in files_of("strategies", directories)]
+        named += [f"{MACHINE}:{name}" for name in files_of("machines", directories)]
         fitting = [member for member in (*OFFERED, *named) if self._fits(member)]
         return list(dict.fromkeys([self._play.member, *fitting]))
 
@@ -199,7 +200,7 @@ class MissionSession(Session):
         batch, progress = self.batch, self.batch.progress
         while progress.outcome[0] == RUNNING:
             chosen = self._pilot.choose(self._observations)
-            self._recorder.think(self.goal, self._pilot.opinions())
+            self._decided.think(self._pilot.opinions())
             options = np.where(self._by_hand >= 0, self._by_hand, chosen)
             for _ in batch.ticks(self._decided.actions(options)):
                 yield

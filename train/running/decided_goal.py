@@ -1,11 +1,15 @@
-"""The goal of a mission for which a learner or a pilot chooses options; other goals keep the option of highest score.
+"""The goals of a mission for which a learner or a pilot chooses options; others keep the option of highest score.
 
-Shapes: R rows, C goals that the mission coordinates, in the order of the robot's document.
+Several goals are decided as one: their names and those of their options are joined by `+`. The joint goal
+`ExplorationPatrol+AvoidCollision` has an option `LevyWalk+ORCA`, and as many others as there are combinations.
+
+Shapes: R rows, C goals that the mission coordinates, in the order of the robot's document; O options.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,21 +19,26 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.cleaning_robot import GOAL
 from selector.documents.errors import DocumentError
-from selforg.arrays import Ints
+from selector.strategies.problem import Problem
+from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.running.model_pilots import VectorPilot
 from train.running.pilots import AnyPilot
 
+JOINT = "+"
+"""What joins the names of several goals, and of their options."""
+
 
 class DecidedGoal:
-    """One goal of a batch and its options as actions.
+    """One goal of a batch, or several, and its options as actions.
 
     Args:
         batch: the worlds.
-        goal: name of the goal; the goal that `named_goal` returns unless given.
+        goal: name of the goal, or several joined by `+`; the goal that `named_goal` returns unless given.
 
     Attributes:
-        problem: goal, options and scores; the features are all components of the observation.
+        problem: goal, options and scores; the features are all components of the observation. The score of a
+            combination is the sum of its options' scores.
 
     Raises:
         DocumentError: the mission does not coordinate the goal, or has several goals of which none is named.
@@ -38,10 +47,17 @@ class DecidedGoal:
 
     def __init__(self, batch: Batch, goal: str | None = None) -> None:
         models = {coordinator.model.goal: coordinator.model for coordinator in batch.worlds.coordinators}
-        name = named_goal(tuple(models), goal)
-        self._column = list(models).index(name)
-        self.problem = models[name].problem(batch.observer.names)
+        names = [named_goal(tuple(models), name) for name in ([None] if goal is None else goal.split(JOINT))]
+        if len(set(names)) < len(names):
+            raise DocumentError(f"goal: expected each goal once, got {goal}")
+        self._goals, self._columns = names, [list(models).index(name) for name in names]
+        self._counts = tuple(len(models[name].options) for name in names)
         self._default, self._recorder = batch.choices.default, batch.recorder
+        self.problem = models[names[0]].problem(batch.observer.names)
+        if len(names) > 1:
+            options = tuple(JOINT.join(each) for each in product(*(models[name].options for name in names)))
+            scores = np.array([sum(each) for each in product(*(models[name].scores for name in names))])
+            self.problem = Problem(JOINT.join(names), options, scores, batch.observer.names)
 
     def decide(self, pilot: AnyPilot, observations: Observations) -> NDArray[Any]:
         """Return the actions of a batch whose pilot sees `observations` (R, F); a recording notes its opinions."""
@@ -49,14 +65,36 @@ class DecidedGoal:
             return pilot.choose(observations)
         options = pilot.choose(observations)
         if self._recorder is not None:
-            self._recorder.think(self.problem.goal, pilot.opinions())
+            self.think(pilot.opinions())
         return self.actions(options)
 
     def actions(self, options: Ints) -> Ints:
         """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""
         actions = np.tile(self._default, (len(options), 1))
-        actions[:, self._column] = options
+        actions[:, self._columns] = np.stack(np.unravel_index(options, self._counts), axis=1)
         return actions
+
+    def think(self, opinions: Floats) -> None:
+        """Record what is thought (R, O) of the options; of an option of one goal, the best of its combinations."""
+        assert self._recorder is not None
+        table = opinions.reshape(-1, *self._counts)
+        for k, goal in enumerate(self._goals):
+            others = tuple(1 + other for other in range(len(self._goals)) if other != k)
+            self._recorder.think(goal, table.max(axis=others))
+
+
+def option_named(problem: Problem, name: str) -> str:
+    """Return the option of a name, or the best by score of the combinations that hold all options that it names.
+
+    Raises:
+        DocumentError: there is none.
+
+    """
+    wanted = set(name.split(JOINT))
+    fitting = [option for option in problem.options if option == name or wanted <= set(option.split(JOINT))]
+    if not fitting:
+        raise DocumentError(f"goal {problem.goal}: {unknown('option', name, problem.options)}")
+    return max(fitting, key=lambda option: problem.scores[problem.options.index(option)])
 
 
 def named_goal(known: Sequence[str], wanted: str | None) -> str:

@@ -13,6 +13,7 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from clean_swarm_env.config.types import Count
+from clean_swarm_env.learning.observation import find_terms as find_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms

@@ -1,10 +1,12 @@
 """Families: every scenario can be run, is the same for the same seed, and belongs to one split only."""
 
+import zlib
+
 import numpy as np
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.config.families import SPLITS, place_of, seed_of
+from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import for_start
@@ -19,7 +21,8 @@ FAMILIES = list(files_of("families"))
 
 def test_all_families_are_shipped():
     alike = ["continuous", "crowded", "random", "shifting", "sparse", "unseen"]
-    assert sorted(FAMILIES) == sorted(["careful", "table1", *alike, *(f"{name}-bumpers" for name in alike)])
+    exploring = ["clustered", "hotspots", "rare"]
+    assert sorted(FAMILIES) == sorted(["careful", "table1", *exploring, *alike, *(f"{name}-bumpers" for name in alike)])
 
 
 @pytest.mark.parametrize("name", ["continuous", "crowded", "random", "shifting", "sparse", "unseen"])
@@ -44,6 +47,42 @@ def test_scenarios_are_the_same_again_and_all_different(name):
     assert len(starts) == (25 if name == "table1" else 40)
     for scenario in drawn:
         for_start(scenario.mission, scenario.start)  # robots and items on the torus, solid robots apart
+
+
+@pytest.mark.parametrize(
+    ("name", "digest"),
+    [
+        ("continuous", 1056419855),
+        ("crowded", 1186289001),
+        ("random", 4088050166),
+        ("shifting", 939487392),
+        ("sparse", 2069781226),
+        ("unseen", 1649095382),
+        ("careful", 1600260454),
+        ("table1", 3197883819),
+    ],
+)
+def test_scenarios_are_those_of_the_time_before_spots_of_garbage(name, digest):
+    family, found = load_family(name), 0
+    for scenario in [family.scenario(3, k, split) for split in ("train", "test") for k in range(20)]:
+        mission, start, events = scenario.mission, scenario.start, [event.model_dump() for event in scenario.events]
+        drawn = scenario.seed, start.robots, start.items, events, mission.garbage.respawn, mission.stations.recycling
+        found = zlib.crc32(repr(drawn).encode(), found)
+    assert found == digest
+
+
+def test_spots_of_garbage_are_drawn_and_move():
+    base = load_family("continuous").mission.model_copy(update={"name": "spots"})
+    changes = {"number": (3, 3), "kinds": ("move_spots",)}
+    family = FamilyConfig(name="spots", description="Spots.", mission=base, spots=(0, 2), changes=changes)
+    missions = [family.scenario(1, k, "test").mission for k in range(30)]
+    assert {len(each.garbage.spots) for each in missions} == {0, 1, 2}
+    for each in missions:
+        assert [len(event.spots) for event in each.events] == [len(each.garbage.spots)] * 3
+    moved = [event.spots for each in missions for event in each.events if event.spots]
+    assert len(set(moved)) == len(moved)
+    assert len(grouped(missions)) == 1
+    assert family.model_copy(update={"spots": None}).scenario(1, 0, "test").mission.garbage.spots == ()
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -118,6 +157,7 @@ def test_scenarios_of_every_family_run_and_say_what_they_cost(name):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("spots: [2, 1]", "spots: expected the least before the largest, got [2, 1]"),
         ("robots: [5, 4]", "robots: expected the least before the largest, got [5, 4]"),
         ("changes: {number: [1, 2]}", "changes.kinds: expected at least one kind of event, got none"),
         ("robots: [900, 900]", "at most 277 solid robots"),

@@ -113,3 +113,22 @@ def test_a_term_of_the_users_own_takes_settings_of_its_own():
 def test_a_name_is_taken_once():
     with pytest.raises(ValueError, match="observation term 'cargo' is registered already"):
         TERMS.register(TERMS.find("cargo"))
+
+
+def test_finds_are_none_apart_or_together():
+    nothing = {"base": "exploring", "garbage": {"count": 0, "respawn": 0.001}}
+    batch = Batch(nothing, observation=ObservationConfig(terms=["finds"]))
+    flags = batch.reset([1]).copy()
+    assert (flags == [1.0, 0.0, 0.0]).all()
+    pheromones, now = batch.worlds.minds.pheromones, batch.worlds.now
+    told = []
+    for number, (x, y) in enumerate([(29.5, 3.0), (15.0, 15.0), (0.4, 3.2), (29.9, 4.5), (7.0, 9.0), (29.9, 2.0)]):
+        told.append((x, y))
+        place = np.array([[x, y]])
+        pheromones.store_static(0, "find", place, now, diffusion=1.0 + 0.01 * number)  # the latest reaches farthest
+        flags = batch.step(np.zeros((batch.rows, 2), np.int64)).observations
+        ways = np.abs(np.array(told) - told[-1])
+        near = np.hypot(*np.minimum(ways, 30.0 - ways).T) <= 2.0
+        expected = [0.0, 0.0, 1.0] if near[:-1].sum() >= 0.5 * (len(told) - 1) else [0.0, 1.0, 0.0]
+        assert (flags == expected).all(), told
+        now = batch.worlds.now

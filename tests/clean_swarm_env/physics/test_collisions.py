@@ -44,7 +44,7 @@ def random_walk(rng, counts, robots, width, height):
     return (start + np.cumsum(steps, axis=0)) % (width, height)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32), st.integers(1, 12), st.sampled_from([(3.0, 3.0), (2.5, 7.0), (11.0, 11.0)]))
 def test_small_worlds_against_the_naive_count(seed, robots, size):
     walk = random_walk(np.random.default_rng(seed), 12, robots, *size)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
@@ -19,7 +19,6 @@ def drive_of_one(vector, heading, **limits):
     return drive.speed[0], drive.turn_rate[0]
 
 
-@settings(deadline=None)  # the first call compiles
 @given(st.floats(-3, 3), st.floats(-3, 3), st.floats(-math.pi, math.pi, exclude_min=True))
 def test_the_published_formula(x, y, heading):
     speed, turn_rate = drive_of_one((x, y), heading)

@@ -19,12 +19,14 @@ PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
 
 def test_the_examples_read_what_was_recorded(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    python, moment, alone = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    python, moment, stream, alone = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
     shared: dict = {}
     exec(python, shared)
     assert "traces of pheromone at 20 s" in capsys.readouterr().out
     exec(moment, shared)
     assert "{'AvoidCollision': " in capsys.readouterr().out
+    exec(stream, shared)
+    assert {line.split()[0] for line in capsys.readouterr().out.splitlines()} == {f"{k / 5}" for k in range(11)}
     assert not re.search(r"^(from|import) (?!json|struct|zlib|numpy)", alone, flags=re.MULTILINE)
     names: dict = {}
     exec(alone, names)

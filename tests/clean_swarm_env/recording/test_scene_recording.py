@@ -17,14 +17,15 @@ SEEDS = (3, 4)
 def ran(goal, setting, folder, *, baseline=False):
     """Run a scene with and without a recorder; return the run without one, and the recordings."""
     expert = expertise(goal)
-    make = None if baseline else lambda scene: ServedTeam(scene, expert)
+    make = None if baseline else lambda scene: ServedTeam(scene, expert, explained=True)
     scene = find(goal)(setting, SEEDS)
     scene.begin(make)
-    recorder = SceneRecorder(scene, folder, "some")
+    recorder = SceneRecorder(scene, "some", folder, SEEDS)
     while not scene.over:
         scene.advance()
         recorder.take()
-    return find(goal)(setting, SEEDS).run(make), recorder.write(SEEDS)
+    recorder.close()
+    return find(goal)(setting, SEEDS).run(make), recorder.paths
 
 
 @pytest.mark.parametrize("ground", ["torus", "open"])
@@ -37,12 +38,13 @@ def test_a_recording_has_the_places_of_the_run_and_what_it_measured(tmp_path, go
         recording = RecordedMission(path)
         places = run.tracks[:-1, 6 * world : 6 * (world + 1)]
         found = np.stack([recording["x"], recording["y"]], axis=-1)
-        corner = (places - found).mean(axis=(0, 1)) if ground == "open" else np.zeros(2)
-        assert np.allclose(found + corner, places, atol=0.0011)
-        assert ((found >= 0.0) & (found <= recording.head["width"])).all()
-        assert recording.result == {name: pytest.approx(values[world]) for name, values in run.values.items()}
+        assert np.allclose(found, places, atol=0.0005001)
+        assert recording.result["measures"] == {name: values[world] for name, values in run.values.items()}
         assert recording.period == CONTROL_PERIOD
-        assert RecordedCourse(recording).at(20.0).options[0]
+        canvas = RecordedCourse(recording).at(20.0)
+        assert canvas.options[0]
+        assert ((canvas.positions >= 0.0) & (canvas.positions <= canvas.width)).all()
+        assert (canvas.width < 0.5 * recording.head["width"]) == (ground == "open")
         assert page_of([recording])
 
 
@@ -50,6 +52,7 @@ def test_the_nest_the_food_and_what_robots_carry_are_in_the_picture(tmp_path):
     recording = RecordedMission(ran("Foraging", Setting(12, 100.0, "torus"), tmp_path)[1][0])
     canvas = RecordedCourse(recording).at(60.0)
     assert sorted(area.name for area in canvas.areas) == ["food", "food", "nest"]
+    assert not any(area.repels for area in canvas.areas)
     nest = next(area for area in canvas.areas if area.name == "nest")
     assert (nest.x, nest.y, nest.radius) == (15.0, 15.0, 1.5)
     picked, brought = (np.diff(recording["cargo"], axis=0) == step for step in (1, -1))
@@ -59,3 +62,23 @@ def test_the_nest_the_food_and_what_robots_carry_are_in_the_picture(tmp_path):
     assert left.sum() > 50
     assert left[recording["cargo"] == 0].sum() > 0.9 * left.sum()  # those that carry food leave a trail
     assert len(canvas.pheromones) > 10
+
+
+def test_obstacles_repel_in_the_picture(tmp_path):
+    canvas = RecordedCourse(RecordedMission(ran("ReachGoal", Setting(6, 2.0, "torus"), tmp_path)[1][0])).at(0.0)
+    assert {area.name for area in canvas.areas if area.repels} == {"obstacle"}
+
+
+def test_the_minds_and_the_contacts_of_a_scene_are_recorded(tmp_path):
+    setting = Setting(12, 30.0, "torus")
+    path = ran("Foraging", setting, tmp_path)[1][0]
+    recording, expert = RecordedMission(path), expertise("Foraging")
+    assert recording.head["networks"]["robot"]["behaviours"] == ["Foraging"]
+    assert (recording["robot/running"] == 1).all()
+    inner = recording[f"Foraging/{expert.name}/running"]
+    assert set(np.unique(inner)) == {0.0, 1.0}
+    scene = find("Foraging")(setting, SEEDS)
+    scene.begin(lambda made: ServedTeam(made, expert))
+    while not scene.over:
+        scene.advance()
+    assert recording["contact"].sum() == scene.arena.entered[:12].sum() > 0

@@ -35,6 +35,12 @@ def test_the_data_are_what_the_command_prints(tmp_path, capsys):
         assert named["condition"] == "RepulsionGradient"
 
 
+def test_the_stream_tells_of_every_period_what_is_told_of_one():
+    steps = list(mission_run().explanations(3))
+    assert [step.step for step in steps] == list(range(60))
+    assert steps[31] == mission_run().explain(3, 6.2)
+
+
 def test_accounts_and_arrays_agree_in_every_robot():
     course = Course(mission_run(), explained=True)
     for _ in range(30):
@@ -70,6 +76,8 @@ def test_a_time_out_of_the_mission_is_named(time):
 def test_other_robots_and_worlds_without_reasons_are_named():
     with pytest.raises(ValueError, match="robot: expected a number from 0 to 4, got 5"):
         mission_run().explain(5, 1.0)
+    with pytest.raises(ValueError, match="robot: expected a number from 0 to 4, got 5"):
+        next(mission_run().explanations(5))
     with pytest.raises(ValueError, match="expected worlds with explained=True"):
         explain_robot(Course(mission_run()).worlds, 0)
     with pytest.raises(ValueError, match="expected a world that has run a control period"):

@@ -50,7 +50,7 @@ def _garbage(items, robots=2, worlds=1):
     return garbage
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 10_000), st.sampled_from([6, 100]))
 def test_who_comes_too_late_picks_the_item_that_is_nearest_now(seed, items):
     rng = np.random.default_rng(seed)

@@ -253,6 +253,7 @@ def test_robots_join_at_random_places_without_touching_anybody():
         ({"do": "join", "robots": 900}, "events.0.robots: expected at most 277 solid robots"),
         ({"do": "join", "places": [[0, 0, 0], [1, 1, 1]]}, "expected at most 1, one for each robot, got 2"),
         ({"do": "dance"}, "'join', 'remove', 'fail'"),
+        ({"do": "move_spots", "spots": [[1.0, 1.0], [2.0, 12.0]]}, "events.0.spots.1: expected a point on the torus"),
         ({"do": "move_stations", "recycling": [1.0, 1.0], "dump": [12.0, 1.0]}, "events.0.dump: expected a point on"),
     ],
 )
@@ -265,6 +266,36 @@ def test_impossible_events_are_named(event, message, tmp_path):
     with pytest.raises(ConfigurationError) as error:
         load_mission(str(path))
     assert message in str(error.value)
+
+
+def test_garbage_comes_about_spots_wherever_these_move():
+    garbage = {"count": 6, "respawn": 120.0, "capacity": 300, "spots": [[3.0, 3.0]], "spot_radius": 0.5}
+    events = [
+        {"at": 20.0, "do": "move_spots", "spots": [[8.0, 3.0], [8.0, 8.0]]},
+        {"at": 40.0, "do": "move_spots", "spots": []},
+        {"at": 45.0, "do": "land", "items": 30},
+        {"at": 50.0, "do": "move_spots", "spots": [[3.0, 8.0]]},
+        {"at": 50.0, "do": "land", "items": 9},
+    ]
+    worlds = worlds_at_start(mission(garbage=garbage, events=events), [2], 1)
+    worlds.steer(np.zeros((worlds.rows, 2)))  # robots stand where they are
+    came = []
+    for _ in range(300):
+        worlds.tick()
+        came.append(int(worlds.garbage.arrived[0]))
+    places = worlds.garbage.positions[0, : came[-1]]
+
+    def near(first, last, *spots):
+        own = places[first:last]
+        assert len(own) > 5
+        return np.hypot(*(own[:, None] - np.array(spots)).transpose(2, 0, 1)).min(axis=1).max() <= 0.5
+
+    lying = worlds.garbage.stage[0, : came[-1]] == LYING
+    assert lying.sum() > 0.9 * len(lying)
+    assert near(0, came[99], (3.0, 3.0))
+    assert near(came[100], came[199], (8.0, 3.0), (8.0, 8.0))
+    assert np.ptp(places[came[201] : came[248]], axis=0).min() > 6.0
+    assert near(came[249] + 1, came[-1], (3.0, 8.0))
 
 
 def test_snapshots_of_changing_worlds_stay_finite():

@@ -1,7 +1,7 @@
 """The one reader of documents: YAML 1.2's core schema, limits, and errors with file, line and key."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from selector.documents.building import MOST_DEPTH, MOST_NODES
@@ -75,7 +75,6 @@ def test_json_has_the_same_limits(tmp_path, text, expected):
         read_json(tmp_path / "x.json")
 
 
-@settings(deadline=None)
 @given(st.text() | st.sampled_from([*PLAIN, "0o7", "+1", "1E5", "<<", "=", "%", "@a", "\x85", "a: b"]))
 def test_text_is_written_so_that_it_is_read_back(text):
     assert read_value(as_yaml({"a": text, "b": [text]})) == {"a": text, "b": [text]}

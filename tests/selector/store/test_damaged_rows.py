@@ -37,7 +37,7 @@ def made(path):
     store.close()
 
 
-@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(column=st.sampled_from(COLUMNS), value=VALUES)
 def test_what_reading_refuses_no_import_takes(tmp_path_factory, column, value):
     path = tmp_path_factory.mktemp("store") / "k.sqlite"

@@ -74,7 +74,7 @@ def test_only_its_owner_reads_and_writes_a_new_store(tmp_path):
 ODD = st.text(max_size=12) | st.sampled_from(["~", "~nobody", "..", "?a=b", "%00", "[::", ":", "@", "x" * 5000])
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(st.sampled_from(["", "sqlite:///", "sqlite://", "postgresql://127.0.0.1:1/"]), st.lists(ODD, max_size=3))
 def test_an_odd_url_is_one_line(start, rest):
     with pytest.raises(StoreError) as error:

@@ -14,7 +14,7 @@ from selector.store.exact_sums import COUNT_LIMIT
 from selector.store.stored_knowledge import LearnedEntry, stored
 from tests.selector.store import strategies as some
 
-few = settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+few = settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 one = LearnedEntry(Moments(1, 5, 25), 7)
 
 

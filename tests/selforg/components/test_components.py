@@ -1,5 +1,7 @@
 """Each source, sensor and action by itself, on robots and gradients placed by hand."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -28,8 +30,9 @@ from selforg.components import (
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import FollowAll, GossipMax, Patrol, Pheromone, Quorum, RepulsionGradient
+from selforg.mechanisms import Exploration, FollowAll, GossipMax, Patrol, Pheromone, Quorum, RepulsionGradient
 from selforg.network.step.readings import ReadingError
+from selforg.randomness import DirectionStream
 from selforg.space import Euclidean
 
 ALL, SOME = np.arange(3), np.array([2, 0])
@@ -68,6 +71,51 @@ def test_a_source_renews_only_the_rows_it_is_asked_for(buffer):
     asked(source, 2.0, np.array([2]))
     np.testing.assert_array_equal(source.vectors[:2], before[:2])
     assert source.active[2]
+
+
+def test_times_of_a_levy_walk_follow_the_power_law(buffer):
+    rows, exponent, longest = 400, 2.0, 20.0
+    poses = OwnPoses(Euclidean(2), rows)
+    poses.update(np.zeros((rows, 2)), np.zeros(rows), 1.0)
+    streams = DirectionStream([np.random.default_rng(row) for row in range(rows)])
+    source = MovementSource(Exploration(poses, directions=streams), 1.0, exponent, longest)
+    every = np.arange(rows)
+    since, held, before = np.zeros(rows), [], np.full((rows, 2), np.nan)
+    for tick in range(1, 1500):
+        now = 0.2 * tick
+        asked(source, now, every)
+        new = (source.vectors != before).any(axis=1)
+        held += (now - since)[new].tolist() if tick > 1 else []
+        since[new], before = now, source.vectors.copy()
+    held = np.array(held)
+    assert held.min() == pytest.approx(1.2)  # the first tick after more than 1 s
+    assert held.max() == pytest.approx(longest)
+    for time in (2.0, 4.0, 8.0, 16.0):  # the share of longer times is (time / shortest) ** (1 - exponent)
+        assert np.mean(held > time + 0.1) == pytest.approx(1.0 / time, rel=0.1)
+
+
+def test_times_of_a_levy_walk_against_a_naive_reference(buffer):
+    streams, naive = (DirectionStream([np.random.default_rng(row) for row in range(3)]) for _ in range(2))
+    source = asked(MovementSource(Exploration(buffer, directions=streams), 2.0, 1.5, 300.0))
+    chances, ways = naive.take(ALL), naive.take(ALL)
+    shares = [0.5 + math.atan2(y, x) / math.tau for x, y, _ in chances]
+    expected = [min(2.0 * share ** (-1.0 / 0.5), 300.0) for share in shares]
+    np.testing.assert_allclose(source._holds, expected, rtol=1e-12)
+    np.testing.assert_array_equal(source.vectors, ways[:, :2])
+    first, shortest = source.vectors.copy(), min(expected)
+    asked(source, 1.0 + shortest - 0.01)
+    np.testing.assert_array_equal(source.vectors, first)
+    asked(source, 1.0 + shortest)
+    assert (source.vectors != first).any(axis=1).tolist() == [time == shortest for time in expected]
+    source.forget(SOME)
+    asked(source, 1.0 + shortest)
+    assert (source.vectors != first).any(axis=1)[SOME].all()
+
+
+@pytest.mark.parametrize("exponent", [1.0, -2.0, np.nan])
+def test_an_exponent_without_a_power_law_is_refused(buffer, exponent):
+    with pytest.raises(ValueError, match="exponent must be 0 or above 1"):
+        MovementSource(Exploration(buffer), 1.0, exponent)
 
 
 def test_sensors_over_a_goal(buffer):

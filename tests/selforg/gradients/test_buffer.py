@@ -58,7 +58,7 @@ messages = st.tuples(
 )  # fmt: skip
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.sampled_from(["max", "min", "new"]), st.sampled_from([0.0, 0.3, 1.0]), st.booleans(), st.lists(messages))
 def test_random_sequences_agree_with_the_naive_buffer(rule, distance, torus, sequence):
     space = Torus(11.0, 7.0) if torus else Euclidean(2)

@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
 
+from selforg.gradients import buffer as buffers
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
+from selforg.gradients.store import columns as c
 from selforg.mechanisms import Carried, GossipMax, Patrol, SpreadGradient
 from selforg.space import Euclidean
 
@@ -34,6 +36,23 @@ def test_a_deposit_stays_with_the_one_who_left_it_too():
     buffer = line(reach=1.0)
     Patrol(buffer).deposit(0.0, np.array([0]))
     assert heard(buffer, 0.0) == [1, 1, 0, 0]
+
+
+def test_messages_are_stored_in_short_calls_between_which_ctrl_c_is_heard_with_the_same_bits(monkeypatch):
+    stored, sizes, store_rows = [], [], buffers.store_rows
+    monkeypatch.setattr(buffers, "store_rows", lambda *given: sizes.append(len(given[0])) or store_rows(*given))
+    for most in (buffers.MOST_IN_A_CALL, 7):
+        monkeypatch.setattr(buffers, "MOST_IN_A_CALL", most)
+        buffer = line(rows=20, loss=0.3, generators=[np.random.default_rng(1)])
+        for now in (0.0, 0.2, 0.4):
+            Patrol(buffer).deposit(now, np.arange(20))
+        pairs = Queries(buffer).see(0.4, look=EVERYTHING).pairs[:, : c.PAIR_SLOT]  # slots are free to differ
+        stored.append((pairs.tobytes(), len(pairs), max(sizes)))
+        sizes.clear()
+    assert stored[0][:2] == stored[1][:2]
+    assert stored[0][1] > 300
+    assert stored[0][2] > 200
+    assert stored[1][2] == 7
 
 
 def test_delayed_messages_come_when_they_are_due():

@@ -33,7 +33,7 @@ messages = st.fixed_dictionaries(
 steps = st.tuples(messages, st.floats(-1.0, 3.0), st.tuples(st.floats(-20, 20), st.floats(-20, 20)))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.sampled_from(["max", "min", "average", "new", "newparent", "newframe"]), st.booleans(), st.booleans(),
        st.lists(steps, max_size=12))  # fmt: skip
 @example("max", False, False, [({}, 0.0, (0.0, 0.0)), ({}, 5e-324, (0.0, 1.0))])  # a metre in next to no time

@@ -250,7 +250,7 @@ def questions(draw):
     return problem, facts, np.array(draw(st.tuples(st.integers(-3, 3), st.integers(-3, 3))), dtype=float)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(questions())
 def test_random_problems_are_answered_like_the_naive_planner(question):
     problem, facts, numbers = question
@@ -267,7 +267,7 @@ def test_random_problems_are_answered_like_the_naive_planner(question):
         assert answer == Plan(expected[2], expected[0])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(questions(), st.lists(st.tuples(FACT, st.integers(-3, 3)), max_size=5))
 def test_a_remembered_plan_is_the_plan_that_would_be_found(question, changes):
     problem, facts, numbers = question
@@ -283,7 +283,7 @@ def test_a_remembered_plan_is_the_plan_that_would_be_found(question, changes):
         numbers[fact % 2] = reading + 0.25
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(questions())
 def test_following_a_plan_the_rest_of_it_stays_the_best_plan(question):
     problem, facts, numbers = question

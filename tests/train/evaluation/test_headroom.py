@@ -9,7 +9,15 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
 from train.evaluation import headroom
-from train.evaluation.headroom import RULE_FOUND, SINGLE, HeadroomRequest, RuleSearch, headroom_of
+from train.evaluation.headroom import (
+    RULE_FOUND,
+    SINGLE,
+    HeadroomRequest,
+    RuleSearch,
+    headroom_of,
+    headroom_table,
+    spots_of,
+)
 
 SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
 
@@ -25,13 +33,11 @@ def test_the_search_finds_the_planted_rule(monkeypatch):
     search = RuleSearch(request())
 
     def excess(self, scenarios, rules):
-        wrong = (rules != planted).sum(axis=1)
-        return np.repeat(10.0 + wrong[:, None] + (rules[:, :1] == 5), len(scenarios), axis=1)
+        return 10.0 + (rules != planted).sum(axis=1) + (rules[:, 0] == 5)
 
     monkeypatch.setattr(RuleSearch, "excess", excess)
-    single, rule = search.best()
-    assert single in planted
-    assert rule.tolist() == planted.tolist()
+    assert search.single() in planted
+    assert search.rule().tolist() == planted.tolist()
     assert search.missions <= 2 * (7 + 3 * 4 * 7)
 
 
@@ -45,11 +51,31 @@ def test_what_was_found_is_judged_on_test_scenarios(monkeypatch):
     monkeypatch.setattr(headroom, "run_trials", noted)
     monkeypatch.setattr(headroom, "MOST_ROUNDS", 1)
     found = headroom_of(request())
-    assert splits[-3:] == [{"test"}] * 3
-    assert set().union(*splits[:-3]) == {"train"}
+    assert splits[-4:] == [{"test"}] * 4
+    assert set().union(*splits[:-4]) == {"train"}
     assert set(found.excesses) == {SINGLE, RULE_FOUND, "fixed:Off", "Random"}
     assert [claim.against for claim in found.claims] == [SINGLE] * 3
     assert found.excesses[RULE_FOUND] / found.excesses[SINGLE] == pytest.approx(found.claims[0].ratio)
+
+
+def test_the_best_choice_for_each_number_of_spots_is_found_and_judged(monkeypatch):
+    family = load_family("clustered")
+    asked = HeadroomRequest(family, (), 0, searched=8, judged=12, goal="AvoidCollision+ExplorationPatrol")
+    planted = {0: "ORCA+Patrol", 1: "PredictiveSteering+Finds"}
+    options = RuleSearch(asked).problem.options
+
+    def excess(self, scenarios, rules):
+        wanted = [options.index(planted[number]) for number in spots_of(scenarios).tolist()]
+        return np.array([10.0 + abs(option - best) for (option,), best in zip(rules, wanted, strict=True)])
+
+    monkeypatch.setattr(RuleSearch, "excess", excess)
+    monkeypatch.setattr(RuleSearch, "excess_of", lambda self, scenarios, member: np.full(len(scenarios), 99.0))
+    found = headroom_of(asked)
+    assert found.rule == {f"spots {number}": option for number, option in planted.items()}
+    assert found.excesses[RULE_FOUND] == 10.0 < found.excesses[SINGLE]
+    assert found.excesses["fixed:Off"] == found.excesses["Random"] == 99.0
+    assert found.missions == 8 * len(options)
+    assert "spots 0 ORCA+Patrol, spots 1 PredictiveSteering+Finds" in str(headroom_table(found, family.name))
 
 
 def test_unknown_situations_are_one_line(capsys):

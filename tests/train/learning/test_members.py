@@ -109,15 +109,19 @@ def test_evolution_strategies_find_the_linear_rule_that_costs_least(tmp_path, mo
     )
 
 
-def test_evolution_strategies_begin_at_the_best_option_alone(tmp_path, monkeypatch):
-    fake(monkeypatch, lambda member, _: 1.0 + abs(member.option - 4))
-    config = load_training(str(written(tmp_path, "es")), "es")
-    training = EsTraining(job(config, tmp_path / "run"))
-    training._costs, training.scale = [], ObservationScale(mean=(0.0,) * 7, variance=(1.0,) * 7)
-    state = training._first(np.array([[5.0, 4.0, 3.0, 2.0, 1.0, 2.0, 3.0, 4.0, 5.0]]))
-    matrix = np.array(state.parameters).reshape(9, 8)
-    assert np.argwhere(matrix).tolist() == [[4, 7]]
-    assert matrix[4, 7] == config.es.lead
+def test_a_training_begins_with_the_best_option_also_where_most_fail(tmp_path, monkeypatch):
+    costs = [3000.0, 2000.0, 4000.0, 3000.0, 2500.0, 2600.0, 300.0, 90.0, 60.0]  # three are far below the median
+    fake(monkeypatch, lambda member, _: costs[member.option] if isinstance(member, OptionMember) else 100.0)
+    es = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "es"))
+    monkeypatch.setattr(EsTraining, "_next", lambda training, *_: setattr(training, "_missions", 99) or training.state)
+    es.advance()
+    matrix = np.array(es.state.parameters).reshape(9, 8)
+    assert np.argwhere(matrix).tolist() == [[8, 7]]
+    design = DesignTraining(job(load_training(str(written(tmp_path, "design")), "design"), tmp_path / "design"))
+    monkeypatch.setattr(DesignTraining, "_next", EsTraining._next)
+    design.advance()
+    (only,) = design.state.kept[0].states.values()
+    assert only.option == design.problem.options[8]
 
 
 def test_a_step_goes_up_the_slope_and_the_average_follows():

@@ -1,6 +1,5 @@
 """The page of a session in a headless Chromium: it shows what runs, and what is done by hand happens in the world."""
 
-import shutil
 import statistics
 
 import numpy as np
@@ -11,14 +10,7 @@ from tests.train.live.sessions import SMALL, ordered, play_of, served
 from train.live.missions import MissionSession
 from train.live.server import LiveServer
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-CHROMIUM = shutil.which("chromium")
-pytestmark = [
-    pytest.mark.page,
-    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium"),
-]
-CALM = 60_000
-"""Time that the page may take on a busy machine [ms]."""
+pytestmark = pytest.mark.page
 FRAMES = "() => replay.page.run.frames"
 COURSE = (
     "([name, robot]) => { const { data, columns } = replay.page.run.tracks.get(name);"
@@ -30,40 +22,28 @@ SET_LOSS = (
 )
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield opened
-        opened.close()
-
-
 @pytest.fixture
 def session(tmp_path):
     return MissionSession(play_of(SMALL), tmp_path / "run.swarm")
 
 
 @pytest.fixture
-def opened(browser):
+def opened(watched):
     """Open the page of a server, which has made a step; it must log nothing."""
-    pages, said = [], []
+    heard = []
 
     def open_page(server: LiveServer):
         if not server.conductor.stream.state["playing"] and not server.conductor.session.ticks:
             assert ordered(server, do="step") == ""
-        page = browser.new_page(viewport={"width": 1500, "height": 950})
-        pages.append(page)
-        page.set_default_timeout(CALM)
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
+        page, said, _ = watched()
+        heard.append(said)
         page.goto(server.address)
         page.wait_for_selector("body[data-ready]")
         return page
 
     yield open_page
-    for page in pages:
-        page.close()
-    assert [words for words in said if not words.startswith("Failed to load resource")] == []
+    for said in heard:
+        assert [words for words in said if not words.startswith("Failed to load resource")] == []
 
 
 def until(page, condition: str, *words: object) -> None:

@@ -128,7 +128,9 @@ def test_an_odd_order_is_one_line(tmp_path, order, expected):
 
 def test_strategies_are_those_that_fit(tmp_path):
     session = MissionSession(play_of(SMALL), tmp_path / "fit.swarm")
-    assert {"MaxScore", "Random", "fixed:Off", "rule", "policy:general", "learned:rules"} <= set(session.strategies())
+    assert {"MaxScore", "Random", "fixed:Off", "rule", "policy:general", "learned:rules", "fsm:rule"} <= set(
+        session.strategies()
+    )
     session.close()
     session = MissionSession(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
     assert session.strategies() == ["MaxScore", "Random"]

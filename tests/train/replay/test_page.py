@@ -1,7 +1,6 @@
 """The replay page in a headless Chromium: it plays, scrubs, shows its recordings' numbers, and asks for nothing."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +8,13 @@ import pytest
 import yaml
 
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.scene_recording import SceneRecorder
+from clean_swarm_env.scenes import Setting, find
+from clean_swarm_env.scenes.served import ServedTeam, expertise
 from tests.train.commands import run
+from train.replay.page_file import write_page
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-CHROMIUM = shutil.which("chromium")
-pytestmark = [
-    pytest.mark.page,
-    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium"),
-]
+pytestmark = pytest.mark.page
 FAMILY = {
     "name": "small",
     "description": "Eight robots and eight items, messages lost, robots that fail and join.",
@@ -27,8 +25,6 @@ FAMILY = {
 }
 CONDITIONS = ("policy:general", "fixed:RepulsionGradient")
 CELLS = "[...document.querySelectorAll('[data-NAME]')].map(cell => [cell.dataset.NAME, +cell.dataset.value])"
-CALM = 60_000
-"""Time that the page may take on a busy machine [ms]."""
 
 
 @pytest.fixture(scope="module")
@@ -50,35 +46,22 @@ def recordings(results) -> list[RecordedMission]:
     return [RecordedMission(folder / f"test-1-{name.replace(':', '_')}.swarm") for name in CONDITIONS]
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield opened
-        opened.close()
-
-
 @pytest.fixture
-def opened(browser, results):
-    """Open the page at a link; at the end it must have logged nothing and asked for nothing."""
-    pages, said = [], []
+def opened(watched, results):
+    """Open the page at a link; at the end it must have logged nothing, and asked for itself only."""
+    address, pages = (results / "both.html").as_uri(), []
 
     def open_page(link: str = ""):
-        page = browser.new_page(viewport={"width": 1500, "height": 900})
-        pages.append(page)
-        page.set_default_timeout(CALM)
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.on("request", lambda request: said.append(request.url))
-        page.goto((results / "both.html").as_uri() + link)
+        page, *told = watched(viewport={"width": 1500, "height": 900})
+        pages.append(told)
+        page.goto(address + link)
         page.wait_for_selector("body[data-ready]")
         return page
 
     yield open_page
-    for page in pages:
-        page.close()
-    assert [words for words in said if not words.startswith("file://")] == []
-    assert len(said) == len(pages)  # each asked for itself only
+    for said, asked in pages:
+        assert said == []
+        assert [url.partition("#")[0] for url in asked] == [address]
 
 
 PICTURE = "document.querySelector('.world').toDataURL()"
@@ -261,3 +244,27 @@ def test_the_field_is_highest_where_robots_have_just_been(opened):
         " if (at('deposit', t, i)) left.push(reach[cell(t, i)]);"
         " return left.length > 10 && Math.min(...left) > 0.99 && Math.min(...reach) < 0.5; })()"
     )
+
+
+def test_the_page_of_a_scene_shows_what_lies_there_and_the_minds(watched, tmp_path):
+    scene = find("Foraging")(Setting(12, 20.0, "torus"), (3,))
+    scene.begin(lambda made: ServedTeam(made, expertise("Foraging"), explained=True))
+    recorder = SceneRecorder(scene, "Foraging", tmp_path, (3,))
+    while not scene.over:
+        scene.advance()
+        recorder.take()
+    recorder.close()
+    write_page([RecordedMission(recorder.paths[0])], tmp_path / "scene.html")
+    page, said, _ = watched()
+    page.goto((tmp_path / "scene.html").as_uri() + "#t=10&robot=4")
+    page.wait_for_selector("body[data-ready]")
+    assert "keeps running" in page.text_content("#panel")
+    pixel = page.evaluate(
+        "(() => { const { run, view } = replay.page.shown[0];"
+        " const nest = run.head.things.find((thing) => thing.channel === 'nest');"
+        " const [x, y] = view.place(nest.x, nest.y);"
+        " return [...view.canvas.getContext('2d').getImageData(x, y + 12, 1, 1).data]; })()"
+    )
+    red, green, blue, _ = pixel
+    assert green > max(red + 20, blue)
+    assert said == []

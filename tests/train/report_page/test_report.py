@@ -18,7 +18,6 @@ from train.report_page.chart import Axis, Chart
 from train.report_page.page import html_of_markdown
 from train.report_page.run_charts import differences, profile, scenario_map
 
-CHROMIUM = shutil.which("chromium")
 FAMILY = {
     "name": "small",
     "description": "Four robots & <items>.",
@@ -165,25 +164,16 @@ def test_damaged_foreign_and_unlike_results_are_one_line(results, tmp_path, caps
 
 
 @pytest.mark.page
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium")
 @pytest.mark.parametrize("scheme", ["dark", "light"])
-def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, scheme):
-    sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+def test_a_browser_shows_it_without_errors_or_requests(results, tmp_path, watched, scheme):
     page = tmp_path / "page.html"
     assert run("report", results, "--output", page) == 0
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        shown = browser.new_page(color_scheme=scheme)
-        told, asked = [], []
-        shown.on("console", lambda message: told.append(message.text))
-        shown.on("pageerror", lambda error: told.append(str(error)))
-        shown.on("request", lambda request: asked.append(request.url))
-        shown.goto(page.as_uri())
-        assert (told, asked) == ([], [page.as_uri()])
-        assert shown.evaluate("[...document.querySelectorAll('svg')].every(chart => chart.clientHeight > 40)")
-        back = shown.evaluate("getComputedStyle(document.body).backgroundColor")
-        assert back == {"dark": "rgb(23, 25, 29)", "light": "rgb(255, 255, 255)"}[scheme]
-        browser.close()
+    shown, told, asked = watched(color_scheme=scheme)
+    shown.goto(page.as_uri())
+    assert (told, asked) == ([], [page.as_uri()])
+    assert shown.evaluate("[...document.querySelectorAll('svg')].every(chart => chart.clientHeight > 40)")
+    back = shown.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert back == {"dark": "rgb(23, 25, 29)", "light": "rgb(255, 255, 255)"}[scheme]
 
 
 def test_scales_have_round_ticks_within_and_keep_the_order():

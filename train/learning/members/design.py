@@ -18,7 +18,7 @@ from pydantic import Field
 from selector.documents.fields import Closed
 from selector.documents.reading import as_yaml
 from selector.strategies.machine_file import MachineState, StateMachine
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
 from train.learning.config import DesignConfig
 from train.learning.members.machine_space import MachineSpace
@@ -56,9 +56,8 @@ class DesignTraining(MembersTraining):
         self.job.folder.write(MACHINE_FILE, as_yaml(machine.model_dump(mode="json", exclude_defaults=True)))
         return self.job.folder.path / MACHINE_FILE
 
-    def _first(self, costs: Floats) -> DesignState:
-        best = logarithms(costs).mean(axis=0).argsort(kind="stable")[: self.settings.kept]
-        alone = [MachineState(option=self.problem.options[option]) for option in best]
+    def _first(self, order: Ints) -> DesignState:
+        alone = [MachineState(option=self.problem.options[option]) for option in order[: self.settings.kept]]
         return DesignState(
             kept=tuple(StateMachine(goal=self.problem.goal, start="state 1", states={"state 1": one}) for one in alone)
         )

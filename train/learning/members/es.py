@@ -15,13 +15,12 @@ import numpy as np
 
 from selector.documents.fields import Closed, Number
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, save_policy
-from selector.strategies.problem import Problem
 from selector.strategies.streams import normals
-from selforg.arrays import Floats
+from selforg.arrays import Floats, Ints
 from train.learning.by_missions import relative
 from train.learning.config import EsConfig
 from train.learning.members.missions import PolicyMember
-from train.learning.members.training import Drawing, MembersTraining, ObservationScale, check_lengths
+from train.learning.members.training import Drawing, MembersTraining, check_lengths
 from train.learning.training import TrainingJob
 
 POLICY_FOLDER = "policy"
@@ -54,7 +53,6 @@ class EsTraining(MembersTraining):
     State = EsState
     state: EsState
     _best: EsState
-
     settings: EsConfig
 
     def __init__(self, job: TrainingJob) -> None:
@@ -62,8 +60,19 @@ class EsTraining(MembersTraining):
         super().__init__(job, job.config.es)
 
     def policy(self, parameters: Floats, **training: object) -> TrainedPolicy:
-        """Return the linear policy of `parameters` (P,)."""
-        return linear_policy(self.problem, self.scale, parameters, training)
+        """Return the policy of `parameters` (P,): no hidden layer, outputs linear in the scaled observation."""
+        problem, matrix = self.problem, parameters.reshape(len(self.problem.options), -1).astype(np.float32)
+        spec = PolicySpec(
+            goal=problem.goal,
+            options=problem.options,
+            observations=problem.features,
+            hidden=(),
+            mean=self.scale.mean,
+            variance=self.scale.variance,
+            epsilon=LEAST_VARIANCE,
+            training=training,
+        )
+        return TrainedPolicy(spec, {"options.weight": matrix[:, :-1], "options.bias": matrix[:, -1]})
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
@@ -71,11 +80,9 @@ class EsTraining(MembersTraining):
         save_policy(path, self.policy(np.array(self._best.average), **self.about(command)))
         return path
 
-    def _first(self, costs: Floats) -> EsState:
-        options = len(self.problem.options)
-        fitness = relative(costs.ravel(), options, self.settings.limit).reshape(costs.shape).mean(axis=0)
-        first = np.zeros((options, len(self.problem.features) + 1))
-        first[fitness.argmax(), -1] = self.settings.lead
+    def _first(self, order: Ints) -> EsState:
+        first = np.zeros((len(self.problem.options), len(self.problem.features) + 1))
+        first[order[0], -1] = self.settings.lead
         point, nothing = tuple(first.ravel().tolist()), (0.0,) * first.size
         return EsState(parameters=point, average=point, slope=nothing, square=nothing)
 
@@ -98,24 +105,6 @@ class EsTraining(MembersTraining):
 
     def _member(self) -> PolicyMember:
         return PolicyMember(self.policy(np.array(self.state.average)))
-
-
-def linear_policy(
-    problem: Problem, scale: ObservationScale, parameters: Floats, training: dict[str, object]
-) -> TrainedPolicy:
-    """Return the policy without hidden layer whose outputs are linear in the scaled observation."""
-    spec = PolicySpec(
-        goal=problem.goal,
-        options=problem.options,
-        observations=problem.features,
-        hidden=(),
-        mean=scale.mean,
-        variance=scale.variance,
-        epsilon=LEAST_VARIANCE,
-        training=training,
-    )
-    matrix = parameters.reshape(len(problem.options), -1).astype(np.float32)
-    return TrainedPolicy(spec, {"options.weight": matrix[:, :-1], "options.bias": matrix[:, -1]})
 
 
 def climbed(state: EsState, slope: Floats, rate: float, averaged: float) -> EsState:

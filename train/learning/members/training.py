@@ -23,6 +23,7 @@ from selector.documents.fields import Closed, NonNegative, Number
 from selector.documents.reading import read_json
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
+from selforg.elementary import logarithms
 from train.learning.config import MembersConfig
 from train.learning.members.missions import MemberRun, MemberTask, OptionMember, PopulationMember
 from train.learning.training import Training, TrainingJob
@@ -89,8 +90,8 @@ class MembersTraining(Training):
         return self._missions
 
     @abstractmethod
-    def _first(self, costs: Floats) -> Closed:
-        """Return the first state, from the costs (N, O) [s] of all options alone."""
+    def _first(self, order: Ints) -> Closed:
+        """Return the first state, from the options in the order of what they cost alone, the best first."""
 
     @abstractmethod
     def _next(self, draw: Drawing, random: np.random.Generator) -> Closed:
@@ -127,10 +128,11 @@ class MembersTraining(Training):
             mean = seen[1] / seen[0]
             variance = np.maximum(seen[2] / seen[0] - mean**2, 0.0)
             self.scale = ObservationScale(mean=tuple(mean.tolist()), variance=tuple(variance.tolist()))
-            self.state = self._best = self._first(costs)
-        while self._missions < before + self.config.decisions:
+            self.state = self._best = self._first(logarithms(costs).mean(axis=0).argsort(kind="stable"))
+        while self._missions < (self.checkpoint + 1) * self.config.decisions:
             self.state = self._next(draw, random)
-        return {"missions": self._missions - before, "training_cost_s": float(np.mean(self._costs))}
+        cost = float(np.mean(self._costs)) if self._costs else None
+        return {"missions": self._missions - before, "training_cost_s": cost}
 
     def costs(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> Floats:
         """Return the costs (N, M) [s] of all members on all scenarios."""

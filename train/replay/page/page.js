@@ -332,7 +332,8 @@ export class Page {
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
       const over = this.time >= (run.frames - 1) * this.period && run.result;
-      const done = run.head.things ? [] : [`${counts.items[counted]} items dumped`, `${counts.contacts[counted]} collisions`];
+      const done = [`${counts.contacts[counted]} collisions`];
+      if (!run.head.things) done.unshift(`${counts.items[counted]} items dumped`);
       if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
       caption.textContent = done.join(", ");
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);

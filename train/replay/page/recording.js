@@ -9,7 +9,7 @@
  * @typedef {{about: Record<string, any>, period: number, width: number, height: number, robots: number, items: number,
  *   minds: boolean, options: Record<string, string[]>, views: Record<string, number[]>, mission: any,
  *   ticks_per_decision: number, channels: Channel[], terms?: string[], reasons?: string[],
- *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[]}} Head of the scene of a goal: field, the side of its
+ *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[]}} Head; of the scene of a goal: field, the side of its
  *   middle part [m], and what is there from the start on
  * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number}} Thing
  * @typedef {{tick: number, do: string, robot?: number, robots?: number[]}} Change what was done by hand before a frame was decided

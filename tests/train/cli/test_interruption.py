@@ -1,0 +1,92 @@
+"""Ctrl-C twice, at any moment: exit code 130, one line, and nothing left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.paths import ROOT
+from tests.train.cli.test_endings import start
+from tests.train.cli.test_faults import wait_for_runs
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+
+
+def interrupt_twice(process, gap):
+    """Send Ctrl-C twice, `gap` [s] apart, as a terminal does; return what the command wrote on the standard error."""
+    os.killpg(process.pid, signal.SIGINT)
+    time.sleep(gap)
+    os.killpg(process.pid, signal.SIGINT)  # the process is not yet waited for, so its group is there
+    return process.communicate(timeout=120)[1]
+
+
+def living(group):
+    """Return the commands of the processes of a group that have not ended."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            state, _, of_group = (folder / "stat").read_text().rpartition(")")[2].split()[:3]
+            if int(of_group) == group and state != "Z":
+                found.append((folder / "cmdline").read_text())
+        except OSError:  # it has just ended
+            continue
+    return found
+
+
+def handles_sigterm(process):
+    lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
+    caught = next(line for line in lines if line.startswith("SigCgt"))
+    return bool(int(caught.split()[1], 16) >> signal.SIGTERM - 1 & 1)
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("gap", [0.0, 0.02, 0.3])
+def test_ctrl_c_twice_in_the_runs_leaves_nothing_behind(tmp_path, workers, gap):
+    words = ("--scenarios", "20", "--output", "r", "--workers", workers)
+    process = start(tmp_path, *words, seconds="0.3")
+    wait_for_runs(process, tmp_path / "r", 2)
+    err = interrupt_twice(process, gap)
+    assert process.returncode == 130
+    assert err.count("interrupted") == 1
+    assert "Traceback" not in err
+    end = time.monotonic() + 10.0  # the resource tracker of multiprocessing ends when it notices
+    while living(process.pid):
+        assert time.monotonic() < end, living(process.pid)
+        time.sleep(0.01)
+    assert not list((tmp_path / "r").glob(".*"))
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.3, 1.0])
+def test_ctrl_c_twice_during_the_imports_is_one_line(tmp_path, wait):
+    command = [sys.executable, "-m", "clean_swarm_env", "evaluate", "--output", "r"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(command, cwd=tmp_path, env=environment, start_new_session=True, **pipes)
+    while not handles_sigterm(process):
+        time.sleep(0.005)
+    time.sleep(wait)
+    err = interrupt_twice(process, 0.02)
+    assert process.returncode == 130
+    assert err.startswith("interrupted")
+    assert "Traceback" not in err
+
+
+def test_a_signal_waits_until_llvm_has_compiled():
+    code = (
+        "import os, signal, sys, time\n"
+        "from train.cli import _Ending\n"
+        "space = {'__name__': 'llvmlite.binding', 'os': os, 'time': time}\n"
+        "exec('def compiles():\\n os.kill(os.getpid(), 2)\\n time.sleep(0.3)\\n print(1, flush=True)', space)\n"
+        "with _Ending():\n"
+        "    try:\n"
+        "        space['compiles']()\n"
+        "        time.sleep(60.0)\n"
+        "    except KeyboardInterrupt:\n"
+        "        print(2)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    assert done.stdout.split() == ["1", "2"]

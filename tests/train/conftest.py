@@ -1,0 +1,38 @@
+"""A headless Chromium for the tests of pages."""
+
+import shutil
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Chromium, or skip."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("needs Chromium: apt-get install chromium")
+    with sync_api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def watched(browser):
+    """Open empty pages of some settings, each with the list of what it logs and the list of what it asks for."""
+    pages = []
+
+    def open_page(**settings):
+        page = browser.new_page(**{"viewport": {"width": 1500, "height": 950}, **settings})
+        page.set_default_timeout(60_000)  # the machine may be busy
+        said, asked = [], []
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        pages.append(page)
+        return page, said, asked
+
+    yield open_page
+    for page in pages:
+        page.close()

@@ -1,0 +1,51 @@
+"""Looking ahead: the mission is not disturbed by its copies, and bad options are seen."""
+
+import pytest
+import yaml
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.load import load_family
+from train.evaluation.entrants import member_pilot
+from train.evaluation.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
+from train.running.trials import TrialSettings, run_trials
+
+GOOD = {"configuration": "PredictiveSteering"}
+BAD = {"name": "Far", "configuration": "RepulsionFernandez", "parameters": {"view_distance": 2.0}}
+
+
+def request(tmp_path, *options, **changes):
+    """Look ahead on missions of a library with these options."""
+    (tmp_path / "knowledge").mkdir(exist_ok=True)
+    goals = {"AvoidCollision": [{"score": 1.0, **option} for option in options]}
+    (tmp_path / "knowledge" / "few.yaml").write_text(yaml.safe_dump({"goals": goals}))
+    family = load_family("random").with_knowledge("few")
+    settings = {"base": "PredictiveSteering", "scenarios": 2, "copies": 2, "hold": 5.0, "horizon": 200.0} | changes
+    return LookAheadRequest(family, seed=1, directories=(tmp_path,), **settings)
+
+
+def test_with_one_option_the_mission_is_that_of_the_option(tmp_path):
+    asked = request(tmp_path, GOOD, hold=20.0, horizon=3.0)
+    scenario = asked.family.scenario(1, 0, "test")
+    team = LookingTeam(asked, scenario, 0)
+
+    def pilot(problem, teams):
+        return member_pilot("fixed:PredictiveSteering", problem, teams, (tmp_path,))
+
+    (alone,) = run_trials([scenario], pilot, TrialSettings(directories=(tmp_path,)))
+    assert team.result() == alone
+    assert team.taken.total() == -(-alone.duration_s // 20.0)
+
+
+def test_an_option_that_costs_much_is_not_taken(tmp_path):
+    grid = look_ahead_table(request(tmp_path, BAD, GOOD, hold=15.0))
+    excess = {row.label: float(row.groups[0][0]) for row in grid.rows}
+    assert excess["look-ahead"] < 0.5 * excess["fixed:Far"]
+    assert excess["look-ahead"] < 1.5 * excess["fixed:PredictiveSteering"]
+    (note,) = grid.notes
+    assert note.startswith("taken by the look-ahead: PredictiveSteering")
+
+
+def test_a_base_that_does_not_exist_is_one_line(tmp_path):
+    asked = request(tmp_path, GOOD, base="PredictiveSteerin")
+    with pytest.raises(ConfigurationError, match=r"--base: unknown option 'PredictiveSteerin'.*PredictiveSteering"):
+        LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
