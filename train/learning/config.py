@@ -165,7 +165,7 @@ class DesignConfig(MembersConfig):
     transitions: MachineSize = 4
     """Most transitions of a state."""
     candidates: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 20
-    """New machines of each race."""
+    """New machines of each race; those that are equal to others are left out."""
     fresh: Share = 0.2
     """Share of the new machines that are drawn anew; the others are changed best ones. 1: random search."""
     kept: Annotated[int, Field(strict=True, ge=1, le=1000)] = 4

@@ -179,6 +179,25 @@ def test_a_design_finds_a_machine_that_costs_little(tmp_path, monkeypatch, fresh
     assert wrong(MachineMember(machine), training.problem) <= most
 
 
+def test_no_machine_races_twice_at_a_time(tmp_path, monkeypatch):
+    raced = []
+
+    def costs(training, members, scenarios):
+        raced.append([member.machine for member in members])
+        return np.ones((len(scenarios), len(members)))
+
+    fake(monkeypatch, lambda *_: 1.0)
+    monkeypatch.setattr(DesignTraining, "costs", costs)
+    settings = {"states": 1, "candidates": 50, "race": {"block": 2, "blocks": 1}}
+    config = load_training(str(written(tmp_path, "design", design=settings)), "design")
+    training = DesignTraining(job(config, tmp_path / "run"))
+    training.scale = ObservationScale(mean=(0.0,) * 7, variance=(1.0,) * 7)
+    training.state = training._first(np.arange(9))
+    training.state = training._next(lambda count: [None] * count, np.random.default_rng(0))
+    (machines,) = raced
+    assert len(machines) == 9  # one for each option
+
+
 def test_machines_stay_within_their_sizes_whatever_is_changed():
     problem = Problem("Goal", ("a", "b"), np.zeros(2), ("seen",))
     settings = DesignConfig(states=3, transitions=2)

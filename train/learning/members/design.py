@@ -68,7 +68,9 @@ class DesignTraining(MembersTraining):
         machines = [*kept]
         for _ in range(settings.candidates):
             parent = kept[random.integers(len(kept))]
-            machines.append(space.drawn() if random.random() < settings.fresh else space.changed(parent))
+            new = space.drawn() if random.random() < settings.fresh else space.changed(parent)
+            if new not in machines:
+                machines.append(new)
         done: list[list[Floats]] = [[] for _ in machines]
 
         def measure(alive: Sequence[int], _: int) -> Floats:

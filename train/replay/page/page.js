@@ -355,6 +355,7 @@ export class Page {
     for (let k = 0; k < pictures; k++) {
       this.time = (time + k * this.period) % Math.max(this.end, this.period);
       this.draw();
+      for (const { view } of this.shown) view.canvas.getContext("2d")?.getImageData(0, 0, 1, 1); // else drawing is put off
     }
     const spent = (performance.now() - begin) / pictures;
     this.playing = false;
