@@ -92,7 +92,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         state: Literal["global", "observations"] = "global",
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, (WINDOW, PICTURE), settings.get("goal"))
+        check_render_mode(render_mode, (WINDOW, PICTURE))
         if state not in ("global", "observations"):
             raise ValueError(f"state: expected 'global' or 'observations', got {state!r}")
         self._batch = batch_of(mission, reward=reward, begin_anew=False, **settings)

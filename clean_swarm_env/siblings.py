@@ -35,7 +35,8 @@ def own(name: str) -> None:
     spec.loader.exec_module(sys.modules[name])
 
 
-def call(module: str, function: str, *arguments: object) -> None:
-    """Call a function of a module in a package of ours."""
+def call(module: str, function: str, *arguments: object) -> object:
+    """Call a function of a module in a package of ours, and return what it returns."""
     own(module.partition(".")[0])
-    getattr(import_module(module), function)(*arguments)
+    result: object = getattr(import_module(module), function)(*arguments)
+    return result

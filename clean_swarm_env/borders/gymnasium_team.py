@@ -42,7 +42,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         render_mode: str | None = None,
         **settings: Any,  # noqa: ANN401  (those of Batch)
     ) -> None:
-        check_render_mode(render_mode, self.metadata["render_modes"], settings.get("goal"))
+        check_render_mode(render_mode, self.metadata["render_modes"])
         whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED}
         self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **whole, **settings)
         self.batch = self._envs.batch

@@ -92,8 +92,7 @@ def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",
     return None if start is None else config_from(StartConfiguration, start, "options['start']")
 
 
-def check_render_mode(mode: object, known: Sequence[str], goal: str | None = None) -> None:
-    """Raise ValueError for a render mode other than None and those `known`; with a goal there are no pictures."""
-    if mode is not None and (mode not in known or goal is not None):
-        others = f" or {' or '.join(map(repr, known))}" if goal is None else " with a goal"
-        raise ValueError(f"render_mode: expected None{others}, got {mode!r}")
+def check_render_mode(mode: object, known: Sequence[str]) -> None:
+    """Raise ValueError for a render mode other than None and those `known`."""
+    if mode is not None and mode not in known:
+        raise ValueError(f"render_mode: expected None or {' or '.join(map(repr, known))}, got {mode!r}")

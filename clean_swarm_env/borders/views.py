@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Canvas, between
 from clean_swarm_env.drawing.pixels import Pixels, pixels_of
+from clean_swarm_env.drawing.scene_picture import scene_canvas
 from clean_swarm_env.drawing.window import Window
 from clean_swarm_env.drawing.world_picture import canvas_of
+from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.interface import AnyBatch, BatchStep
 
@@ -22,7 +24,7 @@ class View:
     """What an environment shows of the worlds of its batch.
 
     Args:
-        batch: the worlds; those of a goal have no pictures, and mode None.
+        batch: the worlds.
         mode: None; PICTURE, one at a time; PICTURES of the first world, those since the last call; or WINDOW, which
             shows every control period of the first world.
 
@@ -51,13 +53,13 @@ class View:
         """Run one decision period, and show it."""
         if self._mode not in (PICTURES, WINDOW):
             return self._batch.step(actions)
-        for _ in self._missions.ticks(actions):
+        for _ in self._batch.ticks(actions):
             self._look()
-        return self._missions.end_period()
+        return self._batch.end_period()
 
     def picture(self, world: int = 0) -> Pixels:
         """Return the picture of a world as it is now."""
-        return pixels_of(canvas_of(self._missions.worlds, world))
+        return pixels_of(self._canvas(world))
 
     def render(self) -> Pixels | list[Pixels] | None:
         """Return what the mode says: a picture (height, width, 3), pictures, or nothing."""
@@ -73,10 +75,11 @@ class View:
         if self._window is not None:
             self._window.close()
 
-    @property
-    def _missions(self) -> Batch:
-        assert isinstance(self._batch, Batch)  # `check_render_mode` refuses modes for goals
-        return self._batch
+    def _canvas(self, world: int) -> Canvas:
+        if isinstance(self._batch, GoalBatch):
+            return scene_canvas(self._batch.play.scene, self._batch.play.team, world)
+        assert isinstance(self._batch, Batch)
+        return canvas_of(self._batch.worlds, world)
 
     def _look(self) -> None:
         """Show the world as it is now, or keep the pictures since the last look."""
@@ -84,7 +87,7 @@ class View:
             self._window.show(self.picture())
         if self._mode != PICTURES:
             return
-        now = canvas_of(self._missions.worlds, 0)
+        now = self._canvas(0)
         shares = [k / self._between for k in range(1, self._between)] if self._last is not None else []
         before = self._last or now
         self._pictures += [pixels_of(between(before, now, share)) for share in shares] + [pixels_of(now)]

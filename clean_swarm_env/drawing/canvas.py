@@ -93,7 +93,7 @@ class Canvas:
 
 def between(first: Canvas, second: Canvas, share: float) -> Canvas:
     """Return the canvas at a share of the time from one moment to another: robots move, all else is as it was first."""
-    if len(first.positions) != len(second.positions):
+    if len(first.positions) != len(second.positions) or first.width != second.width:
         return first
     size = np.array([first.width, first.height])
     moved, turned = _shorter(second.positions - first.positions, size), second.headings - first.headings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Literal
 
@@ -17,6 +18,7 @@ from clean_swarm_env.world.garbage import ABSENT, DONE, LYING, NOTHING
 from clean_swarm_env.world.minds import PHEROMONES
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
+from selforg.arrays import Floats
 
 ROBOT, ITEM, STATION = "robot", "item", "station"
 CHANNELS = {
@@ -54,7 +56,7 @@ class _Stations(BaseModel):
     reach: NonNegative
 
 
-class _Thing(BaseModel):
+class DrawnThing(BaseModel):
     """A gradient that is there from the start on, in a scene."""
 
     channel: str
@@ -75,7 +77,7 @@ class _Shown(BaseModel):
     """What a picture takes from the head."""
 
     mission: _Sizes
-    things: tuple[_Thing, ...] | None = None
+    things: tuple[DrawnThing, ...] | None = None
     """Those of a scene, which has no items and no stations."""
     ground: Literal["torus", "open"] = "torus"
     """Of open land the square is shown in which the robots have been."""
@@ -113,11 +115,7 @@ class RecordedCourse:
             low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
             side = float((high - low).max())
             self._corner, self._extent = low, (side, side)
-        self._areas = tuple(
-            Area(thing.channel, *middle, max(thing.radius, LEAST_AREA), thing.attraction < 0)
-            for thing in shown.things or ()
-            for middle in [(thing.x - self._corner[0], thing.y - self._corner[1])]
-        )
+        self._areas = areas_of(shown.things or (), self._corner)
         stage = self._values["item_stage"]
         before = np.concatenate([np.full_like(stage[:1], ABSENT), stage[:-1]])
         self._dumped = ((stage == DONE) & (before != DONE)).sum(axis=1).cumsum()
@@ -168,3 +166,13 @@ class RecordedCourse:
             pheromones=traces.positions[trail] - self._corner,
             pheromone_diffusions=traces.diffusion[trail],
         )
+
+
+def areas_of(things: Sequence[DrawnThing], corner: Floats) -> tuple[Area, ...]:
+    """Return the areas of a picture whose lower left `corner` (2,) [m] is given."""
+    return tuple(
+        Area(
+            thing.channel, thing.x - corner[0], thing.y - corner[1], max(thing.radius, LEAST_AREA), thing.attraction < 0
+        )
+        for thing in things
+    )

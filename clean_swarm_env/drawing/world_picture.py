@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas
+from clean_swarm_env.drawing.recorded_picture import TRAILS
 from clean_swarm_env.world.garbage import LYING, NOTHING
-from clean_swarm_env.world.minds import PHEROMONES
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats
+from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store import columns as c
 
@@ -21,7 +22,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     loaded = garbage.cargo[rows] != NOTHING
     lying = garbage.stage[world] == LYING
     coordinator = worlds.coordinators[0] if worlds.coordinators else None
-    trail, diffusions = _trail(worlds, world)
+    trail, diffusions = trail_of(worlds.minds.pheromones, int(worlds.rows_of(world)[0]), worlds.now)
     return Canvas(
         worlds.physics.positions[rows].copy(),
         worlds.physics.headings[rows].copy(),
@@ -43,10 +44,9 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     )
 
 
-def _trail(worlds: Worlds, world: int) -> tuple[Floats, Floats]:
-    """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones of a world."""
-    everything = Filter((PHEROMONES,), moving=False, view_distance=np.inf)
-    buffer = worlds.minds.pheromones
-    pairs = Queries(buffer).see(worlds.now, [int(worlds.rows_of(world)[0])], everything, without_pose=True).pairs
+def trail_of(buffer: SoBuffer, row: int, now: float) -> tuple[Floats, Floats]:
+    """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones that a row finds at `now` [s]."""
+    everything = Filter(TRAILS, moving=False, view_distance=np.inf)
+    pairs = Queries(buffer).see(now, [row], everything, without_pose=True).pairs
     slots = pairs[:, c.PAIR_SLOT].astype(np.int64)
     return buffer.table.record.near[slots][:, [c.X, c.Y]], pairs[:, c.PAIR_DIFFUSION].copy()

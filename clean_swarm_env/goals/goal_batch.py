@@ -5,7 +5,7 @@ All episodes last the time of the scene, so all worlds begin and end together. R
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
 
@@ -28,6 +28,7 @@ from clean_swarm_env.learning.reward import OwnRewards, own_rewards
 from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.scenes import find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
+from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import KNOWLEDGE, expertise
 from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from selforg.arrays import Flags, Floats, Ints
@@ -115,7 +116,8 @@ class GoalBatch(AnyBatch):
         self._collisions: Ints = np.zeros(self.rows, dtype=np.int64)  # of the last period
         self._series: list[tuple[int, int] | None] = [None] * self.count  # seed and number of the next episode
         self._finished: list[GoalEnd] = []
-        self._begun = False
+        self._begun = self._ran = False
+        self._before = self._measured()  # at the beginning of the period
 
     def reset(
         self, seeds: Sequence[int | None] | None = None, starts: Sequence[StartConfiguration | None] | None = None
@@ -146,27 +148,32 @@ class GoalBatch(AnyBatch):
             raise ValueError(f"goal {self._kind.goal}: all {self.count} worlds begin together, got {len(worlds)}")
         return self.reset(seeds, starts)
 
-    def step(self, actions: NDArray[Any]) -> BatchStep:
-        """Run one decision period, which ends early with the episode.
+    def ticks(self, actions: NDArray[Any]) -> Iterator[Scene]:
+        """Run one decision period, which ends early with the episode; yield the scene after each control period.
 
         `actions` are options (R,), vectors (R, 2) for mode "velocity", or (R, 3) for "both", the option first.
         """
         if not self._begun:
             raise RuntimeError("step: call reset first")
         self._finished.clear()
-        play, ran = self.play, not self.play.scene.over
-        play.act(actions, self.choices)
-        collided, before = play.scene.arena.entered.copy(), self._measured()
+        scene = self.play.scene
+        self.play.act(actions, self.choices)
+        self._ran, self._before, self._collisions = not scene.over, self._measured(), -scene.arena.entered
         for _ in range(TICKS_PER_STEP):
-            if not play.scene.over:
-                play.tick()
-        self._collisions = play.scene.arena.entered - collided
+            if not scene.over:
+                self.play.tick()
+                yield scene
+
+    def end_period(self) -> BatchStep:
+        """Begin the next episode where one is over, and return what the period gave."""
+        scene = self.play.scene
+        self._collisions += scene.arena.entered
         if self._own_rewards is None:
-            self._gained = self._rewards.of(self._measured() - before, self._collisions)
+            self._gained = self._rewards.of(self._measured() - self._before, self._collisions)
         else:
             self._gained = self._own_rewards(self)
-        over = np.full(self.count, play.scene.over)
-        if play.scene.over and ran:
+        over = np.full(self.count, scene.over)
+        if scene.over and self._ran:
             self._end()
         self.observer.observe(self.play, self.observations)
         return BatchStep(self.observations, self._gained, np.zeros_like(over), over, self._final)

@@ -300,22 +300,17 @@ class Batch(AnyBatch):
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
         return self.choices.masks(self.observer.phases)
 
-    def step(self, actions: NDArray[Any]) -> BatchStep:
-        """Run one decision period; in a world whose mission ends the period ends early.
-
-        `actions` are options (R, C), or (R,) for one goal, whole numbers; or vectors (R, 2), see `VelocityActions`.
-        """
-        for _ in self.ticks(actions):
-            pass
-        return self.end_period()
-
     def close(self) -> None:
         """End the recordings of missions that are still going on."""
         if self.recorder is not None:
             self.recorder.close()
 
     def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
-        """Run one decision period as `step` does, and yield the worlds after each control period."""
+        """Run one decision period, and yield the worlds after each control period.
+
+        In a world whose mission ends the period ends early. `actions` are options (R, C), or (R,) for one goal, whole
+        numbers; or vectors (R, 2), see `VelocityActions`.
+        """
         if not self._begun:
             raise RuntimeError("step: call reset first")
         if self._steering is None:

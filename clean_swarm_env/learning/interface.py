@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -130,9 +130,19 @@ class AnyBatch(ABC):
     ) -> Observations:
         """Begin an episode in `worlds` (K,) only, and return the observations (R, F)."""
 
-    @abstractmethod
     def step(self, actions: NDArray[Any]) -> BatchStep:
         """Run one decision period."""
+        for _ in self.ticks(actions):
+            pass
+        return self.end_period()
+
+    @abstractmethod
+    def ticks(self, actions: NDArray[Any]) -> Iterator[object]:
+        """Run one decision period; yield after each control period. `end_period` must follow."""
+
+    @abstractmethod
+    def end_period(self) -> BatchStep:
+        """Begin the next episodes, and return what the period gave."""
 
     @abstractmethod
     def masks(self) -> Flags:

@@ -78,16 +78,21 @@ def point_channels(name: str, axes: tuple[tuple[str, int], ...], about: str, ord
     return Channel(x, names, shape, MILLI, order, "m", about), Channel(y, names, shape, MILLI, order, "m", about)
 
 
-def packed_frames(channels: Sequence[Channel], frames: WholeNumbers) -> tuple[list[tuple[int, int]], bytes]:
+def packed_frames(
+    channels: Sequence[Channel], frames: WholeNumbers, still: Sequence[bool] | None = None
+) -> tuple[list[tuple[int, int]], bytes]:
     """Return the bytes of T >= 1 frames (T, K) of whole numbers, the columns of one channel after those of another.
 
     For each channel also how many columns change, and the width of a number. In the bytes of a channel the first frame
     comes first, as K numbers int32. A bit for each column follows, 1 where it changes. The differences in time of the
     columns that change come last, column by column: the lowest byte of all, then the next one.
+
+    still: the channels that stay, whatever stands in their later frames; none unless given.
     """
-    layout: Ints = np.array([(channel.columns, channel.order) for channel in channels])
+    stay = still or [False] * len(channels)
+    layout: Ints = np.array([(each.columns, each.order, stays) for each, stays in zip(channels, stay, strict=True)])
     changed: WholeNumbers = np.zeros(frames.shape[1], dtype=np.int32)
-    sizes: Ints = np.empty(layout.shape, dtype=np.int64)
+    sizes: Ints = np.empty((len(channels), 2), dtype=np.int64)
     steps = np.empty((layout[:, 0].max(), len(frames) - 1), dtype=np.int32)
     content = np.empty(frames.nbytes + sum(-(-channel.columns // 8) for channel in channels), dtype=np.uint8)
     used = pack_columns(np.ascontiguousarray(frames), layout, changed, steps, sizes, content)

@@ -50,12 +50,14 @@ class RecordingFile:
         self.beginning = beginning_of(head, channels)
         self._write(self.beginning)
 
-    def add(self, first: int, frames: WholeNumbers, notes: Mapping[str, Any]) -> bytes:
-        """Append frames (T, K) from number `first` on, whole numbers of all channels; `notes` is plain data.
+    def add(
+        self, first: int, frames: WholeNumbers, notes: Mapping[str, Any], still: Sequence[bool] | None = None
+    ) -> bytes:
+        """Append frames (T, K) from number `first` on, whole numbers of all channels; return the block.
 
-        Returns the block.
+        `notes` is plain data. `still`: the channels of which only the first frame is looked at, because they stay.
         """
-        block = part_of(self._channels, first, frames, notes)
+        block = part_of(self._channels, first, frames, notes, still)
         self._write(block)
         return block
 
@@ -76,9 +78,15 @@ def beginning_of(head: Mapping[str, Any], channels: Sequence[Channel]) -> bytes:
     return MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
 
 
-def part_of(channels: Sequence[Channel], first: int, frames: WholeNumbers, notes: Mapping[str, Any]) -> bytes:
+def part_of(
+    channels: Sequence[Channel],
+    first: int,
+    frames: WholeNumbers,
+    notes: Mapping[str, Any],
+    still: Sequence[bool] | None = None,
+) -> bytes:
     """Return the block of frames; the arguments are those of `RecordingFile.add`."""
-    sizes, content = packed_frames(channels, frames)
+    sizes, content = packed_frames(channels, frames, still)
     directory = _json({"first": first, "frames": len(frames), "sizes": sizes, **notes})
     return _block(PART, struct.pack("<I", len(directory)) + directory + content)
 

@@ -87,6 +87,8 @@ class MissionRecorder:
         self._always, self._of_option = fillers_of(sampled, worlds.worlds)
         self._frames = waiting_frames(worlds.worlds, self._channels)
         self.room = self._frames.shape[1]
+        self._options = [each.option for each in sampled]
+        self._moved: set[tuple[int, int]] = set()  # options that a robot has held in the frames that wait
         self._begun = False  # whether a mission has begun since the last frame
         self._at = 0
         self._joined = worlds.team.joined.tobytes()
@@ -144,7 +146,8 @@ class MissionRecorder:
             self._note_joined()
         for prepare in self._prepare:
             prepare()
-        self._take_options()
+        if self._of_option:
+            self._take_options()
         self._always.fill(self._frames, at)
         self._messages.begin()
         self._note_poses()
@@ -164,8 +167,11 @@ class MissionRecorder:
 
     def latest(self, notes: Mapping[str, Any]) -> bytes:
         """Return the last frame of the only world as the block of a recording, with `notes`, for those who look on."""
-        first, at = int(self.worlds.ticks[0]) - 1, (self._at - 1) % self.room
-        return part_of(self._channels, first, self._frames[0, [at]], {"deposits": self._messages.kinds, **notes})
+        first, frame = int(self.worlds.ticks[0]) - 1, self._frames[0, [(self._at - 1) % self.room]]
+        for option, filler in self._of_option.items():
+            if option not in self._moved:
+                frame[:, filler.columns] = self._frames[0, 0, filler.columns]
+        return part_of(self._channels, first, frame, {"deposits": self._messages.kinds, **notes})
 
     def close(self) -> None:
         """Write all frames that are not in a file yet, and end all files."""
@@ -203,14 +209,22 @@ class MissionRecorder:
         self._joined = worlds.team.joined.tobytes()
 
     def _take_options(self) -> None:
-        """Take the networks of options that may have changed; those of the others are as in the frame before."""
-        if not self._of_option:
-            return
-        frames, at = self._frames, self._at
-        frames[:, at] = frames[:, (at - 1) % self.room]
-        used = [(c, k) for c, coordinator in enumerate(self.worlds.coordinators) for k in coordinator.used]
-        for option in self._of_option if self._begun else used:
-            self._of_option[option].fill(frames, at)
+        """Take the networks of options that may have changed.
+
+        What belongs to an option that no robot has held in the frames that wait is in the first of them only.
+        """
+        frames, at, moved = self._frames, self._at, self._moved
+        used = {(c, k) for c, coordinator in enumerate(self.worlds.coordinators) for k in coordinator.used}
+        for option, filler in self._of_option.items():
+            filled, own = self._begun or option in used, filler.columns
+            if filled and at and option not in moved:
+                frames[:, 1:at, own] = frames[:, :1, own]
+            if filled:
+                filler.fill(frames, at)
+            elif option in moved:
+                frames[:, at, own] = frames[:, at - 1, own]
+            if option in used or (filled and at):
+                moved.add(option)
         self._begun = False
 
     def _path(self, about: Mapping[str, Any]) -> Path:
@@ -233,6 +247,9 @@ class MissionRecorder:
         for world in self._running:
             self._write(world)
             self._running[world].begun = 0
+        for own in (self._of_option[option].columns for option in self._moved):
+            self._frames[:, 0, own] = self._frames[:, self._at - 1, own]
+        self._moved.clear()
         self._at = 0
 
     def _write(self, world: int) -> None:
@@ -240,7 +257,9 @@ class MissionRecorder:
         running = self._running[world]
         frames = self._frames[world, running.begun : self._at]
         if len(frames):
-            running.file.add(running.first, frames, {"deposits": self._messages.kinds, "by_hand": self._by_hand})
+            notes = {"deposits": self._messages.kinds, "by_hand": self._by_hand}
+            still = [option is not None and option not in self._moved for option in self._options]
+            running.file.add(running.first, frames, notes, still)
             self._by_hand.clear()
             running.first += len(frames)
             running.begun = self._at

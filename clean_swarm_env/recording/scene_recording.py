@@ -89,7 +89,7 @@ class SceneFrames:
             "height": scene.ground.side,
             "ground": scene.ground.kind,
             "field": scene.ground.field_side,
-            "things": list(self._things(world)),
+            "things": list(things_of(scene, world)),
             "robots": scene.arena.robots,
             "items": 0,
             "minds": self._minds is not None,
@@ -128,14 +128,15 @@ class SceneFrames:
         if self._minds is not None:
             yield from mind_arrays(count, self._minds)
 
-    def _things(self, world: int) -> Iterator[dict[str, Any]]:
-        """Yield the gradients that are there from the start on, as plain data."""
-        for lying in self._scene.around:
-            places = lying.places[world]
-            reaches = (np.broadcast_to(reach, len(places)).tolist() for reach in (lying.diffusion, lying.goal_radius))
-            for (x, y), diffusion, radius in zip(places.tolist(), *reaches, strict=True):
-                what = {"channel": lying.channel, "attraction": lying.attraction}
-                yield {**what, "x": x, "y": y, "diffusion": diffusion, "radius": radius}
+
+def things_of(scene: Scene, world: int) -> Iterator[dict[str, Any]]:
+    """Yield the gradients that are there from the start on in a world, as plain data."""
+    for lying in scene.around:
+        places = lying.places[world]
+        reaches = (np.broadcast_to(reach, len(places)).tolist() for reach in (lying.diffusion, lying.goal_radius))
+        for (x, y), diffusion, radius in zip(places.tolist(), *reaches, strict=True):
+            what = {"channel": lying.channel, "attraction": lying.attraction}
+            yield {**what, "x": x, "y": y, "diffusion": diffusion, "radius": radius}
 
 
 class SceneRecorder:

@@ -43,15 +43,20 @@ def pack_columns(
 ) -> int:
     """Fill `content` with the bytes of frames (T, K) of C channels, one after the other; return their number.
 
-    layout: (C, 2) number of columns, and how often differences are taken in time, 1 or 2.
+    layout: (C, 3) number of columns, how often differences are taken in time, 1 or 2, and 1 for a channel that stays.
     changed: (K,) zeros; not 0 afterwards where a column changes.
     steps: (columns of the widest channel, T - 1) space for the differences.
     sizes: (C, 2) will hold how many columns of the channel change, and the width of a number: 1, 2 or 4 bytes.
     """
-    count, columns = frames.shape
+    count = len(frames)
     for t in range(1, count):
-        for k in range(columns):
-            changed[k] |= frames[t, k] ^ frames[t - 1, k]
+        begin = 0
+        for channel in range(len(layout)):
+            end = begin + layout[channel, 0]
+            if layout[channel, 2] == 0:
+                for k in range(begin, end):
+                    changed[k] |= frames[t, k] ^ frames[t - 1, k]
+            begin = end
     at = begin = 0
     for channel in range(len(layout)):
         end = begin + layout[channel, 0]

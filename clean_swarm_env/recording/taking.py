@@ -53,12 +53,17 @@ class FrameFiller:
         sampled: the channels, each with the first of its columns.
         worlds: W.
 
+    Attributes:
+        columns: their columns, if they lie side by side.
+
     """
 
     def __init__(self, sampled: Sequence[tuple[int, Sampled]], worlds: int) -> None:
         self._sources = [  # views: to split the first axis copies nothing
             (begin, each.channel, each.values.reshape(worlds, *each.channel.shape)) for begin, each in sampled
         ]
+        begin, (end, last) = sampled[0][0], sampled[-1]
+        self.columns = slice(begin, end + last.channel.columns)
         self._table: Ints = np.zeros((len(sampled), SOURCE_COLUMNS), dtype=np.int64)
         for row, (begin, channel, values) in zip(self._table, self._sources, strict=True):
             row[:LENGTHS] = values.ctypes.data, NUMBER_KINDS[values.dtype], channel.scale, begin

@@ -30,7 +30,7 @@ from train.cli import (
     train,
     tune,
 )
-from train.cli.cluster import gather, script
+from train.cli.cluster import gather, script, warm
 from train.cli.options import Configs, error_console, print_error
 from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
@@ -68,6 +68,7 @@ app.command("headroom")(headroom.headroom_command)
 app.command("look-ahead")(headroom.look_ahead_command)
 app.command("gather")(gather.gather_command)
 app.add_typer(script.app, name="script")
+app.command("warm")(warm.warm_command)
 app.command("draw")(draw.draw_command)
 app.command("dataset")(dataset.dataset_command)
 app.command("explain")(repeat.explain_command)

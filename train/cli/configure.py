@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import Configs, Force, check_whole
+from train.cli.options import Configs, Force, OnPlace, check_whole
 from train.cli.tune import (
     GivenStore,
     Output,
@@ -32,6 +32,7 @@ def configure_command(
     storage: Storage = None,
     store: GivenStore = None,
     force: Force = False,
+    on: OnPlace = None,
     configs: Configs = None,
 ) -> None:
     """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
@@ -43,4 +44,4 @@ def configure_command(
     study = configured_study(option, family, knowledge, {"method": method, "trials": trials}, directories)
     command = ["configure", option, "--family", family, "--method", method, "--trials", str(trials)]
     command += ["--knowledge", knowledge] if knowledge is not None else []
-    run_given(study, tuple(command), seed, output, resume, workers, storage, store, force, directories)
+    run_given(study, tuple(command), seed, output, resume, workers, storage, store, force, on, directories)

@@ -12,9 +12,11 @@ from train.cli.options import (
     MOST_SEED,
     MOST_WORKERS,
     MOST_WORLD_SEEDS,
+    AnyBits,
     Configs,
     Force,
     Learn,
+    OnPlace,
     RunStore,
     ShareText,
     check_share,
@@ -69,6 +71,8 @@ def evaluate_command(
     record: Annotated[bool, typer.Option("--record", help="Record every run, for `clean-swarm replay`.")] = False,
     minds: Annotated[bool, typer.Option("--minds", help="Record what the robots' networks decide, too.")] = False,
     share: ShareText = None,
+    on: OnPlace = None,
+    any_bits: AnyBits = False,
 ) -> None:
     """Run an experiment under all its conditions, or strategies on a family; the default is the paper's Table 1."""
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
@@ -76,6 +80,8 @@ def evaluate_command(
     check_share(share, output, learn=learn)
     from clean_swarm_env.config.load import load_robustness
     from clean_swarm_env.recording.recorder import RecordSettings
+    from train.cluster.bits import WorkerBits
+    from train.cluster.engines import chosen_engine
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.base import Evaluation
     from train.evaluation.entrants import never_taken, unlearned
@@ -85,13 +91,12 @@ def evaluate_command(
     from train.evaluation.robustness import RobustnessEvaluation
     from train.knowledge_store import StoreRequest
     from train.running.needs import Machine
-    from train.running.processes import Processes
     from train.running.runs import usable_cpus
 
     if learn and workers not in (None, 1):
         raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
-    machine = Machine(workers or usable_cpus(), force)
+    machine = Machine(workers or usable_cpus(), force, on)
     robustness = load_robustness(experiment, directories) if family is None else None
     if family is None:
         _check_absent(
@@ -123,8 +128,8 @@ def evaluate_command(
             words = f"never takes {', '.join(missing)}, which it was trained without"
             error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
-    part = RunShare.of_text(share) if share is not None else None
-    execution = pipeline.Execution(Processes(machine.workers), output, resume, wide_console(), recorded, part)
+    part, bits = RunShare.of_text(share) if share is not None else None, WorkerBits(mixed=any_bits)
+    execution = pipeline.Execution(chosen_engine(machine, bits), output, resume, wide_console(), recorded, part, bits)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 
 

@@ -46,6 +46,17 @@ ShareText = Annotated[
         metavar="I/N",
     ),
 ]
+OnPlace = Annotated[
+    str | None,
+    typer.Option(
+        "--on",
+        help="Run missions on the workers of a Dask scheduler, or of up to JOBS jobs of SLURM (extra `cluster`).",
+        metavar="tcp://HOST:PORT|slurm:JOBS",
+    ),
+]
+AnyBits = Annotated[
+    bool, typer.Option("--any-bits", help="Take machines on which missions end differently, and note them.")
+]
 Learn = Annotated[bool, typer.Option("--learn", help="Give what is learned back to the store.")]
 
 

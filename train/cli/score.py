@@ -10,8 +10,10 @@ from train.cli.options import (
     MOST_SCENARIOS,
     MOST_SEED,
     MOST_WORKERS,
+    AnyBits,
     Configs,
     Force,
+    OnPlace,
     ShareText,
     check_share,
     check_whole,
@@ -46,6 +48,8 @@ def score_command(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
     share: ShareText = None,
+    on: OnPlace = None,
+    any_bits: AnyBits = False,
     force: Force = False,
     configs: Configs = None,
 ) -> None:
@@ -55,16 +59,17 @@ def score_command(
     check_share(share, output)
     if output is not None and len(names) > 1:
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
+    from train.cluster.bits import WorkerBits
+    from train.cluster.engines import chosen_engine
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import RunShare
     from train.evaluation.scoring import ScoreRequest, score_scene, scored_missions
     from train.running.needs import Machine
-    from train.running.processes import Processes
     from train.running.runs import usable_cpus
 
-    machine = Machine(workers or usable_cpus(), force)
-    part = RunShare.of_text(share) if share is not None else None
-    execution = pipeline.Execution(Processes(machine.workers), output, resume, wide_console(), share=part)
+    machine = Machine(workers or usable_cpus(), force, on)
+    part, bits = RunShare.of_text(share) if share is not None else None, WorkerBits(mixed=any_bits)
+    execution = pipeline.Execution(chosen_engine(machine, bits), output, resume, wide_console(), share=part, bits=bits)
     for name in names:
         request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()), machine)
         evaluations = scored_missions(request)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, check_whole, wide_console
+from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, OnPlace, check_whole, wide_console
 
 if TYPE_CHECKING:  # imports pydantic, NumPy and Numba
     from train.studies.config import StudyConfig
@@ -38,6 +38,7 @@ def tune_command(
     storage: Storage = None,
     store: GivenStore = None,
     force: Force = False,
+    on: OnPlace = None,
     configs: Configs = None,
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""
@@ -54,6 +55,7 @@ def tune_command(
         storage,
         store,
         force,
+        on,
         tuple(configs or ()),
     )
 
@@ -76,6 +78,7 @@ def run_given(
     storage: str | None,
     store: str | None,
     force: bool,
+    place: str | None,
     directories: tuple[Path, ...],
 ) -> None:
     """Run a study and exit with its code; `command` are the words that lead to the study."""
@@ -93,6 +96,6 @@ def run_given(
         storage,
         StoreRequest(store, learn=store is not None),
         directories,
-        Machine(workers or usable_cpus(), force),
+        Machine(workers or usable_cpus(), force, place),
     )
     raise typer.Exit(run_study(request, wide_console()))

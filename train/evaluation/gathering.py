@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from clean_swarm_env.config.errors import ConfigurationError
@@ -47,6 +47,10 @@ class RunShare:
     def folder(self, directory: Path) -> Path:
         """Return the run folder of this share in the directory of all shares."""
         return directory / SHARE_FOLDERS / f"{self.number}-of-{self.count}"
+
+    def folders(self, directory: Path) -> list[Path]:
+        """Return the run folders of all shares."""
+        return [replace(self, number=number).folder(directory) for number in range(1, self.count + 1)]
 
     def part(self, keys: Sequence[RunKey]) -> Sequence[RunKey]:
         """Return every `count`-th of the keys, so that each share has some of every condition."""

@@ -7,7 +7,7 @@ import json
 import shlex
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.store.exact_sums import REWARD_LIMIT
+from train.cluster.bits import WorkerBits, noted_bits, own_bits
 from train.evaluation.base import Evaluation
 from train.evaluation.gathering import RunShare, gathered
 from train.knowledge_store import Memory
@@ -29,7 +30,7 @@ from train.reports.write_report import publish
 from train.running.engine import Engine, WorkerLost, each_done
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
-from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
+from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, WORKERS, RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord
 from train.running.warm_up import compile_first
 
@@ -53,6 +54,8 @@ class Execution:
     """How the runs are recorded, in a directory below that of the results; they are not unless given."""
     share: RunShare | None = None
     """The part of the runs that is done, or the gathering of all parts; all runs are done unless given."""
+    bits: WorkerBits = field(default_factory=WorkerBits)
+    """The CPUs that take part in shares or elsewhere."""
 
     def wanted(self, evaluation: Evaluation) -> Sequence[RunKey]:
         """Return scenario and condition of the runs that are asked for."""
@@ -61,18 +64,25 @@ class Execution:
 
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     """Do the missing runs, write the results and print the tables; return the exit code."""
-    directory = execution.output or default_directory(evaluation.stem, resume=execution.resume)
+    root = execution.output or default_directory(evaluation.stem, resume=execution.resume)
     if evaluation.memory is not None and not execution.resume:
         evaluation.memory.check_new()
     manifest, share, known = {**evaluation.manifest, COMMAND: evaluation.words}, execution.share, list[RunRecord]()
     if share is not None and share.gathers:
-        known, learned = gathered(evaluation, directory, share.count)
+        known, learned = gathered(evaluation, root, share.count)
         manifest |= {LEARNED_BEFORE: learned} if LEARNED_BEFORE in manifest else {}
-    elif share is not None:
-        directory = share.folder(directory)
-    folder = RunFolder(directory, manifest, resume=execution.resume, growing=evaluation.growing)
+    for place in [root] if share is None else share.folders(root):
+        execution.bits.add(noted_bits(place))
+    if share is not None and not share.gathers:
+        execution.bits.add(own_bits())
+        root = share.folder(root)
+    folder = RunFolder(root, manifest, resume=execution.resume, growing=evaluation.growing)
     with folder.alone():
-        return _evaluated(evaluation, execution, Results(folder, evaluation.mistake, known))
+        folder.note(WORKERS, execution.bits.cpus)  # now, for shares that begin while this one runs
+        try:
+            return _evaluated(evaluation, execution, Results(folder, evaluation.mistake, known))
+        finally:
+            folder.note(WORKERS, execution.bits.cpus)
 
 
 def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -> int:
@@ -82,10 +92,10 @@ def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -
     try:
         _run_missing(evaluation, results, execution)
     except (KeyboardInterrupt, WorkerLost) as end:
-        results.close()
         _print_how_to_resume(evaluation, execution, results, str(end) or "interrupted")
         return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
-    results.close()
+    finally:
+        results.close()
     if execution.share is not None and not execution.share.gathers:
         done = f"share {execution.share} is done; `clean-swarm gather {execution.output}` merges all shares"
         execution.console.print(done, soft_wrap=True, highlight=False)
@@ -114,7 +124,8 @@ def _run_missing(evaluation: Evaluation, results: Results, execution: Execution)
         compile_first(tasks[0])
     settings = execution.record
     if settings is not None:
-        settings = replace(settings, directory=(execution.output or results.folder.path) / settings.directory)
+        directory = (execution.output or results.folder.path).resolve()  # workers may have another
+        settings = replace(settings, directory=directory / settings.directory)
         tasks = [task.recorded(settings) for task in tasks]
     done = len(wanted) - sum(len(task.keys) for task in tasks)
     in_turn = evaluation.learns_in_turn

@@ -27,10 +27,10 @@ class Engine(Protocol):
 class WorkerLost(Exception):
     """A task lost its worker again and again; the message names the task."""
 
-    def __init__(self, task: Work) -> None:
+    def __init__(self, task: Work, deaths: int = MOST_DEATHS) -> None:
         (scenario, condition), *others = task.keys
         more = f" (and up to {len(others)} more runs)" if others else ""
-        super().__init__(f"scenario {scenario}, condition {condition}{more}: its worker died {MOST_DEATHS} times")
+        super().__init__(f"scenario {scenario}, condition {condition}{more}: its worker died {deaths} times")
 
 
 def in_turn(tasks: Sequence[Work]) -> Iterator[RunRecord]:

@@ -25,6 +25,8 @@ class Machine:
     """Processes."""
     forced: bool = False
     """Whether to run what the machine is estimated to be too small for."""
+    place: str | None = None
+    """Where missions run; in processes of this machine unless given."""
 
 
 ALONE = Machine()

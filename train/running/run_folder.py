@@ -30,6 +30,8 @@ LEARNED_BEFORE = "learned"
 """Key of the manifest for what was known at the beginning."""
 COMMAND = "command"
 """Key of the manifest for the words of the command, without its directory."""
+WORKERS = "workers"
+"""Key of the manifest for the CPUs that took part elsewhere, or in shares."""
 SHARE_FOLDERS = "shares"
 """Directory below a run folder in which commands keep the run folders of their shares."""
 CHOSEN_OPTIONS = "choices.jsonl"
@@ -87,6 +89,12 @@ class RunFolder:
             yield
         finally:
             os.close(number)
+
+    def note(self, key: str, value: Json) -> None:
+        """Keep a value in the manifest beside the identity, unless it is empty or there already."""
+        content = read_manifest(self.path)
+        if value and content.get(key) != value:
+            self.write(MANIFEST, json.dumps({**content, key: value}, indent=2) + "\n")
 
     def discard(self) -> None:
         """Remove the directory if it holds nothing but the manifest."""

@@ -17,6 +17,8 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
+from train.cluster.bits import WorkerBits
+from train.cluster.engines import chosen_engine
 from train.evaluation.family import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
 from train.reports.write_report import Publication, publish
@@ -24,7 +26,6 @@ from train.running.decided_goal import DecidedGoal
 from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
-from train.running.processes import Processes
 from train.running.provenance import fingerprints
 from train.running.run_folder import RunFolder, default_directory
 from train.running.warm_up import compile_first
@@ -98,7 +99,7 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
     try:
-        with Processes(request.machine.workers).rounds() as done, _progress(study) as on_trials:
+        with chosen_engine(request.machine, WorkerBits()).rounds() as done, _progress(study) as on_trials:
             field = MissionField(make, journal, done)
             search = CandidateSearch(study, space, field, unchanged)
             arms = []

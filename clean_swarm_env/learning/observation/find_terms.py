@@ -23,11 +23,12 @@ class FindsTerm(Term):
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
         self.together = together
+        self._queries = Queries(observed.worlds.minds.pheromones)
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
         worlds = self.observed.worlds
-        seen = Queries(worlds.minds.pheromones).see(worlds.now, rows, FINDS)
+        seen = self._queries.see(worlds.now, rows, FINDS)
         count = np.diff(seen.start)
         robot = np.repeat(np.arange(len(rows)), count)
         felt = count > 0

@@ -11,6 +11,8 @@ from gymnasium.wrappers import RecordVideo
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
+from clean_swarm_env.drawing.pixels import pixels_of
+from clean_swarm_env.drawing.scene_picture import scene_canvas
 from clean_swarm_env.wrappers import RecordMission
 
 SHORT = {"base": "table1", "time_limit": 5.0}
@@ -42,20 +44,54 @@ def test_a_list_has_twenty_pictures_for_each_second_of_the_mission():
     assert np.array_equal(single.render(), pictures[-1])
 
 
-def test_pictures_change_no_course():
-    plain, drawn = CleanSwarmTeam(SHORT), CleanSwarmTeam(SHORT, render_mode="rgb_array_list")
+@pytest.mark.parametrize("settings", [{"mission": SHORT}, {"goal": "Foraging", "robots": 5}], ids=["mission", "goal"])
+def test_pictures_change_no_course(settings):
+    plain, drawn = CleanSwarmTeam(**settings), CleanSwarmTeam(**settings, render_mode="rgb_array_list")
     for env in (plain, drawn):
         env.reset(seed=3)
     for _ in range(4):
-        first, second = (env.step(np.arange(5) % 3) for env in (plain, drawn))
+        first, second = (env.step(np.arange(5) % 2) for env in (plain, drawn))
         assert np.array_equal(first[0], second[0])
         assert first[1] == second[1]
+
+
+@pytest.mark.parametrize("ground", ["torus", "open"])
+def test_goals_have_pictures_of_equal_size_with_all_robots_inside(ground):
+    env = CleanSwarmTeam(goal="FormationControl", ground=ground, seconds=8.0, render_mode="rgb_array_list")
+    env.reset(seed=1)
+    over = False
+    while not over:
+        over = env.step(np.zeros(env.action_space.shape, dtype=np.int64))[3]
+        play = env.unwrapped.batch.play
+        canvas = scene_canvas(play.scene, play.team, 0)
+        assert ((canvas.positions >= 0.0) & (canvas.positions <= canvas.width)).all()
+    pictures = env.render()
+    assert len(pictures) == 1 + 20 * 8
+    assert len({picture.shape for picture in pictures}) == 1
+    assert sum(np.any(first != second) for first, second in pairwise(pictures)) > 100
+
+
+def test_pictures_of_goals_show_places_trails_and_cargo():
+    env = clean_swarm_v0.parallel_env(goal="Foraging", render_mode="rgb_array")
+    env.reset(seed=1)
+    loaded = []
+    while env.agents:
+        env.step(dict.fromkeys(env.agents, 0))
+        play = env.unwrapped._batch.play
+        canvas = scene_canvas(play.scene, play.team, 0)
+        loaded.append(int(canvas.cargo.sum()))
+        if len(canvas.pheromones):
+            break
+    assert {area.name for area in canvas.areas} == {"nest", "food"}
+    assert loaded[-1] > 0
+    assert env.render().shape == pixels_of(canvas).shape
 
 
 @pytest.mark.parametrize(
     "make",
     [
         lambda: CleanSwarmTeam(SHORT, render_mode="human"),
+        lambda: clean_swarm_v0.parallel_env(goal="ReachGoal", seconds=5.0, render_mode="human"),
         lambda: clean_swarm_v0.parallel_env(SHORT, render_mode="human"),
         lambda: clean_swarm_v0.raw_env(SHORT, render_mode="human"),
     ],

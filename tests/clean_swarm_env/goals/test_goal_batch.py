@@ -132,7 +132,6 @@ def test_episodes_after_a_seed_are_new_ones_and_repeatable():
         ({"observation": {"terms": ["cargo"]}}, ConfigurationError, "observation: terms"),
         ({"action": {"serves": {"Foraging": ["patrol"]}}}, ConfigurationError, "action: serves: unknown key"),
         ({"action": {"mode": "velocity"}, "observation": {"terms": ["holds"]}}, ConfigurationError, "'holds'"),
-        ({"render_mode": "rgb_array"}, ValueError, "render_mode: expected None with a goal, got 'rgb_array'"),
     ],
 )
 def test_what_does_not_fit_is_refused(settings, error, message):

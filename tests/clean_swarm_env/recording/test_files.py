@@ -34,6 +34,16 @@ def test_whole_numbers_come_back(order, size, frames):
     assert bytes(rest) == b"rest"
 
 
+def test_of_a_channel_that_stays_the_first_frame_is_kept():
+    whole = np.arange(12, dtype=np.int32).reshape(3, 4)
+    pair = [Channel(name, ("robot",), (2,), 1, 1, "-", "") for name in "ab"]
+    sizes, content = packed_frames(pair, whole, [False, True])
+    assert [changing for changing, _ in sizes] == [2, 0]
+    _, used = unpacked_frames(memoryview(content), (3, 2, *sizes[0]), 1)
+    kept, _ = unpacked_frames(memoryview(content)[used:], (3, 2, *sizes[1]), 1)
+    assert kept.tolist() == [[2, 3]] * 3
+
+
 def test_values_are_rounded_and_held_within_the_range():
     values = np.array([[0.12349, -0.0006, np.nan], [np.inf, -np.inf, 1e12]])
     assert NUMBERS.whole(values).tolist() == [[123, -1, 0], [LARGEST_WHOLE, -LARGEST_WHOLE, LARGEST_WHOLE]]

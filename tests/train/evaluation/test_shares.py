@@ -1,6 +1,7 @@
 """Shares of an evaluation: gathered, they are one run; one that is killed, missing or foreign is named in one line."""
 
 import fcntl
+import json
 import os
 import signal
 import subprocess
@@ -188,3 +189,19 @@ def test_the_job_array_of_a_family_gives_what_two_workers_give(tmp_path):
     array, whole = ({path.name for path in (tmp_path / name).rglob("*.swarm")} for name in ("array", "whole"))
     assert array == whole
     assert len(whole) >= 7
+
+
+def test_a_share_on_a_machine_whose_missions_end_differently_is_refused_or_noted(run, tmp_path, monkeypatch):
+    share = (*EXPERIMENT, "--output", "shares", "--share")
+    assert run(*share, "1/2")[0] == 0
+    monkeypatch.setattr(pipeline, "own_bits", lambda: {"0123": "an odd CPU"})
+    code, _, err = run(*share, "2/2")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "an odd CPU: missions end differently than on" in err
+    assert not (tmp_path / "shares" / "shares" / "2-of-2").exists()
+    assert run(*share, "2/2", "--any-bits")[0] == 0
+    assert "an odd CPU: missions end differently" in run("gather", "shares")[2]
+    assert run("gather", "shares", "--any-bits")[0] == 0
+    noted = json.loads((tmp_path / "shares" / "manifest.json").read_text())["workers"]
+    assert len(noted) == 2
+    assert noted["0123"] == "an odd CPU"

@@ -1,0 +1,136 @@
+"""Dask: equal runs also where workers are killed; a scheduler that is dead or dies costs no finished run."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from clean_swarm_env.config.errors import ConfigurationError
+from tests.paths import ROOT
+from train.cluster import dask_engine
+from train.cluster.bits import WorkerBits
+from train.cluster.dask_engine import DaskEngine
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.3"}
+QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+
+@dataclass
+class Cluster:
+    """A scheduler and two workers, each with its nanny."""
+
+    address: str
+    scheduler: subprocess.Popen[bytes]
+    nannies: list[subprocess.Popen[bytes]]
+
+
+def until(what: Callable[[], object]) -> None:
+    """Wait until something is so."""
+    end = time.monotonic() + 90.0
+    while not what():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def cluster(tmp_path) -> Iterator[Cluster]:
+    """A cluster on loopback."""
+    pytest.importorskip("distributed", reason="Dask is not installed (extra `cluster`)")
+    file = tmp_path / "scheduler.json"
+    words = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file))
+    with ExitStack() as stack:
+
+        def start(program: str, *more: str) -> subprocess.Popen[bytes]:
+            command = [sys.executable, "-m", f"distributed.cli.{program}", *words, *more]
+            process = subprocess.Popen(command, cwd=tmp_path, env=ENVIRONMENT, **QUIET)
+            stack.enter_context(process)
+            stack.callback(process.terminate)
+            return process
+
+        scheduler = start("dask_scheduler", "--port", "0")
+        until(lambda: file.exists() and file.read_text().endswith("}"))
+        nannies = [start("dask_worker", "--nthreads", "1") for _ in range(2)]
+        yield Cluster(json.loads(file.read_text())["address"], scheduler, nannies)
+
+
+def evaluate(folder: Path, *words: str) -> subprocess.Popen[str]:
+    """Start an evaluation of fake missions."""
+    command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", "--scenarios", "20", *words]
+    pipes = {**QUIET, "stderr": subprocess.PIPE}
+    return subprocess.Popen(command, cwd=folder, env=ENVIRONMENT, text=True, **pipes)
+
+
+def rows(directory: Path) -> list[str]:
+    return [line.rpartition(",")[0] for line in (directory / "runs.csv").read_text().splitlines()]
+
+
+def journal(directory: Path) -> int:
+    """Return the number of finished runs."""
+    path = directory / "runs.jsonl"
+    return path.read_text().count("\n") if path.exists() else 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at processes")
+def test_equal_runs_with_a_killed_worker_and_a_killed_nanny(cluster, tmp_path):
+    import psutil
+
+    until(lambda: len(psutil.Process(cluster.nannies[0].pid).children(recursive=True)) > 1)
+    done = evaluate(tmp_path, "--on", cluster.address, "--output", "cluster")
+    until(lambda: journal(tmp_path / "cluster") >= 3 or done.poll() is not None)
+    here = [psutil.Process(one.pid) for one in (cluster.scheduler, *cluster.nannies)]
+    here += [child for one in here for child in one.children(recursive=True)]
+    listening = {c.laddr.ip for one in here for c in one.net_connections() if c.status == psutil.CONN_LISTEN}
+    assert listening == {"127.0.0.1"}
+    for worker in psutil.Process(cluster.nannies[0].pid).children(recursive=True):
+        worker.kill()
+    until(lambda: journal(tmp_path / "cluster") >= 8 or done.poll() is not None)
+    cluster.nannies[1].kill()
+    _, err = done.communicate(timeout=120)
+    assert done.returncode == 0, err
+    local = evaluate(tmp_path, "--workers", "2", "--output", "local")
+    assert local.wait(timeout=120) == 0
+    assert rows(tmp_path / "cluster") == rows(tmp_path / "local")
+    assert len(json.loads((tmp_path / "cluster" / "manifest.json").read_text())["workers"]) == 1
+
+
+def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):
+    done = evaluate(tmp_path, "--on", cluster.address, "--output", "cut")
+    until(lambda: journal(tmp_path / "cut") >= 3 or done.poll() is not None)
+    cluster.scheduler.kill()
+    _, err = done.communicate(timeout=60)
+    assert done.returncode == 2
+    error = f"error: {cluster.address}: the scheduler is gone; finished runs are kept, and --resume goes on\n"
+    assert error in err
+    assert "Traceback" not in err
+    assert 3 <= journal(tmp_path / "cut") < 40
+    assert evaluate(tmp_path, "--workers", "2", "--output", "cut", "--resume").wait(timeout=120) == 0
+    assert journal(tmp_path / "cut") == 40
+
+
+def test_a_dead_scheduler_is_one_line(tmp_path, monkeypatch):
+    pytest.importorskip("distributed", reason="Dask is not installed (extra `cluster`)")
+    monkeypatch.setattr(dask_engine, "PATIENCE", 0.5)
+    with (
+        pytest.raises(ConfigurationError, match=r"^tcp://127\.0\.0\.1:1: Timed out"),
+        DaskEngine("tcp://127.0.0.1:1", WorkerBits()).rounds(),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("place", ["127.0.0.1:8786", "slurm", "slurm:0", "tcp://x"])
+def test_another_place_is_one_line(place):
+    with pytest.raises(ConfigurationError, match=f"--on: expected tcp://HOST:PORT or slurm:JOBS, got '{place}'"):
+        DaskEngine(place, WorkerBits())
+
+
+def test_a_missing_package_is_one_line(monkeypatch):
+    monkeypatch.setattr(dask_engine, "find_spec", lambda name: None)
+    with pytest.raises(ConfigurationError, match=r"--on needs distributed, which is not installed: pip install"):
+        DaskEngine("slurm:2", WorkerBits())

@@ -1,0 +1,52 @@
+"""Compiling everything at once, into a cache that later commands and other machines find full."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.learning.warm_up import one_process
+from clean_swarm_env.scenes import goals
+from selforg.compiler.cache import cache_directory
+from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
+from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.goals.scene_runs import GoalRequest, run_goal
+from train.running.runs import Task
+
+EXPERIMENT, FAMILY = "table1", "crowded"
+"""What is run: the experiment without batches, and the family with all options."""
+SCENE_SECONDS = 5.0
+"""Simulated time of the scene of each goal [s]."""
+
+
+@dataclass(frozen=True)
+class CompiledCode:
+    """What is on the disk after compiling."""
+
+    directory: Path
+    size: int
+    """Of all files [byte]."""
+    seconds: float
+    """CPU time that this took [s]."""
+
+
+def compile_everything() -> CompiledCode:
+    """Run the beginnings of missions under every option, and of all scenes: whatever they call is compiled and kept.
+
+    Raises:
+        ConfigurationError: nothing can be kept.
+
+    """
+    directory, began = cache_directory(), process_time()
+    if directory is None:
+        raise ConfigurationError("warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one")
+    with one_process():
+        batches = FamilyEvaluation(FamilyRequest(FAMILY, ("fixed", "rule"), seed=0, scenarios=1)).tasks(())
+        single = ExperimentEvaluation(ExperimentRequest(EXPERIMENT, seed=0, scenarios=1)).tasks(())
+        tasks: list[Task] = [*batches, *single]
+        for task in tasks:
+            task.beginning().run()
+        for goal in goals():
+            run_goal(GoalRequest(goal, runs=2, seconds=SCENE_SECONDS))
+    size = sum(path.stat().st_size for path in directory.rglob("*") if path.is_file())
+    return CompiledCode(directory, size, process_time() - began)

@@ -1,0 +1,1 @@
+"""Work beyond one machine: engines on clusters, and the check that all CPUs give equal bits."""
