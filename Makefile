@@ -3,7 +3,12 @@ BIN := $(if $(wildcard .venv/bin/python),.venv/bin/,)
 BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.stack benchmarks.tick benchmarks.border \
 	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
-.PHONY: check lint test golden examples soak bench
+UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/components \
+	$(addprefix tests/selforg/,test_elementary.py test_grid.py test_potentials.py test_randomness.py test_space.py) \
+	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
+	tests/clean_swarm_env/world/test_reception.py
+
+.PHONY: check lint test uncompiled golden examples soak bench
 
 check: lint test  ## all that CI asks for
 
@@ -15,6 +20,9 @@ lint:
 
 test:
 	$(BIN)python -m pytest -n 2 --dist loadfile
+
+uncompiled:  ## some tests with kernels as plain functions
+	NUMBA_DISABLE_JIT=1 $(BIN)python -m pytest -n 2 --dist loadfile $(UNCOMPILED)
 
 golden:  ## numbers of the original implementation, beside this checkout
 	$(BIN)python -m tests.golden

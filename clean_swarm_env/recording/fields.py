@@ -34,7 +34,7 @@ def traces_at(recording: RecordedMission, frame: int) -> Traces:
     x, y = recording["x"], recording["y"]
     for kind, facts in enumerate(recording.notes.get("deposits", [])):
         made, robot = np.nonzero(bits & (1 << kind))
-        left = np.full(len(made), facts["diffusion"])
+        left = np.full(len(made), float(facts["diffusion"]))
         if facts["evaporation_factor"] < 1.0:
             ages = (frame - made) * recording.period
             with np.errstate(divide="ignore", over="ignore"):  # a period of 0: what is left is gone at once

@@ -143,9 +143,9 @@ def numba_type(hint: Any, where: str) -> Compiler:  # noqa: ANN401  (a type hint
     """Return Numba's type for the type hint of a field."""
     if hint in NUMBERS:
         return NUMBERS[hint]
-    array, axes = get_args(hint)
-    _, dtype = get_args(array)  # numpy.ndarray[shape, dtype[scalar]]
-    (scalar,) = get_args(dtype)
+    scalar, axes = get_args(hint)
+    while inner := get_args(scalar):  # numpy.ndarray[shape, dtype[scalar]], or NDArray[scalar] since NumPy 2.5
+        scalar = inner[-1]
     if not isinstance(axes, str):
         raise TypeError(f"{where}: expected Annotated[ARRAY, 'AXIS AXIS ...'], got {hint!r}")
     kind = types.bool_ if scalar is np.bool_ else getattr(types, np.dtype(scalar).name)

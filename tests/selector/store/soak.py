@@ -1,12 +1,13 @@
-"""`python -m tests.selector.store.soak [FACTOR]`: FACTOR (10) times the kills and updates of a test run."""
+"""`python -m tests.selector.store.soak [ROUNDS]`: as many (10) rounds of the kills and updates of a test run."""
 
 import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from selector.store import KnowledgeStore
 from tests.selector.store import hammer, killing, postgres_server
-from tests.soaking import report
+from tests.soaking import report, rounds
 
 
 @contextmanager
@@ -24,14 +25,19 @@ def _databases() -> Iterator[list[str]]:
 
 
 def main(arguments: list[str]) -> int:
-    factor = int(arguments[0]) if arguments else 10
+    count = int(arguments[0]) if arguments else 10
     failed, tried, mistakes = 0, 0, 0
     with _databases() as urls:
-        for url in urls:
-            print(url.partition(":")[0], flush=True)
-            failed += hammer.main([url.replace("{}", "hammer"), "8", str(500 * factor)])
-            kills, wrong = killing.kill_many(url, 200 * factor)
-            tried, mistakes = tried + kills, mistakes + wrong
+        for number in rounds(count):
+            for url in urls:
+                print(url.partition(":")[0], flush=True)
+                here = url.replace("{}", f"{number}-{{}}")
+                store = KnowledgeStore(here)
+                store.reset()  # a server has one database for all rounds
+                store.close()
+                failed += hammer.main([here.replace("{}", "hammer"), "8", "500"])
+                kills, wrong = killing.kill_many(here, 200, number)
+                tried, mistakes = tried + kills, mistakes + wrong
     report(tried, tried - mistakes)
     return 1 if failed or mistakes else 0
 

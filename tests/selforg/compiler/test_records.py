@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import weakref
+from types import GenericAlias
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 
 from selforg.arrays import Flags, Floats, Ints, Links
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Packed, Recording, Words
+from selforg.compiler.records import Packed, Recording, Words, numba_type
 from tests.paths import ROOT
 
 
@@ -33,6 +34,11 @@ class Other(NamedTuple):
 
 SAMPLE, OTHER = Recording(Sample), Recording(Other)
 open_sample = SAMPLE.open
+
+
+def test_arrays_are_understood_in_the_hints_of_all_versions_of_numpy():
+    alias = GenericAlias(type("NDArray", (), {}), (np.int32,))  # NumPy 2.5 and Python 3.12: a name for ndarray[...]
+    assert numba_type(Annotated[alias, "N 2"], "links") == numba_type(Annotated[Links, "N 2"], "links")
 
 
 @lean_kernel
