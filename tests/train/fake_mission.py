@@ -1,6 +1,7 @@
 """A mission in no time: figures drawn from the seed, with the shape of the real ones. Also a command line on it."""
 
 import os
+import signal
 import time
 import zlib
 from pathlib import Path
@@ -40,6 +41,13 @@ def run_mission_but_not_2(mission, start, seed, scores, *_):
     """Fail on scenario 2."""
     if start.id == "2":
         raise ZeroDivisionError("scenario 2")
+    return run_mission(mission, start, seed, scores)
+
+
+def run_mission_but_die_on_2(mission, start, seed, scores, *_):
+    """End the process by a signal on scenario 2."""
+    if start.id == "2":
+        os.kill(os.getpid(), signal.SIGKILL)
     return run_mission(mission, start, seed, scores)
 
 

@@ -36,11 +36,12 @@ class WorkerBits:
 
     def add(self, cpus: Mapping[str, str]) -> None:
         """Note fingerprint -> CPU; ConfigurationError for one that differs from those before, unless they are mixed."""
-        self.cpus |= cpus
-        if len(self.cpus) > 1 and not self.mixed:
-            first, *others = self.cpus.values()
+        known = {**self.cpus, **cpus}
+        if len(known) > 1 and not self.mixed:
+            first, *others = known.values()
             differ = f"{', '.join(others)}: missions end differently than on {first}"
             raise ConfigurationError(f"{differ}; --any-bits takes them")
+        self.cpus = known
 
 
 def noted_bits(directory: Path) -> dict[str, str]:

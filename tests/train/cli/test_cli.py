@@ -223,6 +223,17 @@ def test_an_error_in_a_run_is_not_hidden_and_keeps_the_finished_runs(run, tmp_pa
     assert len(_rows(tmp_path / "r")) == 6
 
 
+def test_a_mission_that_kills_three_workers_is_named_and_keeps_the_finished_runs(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission_but_die_on_2)
+    words = ("evaluate", "--scenarios", 3, "--condition", "RepulsionGradient", "--output", tmp_path / "r")
+    code, _, err = run(*words, "--workers", 2)
+    assert code == 1
+    assert "scenario 2, condition RepulsionGradient: its worker died 3 times: " in err
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    assert run(*words, "--resume", "--workers", 1)[0] == 0
+    assert len(_rows(tmp_path / "r")) == 3
+
+
 def test_listing_names_every_experiment_and_condition(run):
     code, out, _ = run("list")
     assert code == 0

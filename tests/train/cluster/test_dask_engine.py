@@ -33,7 +33,7 @@ class Cluster:
 
 def until(what: Callable[[], object]) -> None:
     """Wait until something is so."""
-    end = time.monotonic() + 90.0
+    end = time.monotonic() + 180.0
     while not what():
         assert time.monotonic() < end
         time.sleep(0.02)
@@ -104,7 +104,7 @@ def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):
     done = evaluate(tmp_path, "--on", cluster.address, "--output", "cut")
     until(lambda: journal(tmp_path / "cut") >= 3 or done.poll() is not None)
     cluster.scheduler.kill()
-    _, err = done.communicate(timeout=60)
+    _, err = done.communicate(timeout=120)
     assert done.returncode == 2
     error = f"error: {cluster.address}: the scheduler is gone; finished runs are kept, and --resume goes on\n"
     assert error in err

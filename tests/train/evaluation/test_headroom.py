@@ -83,3 +83,10 @@ def test_unknown_situations_are_one_line(capsys):
     assert "--situations: unknown component 'asleep'" in capsys.readouterr().err
     with pytest.raises(DocumentError):
         RuleSearch(request(situations=("asleep",)))
+
+
+def test_situations_may_come_from_terms_that_are_no_default():
+    asked = request(situations=("finds_none", "finds_apart"))
+    with pytest.raises(DocumentError, match="--situations: unknown component 'finds_none'"):
+        RuleSearch(asked)
+    assert "finds_apart" in RuleSearch(replace(asked, terms=("finds",))).problem.features

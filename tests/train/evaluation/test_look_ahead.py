@@ -5,6 +5,7 @@ import yaml
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
+from train import cli
 from train.evaluation.entrants import member_pilot
 from train.evaluation.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
 from train.running.trials import TrialSettings, run_trials
@@ -49,3 +50,22 @@ def test_a_base_that_does_not_exist_is_one_line(tmp_path):
     asked = request(tmp_path, GOOD, base="PredictiveSteerin")
     with pytest.raises(ConfigurationError, match=r"--base: unknown option 'PredictiveSteerin'.*PredictiveSteering"):
         LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--hold", "0"), "--hold: expected more than 0 s and at most 1e+06 s, got 0"),
+        (("--horizon", "nan"), "--horizon: expected more than 0 s"),
+        (("--copies", "0"), "--copies: expected"),
+        (("--scenarios", "1"), "--scenarios: expected"),
+    ],
+)
+def test_numbers_out_of_bounds_are_one_line(monkeypatch, capsys, words, line):
+    monkeypatch.setattr("sys.argv", ["clean-swarm", "look-ahead", "random", "--base", "Off", *words])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert line in error
+    assert error.count("\n") == 1

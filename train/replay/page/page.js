@@ -16,6 +16,9 @@ const PANEL_PERIOD = 120; // [ms] between two pictures of the panel while the pa
 /** Return the element of an id. @param {string} id @returns {any} */
 export const element = (id) => document.getElementById(id);
 
+/** Return a number with its noun. @param {number} count @param {string} noun */
+const numbered = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+
 /** The page; call `begin` once. */
 export class Page {
   /** @param {Run[]} runs */
@@ -332,8 +335,8 @@ export class Page {
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
       const over = this.time >= (run.frames - 1) * this.period && run.result;
-      const done = [`${counts.contacts[counted]} collisions`];
-      if (!run.head.things) done.unshift(`${counts.items[counted]} items dumped`);
+      const done = [numbered(counts.contacts[counted], "collision")];
+      if (!run.head.things) done.unshift(`${numbered(counts.items[counted], "item")} dumped`);
       if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
       caption.textContent = done.join(", ");
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
