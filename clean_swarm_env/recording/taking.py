@@ -7,17 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Final
 
 import numpy as np
-from numba import types
-from numba.extending import intrinsic
 
 from clean_swarm_env.recording.channels import LARGEST_WHOLE, AnyArray, Channel
 from clean_swarm_env.recording.stepping import WholeNumbers, rounded
 from selforg.arrays import Ints
+from selforg.compiler.addresses import byte_at, float_at, int_at
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.llvm import Compiler
 from selforg.compiler.switches import COMPILED, PLAIN
 
 BY_ADDRESS = COMPILED and not PLAIN
@@ -96,21 +94,6 @@ def waiting_frames(worlds: int, channels: Sequence[Channel]) -> WholeNumbers:
     columns = sum(channel.columns for channel in channels)
     frames = int(np.clip(WAITING_BYTES // (4 * worlds * columns), LEAST_FRAMES, MOST_FRAMES))
     return np.zeros((worlds, frames, columns), dtype=np.int32)
-
-
-def _number_at(kind: Compiler) -> Callable[[int], float]:
-    """Return the function that gives compiled code the number at an address."""
-
-    def typed(typing: Compiler, address: Compiler) -> Compiler:
-        def generate(context: Compiler, builder: Compiler, signature: Compiler, arguments: Compiler) -> Compiler:
-            return builder.load(builder.inttoptr(arguments[0], context.get_data_type(kind).as_pointer()))
-
-        return kind(types.int64), generate
-
-    return cast("Callable[[int], float]", intrinsic(typed))
-
-
-float_at, int_at, byte_at = _number_at(types.float64), _number_at(types.int64), _number_at(types.uint8)
 
 
 @lean_kernel
