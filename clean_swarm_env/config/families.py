@@ -88,6 +88,8 @@ class FamilyConfig(Closed):
     """Start configurations of the split "test", taken in turn; random ones if empty, as in the split "train"."""
     scenarios: Scenarios = 100
     """Number of scenarios of an evaluation."""
+    terms: tuple[Name, ...] = ()
+    """Terms of the observation that strategies see in evaluations, beside the default ones."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

@@ -26,15 +26,12 @@ def headroom_command(
     spots: Annotated[
         bool, typer.Option("--spots", help="Choose by the scenario's number of spots of garbage, not by situations.")
     ] = False,
-    terms: Annotated[
-        str, typer.Option(help="Terms of the observation beside the default ones, for their components.")
-    ] = "",
     configs: Configs = None,
 ) -> None:
     """Search for the best option of each case, and compare it with the best single option, Off and Random."""
     check_whole({"--searched": (searched, 1, MOST_SCENARIOS), "--judged": (judged, 2, MOST_SCENARIOS)})
     check_whole({"--seed": (seed, 0, MOST_SEED)})
-    names = () if spots else _names(situations)
+    names = () if spots else tuple(name.strip() for name in situations.split(",") if name.strip())
     if not names and not spots:
         raise ConfigurationError("--situations: expected components of the observation, got none")
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
@@ -43,7 +40,7 @@ def headroom_command(
 
     directories = tuple(configs or ())
     known = load_family(family, directories).with_knowledge(knowledge)
-    request = HeadroomRequest(known, names, seed, searched, judged, goal, _names(terms), directories)
+    request = HeadroomRequest(known, names, seed, searched, judged, goal, directories)
     wide_console().print(on_terminal(headroom_table(headroom_of(request), known.name)))
 
 
@@ -73,7 +70,3 @@ def look_ahead_command(
     known = load_family(family, directories).with_knowledge(knowledge)
     request = LookAheadRequest(known, base, seed, scenarios, copies, hold, horizon, goal, directories)
     wide_console().print(on_terminal(look_ahead_table(request)))
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(",") if name.strip())

@@ -141,9 +141,14 @@ def any_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[
     return member_pilot(member, problem, teams, directories)
 
 
-def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, directories: Sequence[Path]) -> None:
-    """Raise an error of one line for a strategy that does not exist or does not fit a batch with options as actions."""
-    teams, seen = np.zeros(batch.rows, dtype=np.int64), ObservationConfig().steered()
+def check_fit(
+    entrants: Sequence[Entrant], batch: Batch, terms: Sequence[str], problem: Problem, directories: Sequence[Path]
+) -> None:
+    """Raise an error of one line for a strategy that does not exist or does not fit a batch with options as actions.
+
+    `terms` are those of the observation beside the default ones.
+    """
+    teams, seen = np.zeros(batch.rows, dtype=np.int64), ObservationConfig.usual(terms, steered=True)
     steered = replace(problem, features=Observer(batch.worlds, batch.progress, seen).names)
     for entrant in entrants:
         for member in entrant.members:

@@ -16,6 +16,7 @@ from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.plain import short
@@ -152,7 +153,7 @@ class TrialTask:
         scenarios = [self.scenario_of(place) for place in self.places]
         record = self.record and replace(self.record, about=self.naming)
         settings = TrialSettings(
-            self.goal, TASK_SCENARIOS, directories=self.directories, record=record, steered=self.steered
+            self.goal, TASK_SCENARIOS, self.observation, self.directories, record, steered=self.steered
         )
         for place, result in each_trial(scenarios, self.pilot, settings):
             before, began = time.perf_counter(), before
@@ -194,6 +195,11 @@ class TrialTask:
         """Whether the member gives movement vectors in place of options."""
         return steers(self.member)
 
+    @property
+    def observation(self) -> ObservationConfig:
+        """What the member sees."""
+        return ObservationConfig.usual(self.family.terms, steered=self.steered)
+
     def pilot(self, problem: Problem, teams: Ints) -> AnyPilot:
         """Return the pilot of the member."""
         return any_pilot(self.member, problem, teams, self.directories)
@@ -213,13 +219,13 @@ class FamilyEvaluation(Evaluation):
             check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
-        batch = Batch(first, directories=request.directories)
+        batch = Batch(first, observation=ObservationConfig.usual(self.family.terms), directories=request.directories)
         problem = DecidedGoal(batch, request.goal).problem
         self.goal, self.options = problem.goal, problem.options
         self.entrants = entrants_of(request.strategies, problem.options)
         if not (request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, problem.options)
-        check_fit(self.entrants, batch, problem, request.directories)
+        check_fit(self.entrants, batch, self.family.terms, problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.stem = f"{self.family.name}-seed{request.seed}"

@@ -18,7 +18,7 @@ import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.world.mission import MissionResult
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
@@ -48,8 +48,6 @@ class HeadroomRequest:
     judged: int
     """K."""
     goal: str | None = None
-    terms: tuple[str, ...] = ()
-    """Terms of the observation beside the default ones."""
     directories: tuple[Path, ...] = ()
 
 
@@ -73,7 +71,7 @@ class RuleSearch:
     """Costs of rules on the same scenarios; each rule is run once."""
 
     def __init__(self, request: HeadroomRequest) -> None:
-        observation = ObservationConfig.model_validate({"terms": (*DEFAULT_TERMS, *request.terms)})
+        observation = ObservationConfig.usual(request.family.terms)
         first = request.family.scenario(0, 0, "train").mission
         batch = Batch(first, observation=observation, directories=request.directories)
         self.problem = DecidedGoal(batch, request.goal).problem

@@ -59,6 +59,7 @@ def trial_steps(task: TrialTask) -> Iterator[Worlds]:
         source=lambda _: next(scenarios, None),
         directories=task.directories,
         explained=True,
+        observation=task.observation,
         action=action,
     )
     decided = DecidedGoal(batch, task.goal)

@@ -7,6 +7,7 @@ which the thing is seen. A distance is 1 where nothing is seen.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Self
 
@@ -18,7 +19,7 @@ from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Number, Positive
 from selector.documents.imported import NameOrImport, imported, is_import
 from selforg.registry import unknown
@@ -100,6 +101,12 @@ class ObservationConfig(Closed):
         if held and "terms" in self.model_fields_set:
             raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
         return self.model_copy(update={"terms": tuple(term for term in self.terms if term.name != "holds")})
+
+    @classmethod
+    def usual(cls, further: Sequence[str] = (), *, steered: bool = False) -> Self:
+        """Return the default observation, followed by `further` terms; who is steered sees no options."""
+        usual = cls().steered() if steered else cls()
+        return validated(cls, {"terms": (*usual.terms, *further)}, "observation") if further else usual
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
         """Return the terms of what is `observed`."""

@@ -85,8 +85,9 @@ def test_unknown_situations_are_one_line(capsys):
         RuleSearch(request(situations=("asleep",)))
 
 
-def test_situations_may_come_from_terms_that_are_no_default():
+def test_situations_may_come_from_the_terms_of_a_family():
     asked = request(situations=("finds_none", "finds_apart"))
     with pytest.raises(DocumentError, match="--situations: unknown component 'finds_none'"):
         RuleSearch(asked)
-    assert "finds_apart" in RuleSearch(replace(asked, terms=("finds",))).problem.features
+    seeing = asked.family.model_copy(update={"terms": ("finds",)})
+    assert "finds_apart" in RuleSearch(replace(asked, family=seeing)).problem.features

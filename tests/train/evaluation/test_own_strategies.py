@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
+from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
@@ -101,6 +103,33 @@ def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahe
         assert (record.result.garbage_done, record.result.completed) == (last["garbage_done"], last["completed"])
         assert record.result.duration_s == last["duration_s"]
     assert sum(1 for _ in trial_steps(task)) == task.run()[0].result.ticks
+
+
+def test_strategies_see_the_terms_of_a_family(folder):
+    machine = {
+        "goal": "ExplorationPatrol",
+        "start": "looking",
+        "states": {
+            "looking": {
+                "option": "Patrol",
+                "transitions": [{"to": "returning", "when": "finds_together", "above": 0.5}],
+            },
+            "returning": {"option": "Finds", "transitions": [{"to": "looking", "when": "finds_apart", "above": 0.5}]},
+        },
+    }
+    (folder / "finder.yaml").write_text(yaml.safe_dump(machine))
+    given = {"goal": "ExplorationPatrol", "scenarios": 1}
+    evaluation = FamilyEvaluation(FamilyRequest("clustered", ("fsm:finder.yaml",), 3, **given))
+    (task,) = (task for task in evaluation.tasks(()) if task.member == "fsm:finder.yaml")
+    (record,) = task.run()
+    assert record.result.completed
+    assert sum(1 for _ in trial_steps(task)) == record.result.ticks
+    blind = load_family("clustered").model_copy(update={"terms": ()})
+    with pytest.raises(DocumentError, match="unknown component 'finds_together'"):
+        FamilyEvaluation(FamilyRequest("clustered", ("fsm:finder.yaml",), 3, **given), blind)
+    odd = blind.model_copy(update={"terms": ("fines",)})
+    with pytest.raises(DocumentError, match=r"observation: .*unknown term 'fines'.*did you mean 'finds'"):
+        FamilyEvaluation(FamilyRequest("clustered", ("fixed",), 3, **given), odd)
 
 
 @pytest.mark.parametrize(
