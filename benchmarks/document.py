@@ -40,7 +40,8 @@ def sizes(results: Any) -> list[str]:
     lines += [
         "",
         f"From 50 to 10,000 robots at constant density the tick grows with exponent {growth['exponent']:.2f} "
-        f"(R2 {growth['R2']:.3f}), pymunk alone with {growth['exponent of the floor']:.2f}; "
+        f"(R2 {growth['R2']:.3f}),",
+        f"pymunk alone with {growth['exponent of the floor']:.2f}; "
         f"from 1,000 to 10,000 robots the tick with {growth['exponent from 1,000 robots']:.2f}.",
     ]
     return lines
