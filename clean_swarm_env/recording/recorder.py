@@ -26,7 +26,6 @@ from selector.coordination.coordinator import Coordinator
 from selforg.arrays import Floats
 from selforg.elementary import directions
 from selforg.gradients.store import columns as c
-from selforg.network.state.state import EXPLAINED_LAYERS
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ class MissionRecorder:
     """
 
     def __init__(self, worlds: Worlds, settings: RecordSettings) -> None:
-        if settings.minds and worlds.network.state.mark_table.shape[1] != EXPLAINED_LAYERS:
+        if settings.minds and not worlds.network.state.explained:
             raise ValueError("minds: expected worlds with explained=True, got worlds that note no reasons")
         self.worlds, self.settings = worlds, settings
         self._running: dict[int, _Running] = {}

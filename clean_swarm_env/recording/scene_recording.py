@@ -19,7 +19,6 @@ from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import ServedTeam
 from clean_swarm_env.world.garbage import NOTHING
 from selforg.arrays import Floats, Ints
-from selforg.network.state.state import EXPLAINED_LAYERS
 
 CARRYING = "carrying"
 """What robots know that carry something."""
@@ -41,7 +40,7 @@ class SceneFrames:
         self._scene, self._option, rows = scene, option, scene.arena.rows
         self._team = scene.controller if isinstance(scene.controller, ServedTeam) else None
         minds = self._team.minds if self._team else None
-        explained = minds is not None and minds.network.state.mark_table.shape[1] == EXPLAINED_LAYERS
+        explained = minds is not None and minds.network.state.explained
         self._minds = Thinking(minds.network, minds.coordinators, minds.inner) if minds and explained else None
         self._log = DepositLog(self._team.buffers if self._team else {}, rows)
         self._poses: Floats = np.zeros((rows, 3))

@@ -13,7 +13,6 @@ from selector.coordination.inner_network import InnerNetwork, at_any_depth
 from selforg.network.explain.explanation import Explanation, explain
 from selforg.network.explain.recording import Recorder
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state.state import EXPLAINED_LAYERS
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
         ValueError: the worlds note no reasons, or have not begun.
 
     """
-    if worlds.network.state.mark_table.shape[1] != EXPLAINED_LAYERS:
+    if not worlds.network.state.explained:
         raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
     world = row // worlds.robots
     step, consequences = int(worlds.ticks[world]) - 1, worlds.floor.consequences

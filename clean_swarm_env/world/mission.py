@@ -48,6 +48,11 @@ class MissionResult:
     unavoidable_s: float
     """The part of the cost that nobody could avoid [s]; see `unavoidable_cost`."""
 
+    @property
+    def excess_s(self) -> float:
+        """The part of the cost that is compared [s]."""
+        return self.cost_s - self.unavoidable_s
+
 
 @dataclass(frozen=True)
 class MissionRun:

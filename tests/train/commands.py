@@ -15,3 +15,10 @@ def run(*words: object) -> int:
         cli.main()
     patch.undo()
     return int(ended.value.code or 0)
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, str, str]:
+    """Run a command; return its exit code, its output and its errors."""
+    code = run(*words)
+    out, err = capsys.readouterr()
+    return code, out, err

@@ -1,8 +1,19 @@
-"""A headless Chromium for the tests of pages."""
+"""A headless Chromium for the tests of pages, and missions that take no time for the tests of commands."""
 
 import shutil
 
 import pytest
+
+from tests.train import fake_mission
+from train.evaluation import pipeline
+from train.running import runs
+
+
+@pytest.fixture
+def fake_missions(monkeypatch):
+    """Let missions of experiments take no time."""
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
 
 
 @pytest.fixture(scope="module")

@@ -80,7 +80,7 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
 
 def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
     """Return label -> excess costs (S, K, V) [s]."""
-    return {label: _table(own, lambda r: r.cost_s - r.unavoidable_s) for label, own in runs.results().items()}
+    return {label: _table(own, lambda r: r.excess_s) for label, own in runs.results().items()}
 
 
 def family_summary_json(report: FamilyReport) -> str:
@@ -109,7 +109,7 @@ def _figures(runs: FamilyRuns) -> dict[str, dict[str, Floats]]:
     rate = runs.family.mission.world.control_rate
     kinds: dict[str, Callable[[MissionResult], float]] = {
         "cost_s": lambda r: r.cost_s,
-        "excess_s": lambda r: r.cost_s - r.unavoidable_s,
+        "excess_s": lambda r: r.excess_s,
         "duration_s": lambda r: r.duration_s,
         "events": lambda r: r.collision_events_per_s[0] * r.ticks / rate,
         "events_per_s": lambda r: r.collision_events_per_s[0],

@@ -15,6 +15,7 @@ from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -152,9 +153,7 @@ class TrialTask:
         before = time.perf_counter()
         scenarios = [self.scenario_of(place) for place in self.places]
         record = self.record and replace(self.record, about=self.naming)
-        settings = TrialSettings(
-            self.goal, TASK_SCENARIOS, self.observation, self.directories, record, steered=self.steered
-        )
+        settings = TrialSettings(self.goal, TASK_SCENARIOS, self.observation, self.directories, record, self.action)
         for place, result in each_trial(scenarios, self.pilot, settings):
             before, began = time.perf_counter(), before
             wall = round(before - began, 3)
@@ -191,14 +190,14 @@ class TrialTask:
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
     @property
-    def steered(self) -> bool:
-        """Whether the member gives movement vectors in place of options."""
-        return steers(self.member)
+    def action(self) -> ActionConfig:
+        """What the member gives: options or movement vectors."""
+        return ActionConfig(mode="velocity" if steers(self.member) else "option")
 
     @property
     def observation(self) -> ObservationConfig:
         """What the member sees."""
-        return ObservationConfig.usual(self.family.terms, steered=self.steered)
+        return ObservationConfig.usual(self.family.terms, steered=steers(self.member))
 
     def pilot(self, problem: Problem, teams: Ints) -> AnyPilot:
         """Return the pilot of the member."""

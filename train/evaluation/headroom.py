@@ -11,7 +11,8 @@ Shapes: S situations, 1 without any; O options, Q rules, T scenarios of the sear
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -120,11 +121,8 @@ class RuleSearch:
 
     def excess_of(self, scenarios: Sequence[Scenario], member: str) -> Floats:
         """Return the excess costs (T,) of an entrant."""
-
-        def pilot(problem: Problem, teams: Ints) -> Pilot:
-            return member_pilot(member, problem, teams, self._request.directories)
-
-        return _excess(run_trials(scenarios, pilot, self._settings))
+        maker = partial(member_pilot, member, directories=self._request.directories)
+        return _excess(run_trials(scenarios, maker, self._settings))
 
     @property
     def _singles(self) -> Ints:
@@ -189,7 +187,7 @@ def headroom_table(found: Headroom, family: str) -> Grid:
         "best choices: " + ", ".join(f"{name} {option}" for name, option in found.rule.items()),
     )
     grid = flat(f"{family}: headroom", "strategy", ("excess s", "ratio to the best single choice", "95 %"), rows)
-    return Grid(grid.title, grid.corner, grid.columns, grid.rows, notes=notes)
+    return replace(grid, notes=notes)
 
 
 def spots_of(scenarios: Sequence[Scenario]) -> Ints:
@@ -198,4 +196,4 @@ def spots_of(scenarios: Sequence[Scenario]) -> Ints:
 
 
 def _excess(results: Sequence[MissionResult]) -> Floats:
-    return np.array([result.cost_s - result.unavoidable_s for result in results])
+    return np.array([result.excess_s for result in results])

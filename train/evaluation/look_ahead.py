@@ -135,4 +135,4 @@ def look_ahead_table(request: LookAheadRequest) -> Grid:
 
 def _excess(results: Sequence[MissionResult]) -> Floats:
     """Return excess costs (1, T, 1), as `claims_of` takes them."""
-    return np.array([[[result.cost_s - result.unavoidable_s] for result in results]])
+    return np.array([[[result.excess_s] for result in results]])

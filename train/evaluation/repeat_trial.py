@@ -53,14 +53,13 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 def trial_steps(task: TrialTask) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
     scenarios = iter((task.scenario_of(task.places[0]),))
-    action = {"mode": "velocity" if task.steered else "option"}
     batch = Batch(
         task.mission,
         source=lambda _: next(scenarios, None),
         directories=task.directories,
         explained=True,
         observation=task.observation,
-        action=action,
+        action=task.action,
     )
     decided = DecidedGoal(batch, task.goal)
     pilot = task.pilot(decided.problem, np.zeros(batch.robots, dtype=np.int64))

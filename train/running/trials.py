@@ -6,13 +6,14 @@ The result of a mission depends neither on the worlds beside it nor on their num
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.frames import grouped
+from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -38,8 +39,8 @@ class TrialSettings:
     """The user's own directories of configurations."""
     record: RecordSettings | None = None
     """Where the missions are recorded; none is unless given."""
-    steered: bool = False
-    """Whether the pilot gives movement vectors in place of options."""
+    action: ActionConfig = field(default_factory=ActionConfig)
+    """What the pilot gives: options or movement vectors."""
 
 
 def run_trials(
@@ -83,8 +84,8 @@ def _trials(
         source=following,
         observation=settings.observation,
         directories=settings.directories,
-        record=replace(record, thinking=not settings.steered) if record else None,
-        action={"mode": "velocity" if settings.steered else "option"},
+        record=replace(record, thinking=settings.action.mode == "option") if record else None,
+        action=settings.action,
     )
     decided = DecidedGoal(batch, settings.goal)
     pilot = maker(decided.problem, np.repeat(np.arange(worlds), batch.robots))

@@ -118,6 +118,11 @@ class NetworkState:
         return self.value_table.swapaxes(0, 1)
 
     @property
+    def explained(self) -> bool:
+        """Whether there is room for the reasons of arbitration."""
+        return bool(self.mark_table.shape[1] == EXPLAINED_LAYERS)
+
+    @property
     def marks(self) -> Ints:
         """(MARK_LAYERS or EXPLAINED_LAYERS, R, B) view of `mark_table`."""
         return self.mark_table.swapaxes(0, 1)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,28 +15,17 @@ import pytest
 from selector.documents.find import KINDS, files_of
 from tests.paths import ROOT
 from tests.train import fake_mission
-from train import cli
-from train.evaluation import pipeline
+from tests.train.commands import told
 from train.running import runs
 
 FILES = {"manifest.json", "runs.jsonl", "runs.csv", "summary.json", "table.md", "figure.png"}
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(fake_missions, monkeypatch, capsys, tmp_path):
     """Run the command line in this process, on the fake mission, in an empty directory: code, output, errors."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
-
-    def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return int(ended.value.code or 0), out, err
-
-    return call
+    return partial(told, capsys)
 
 
 def _rows(directory: Path) -> list[dict[str, str]]:

@@ -16,10 +16,9 @@ from clean_swarm_env.learning.batch import Batch
 from selector.knowledge import ENOUGH, knowledge_from, load_knowledge
 from selector.store import KnowledgeStore, RewardSums
 from tests.paths import ROOT
-from tests.train import fake_mission
-from train import cli
+from tests.train.commands import told
 from train.evaluation import pipeline
-from train.running import needs, runs
+from train.running import needs
 
 NEAR, GRADIENT, FAR = "RepulsionFernandez-view0.5", "RepulsionGradient", "RepulsionFernandez"
 WRONG = {
@@ -63,20 +62,9 @@ def run(monkeypatch, capsys, tmp_path):
 
     def call(*words, configs=True):
         own = ["--configs", "my"] if configs else []
-        monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words), *own])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return int(ended.value.code or 0), out, err
+        return told(capsys, *words, *own)
 
     return call
-
-
-@pytest.fixture
-def fake(monkeypatch):
-    """Let missions of experiments take no time."""
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
 
 
 def test_force_scores_what_the_machine_is_too_small_for(run, monkeypatch):
@@ -236,7 +224,7 @@ def test_mistakes_are_one_line_and_nothing_is_written(run, tmp_path, words, line
     assert not (tmp_path / "none").exists()
 
 
-def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_conditions(run, fake, tmp_path):
+def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_conditions(run, fake_missions, tmp_path):
     tell("s.sqlite", {FAR: [0.1] * ENOUGH, GRADIENT: [0.2] * ENOUGH, NEAR: [0.9] * ENOUGH}, "mission hall")
     words = ("evaluate", "chosen", "--workers", 1, "--store", "s.sqlite")
     code, out, _ = run(*words, "--condition", "by score", "--output", "only")
@@ -248,7 +236,7 @@ def test_an_experiment_begins_with_the_store_but_for_the_scores_of_its_condition
     assert set(taken(tmp_path / "r", "forced")) == {GRADIENT}
 
 
-def test_a_bandit_of_an_experiment_learns_and_its_missions_can_be_repeated(run, fake, tmp_path):
+def test_a_bandit_of_an_experiment_learns_and_its_missions_can_be_repeated(run, fake_missions, tmp_path):
     assert run("evaluate", "chosen", "--workers", 1, "--store", "s.sqlite", "--learn", "--output", "r")[0] == 0
     assert taken(tmp_path / "r", "bandit")[:3] == [FAR, GRADIENT, NEAR]
     for scenario, option in (("1", FAR), ("3", NEAR)):
@@ -312,7 +300,7 @@ def test_missions_that_learn_are_recorded_and_explained_with_the_option_chosen(r
         assert json.loads(out)["options"] == {"AvoidCollision": option}
 
 
-def test_scores_of_an_experiment_are_those_of_all_its_options(run, fake):
+def test_scores_of_an_experiment_are_those_of_all_its_options(run, fake_missions):
     code, out, err = run("score", "chosen", "--store", "s.sqlite", "--scenarios", 6, "--workers", 1)
     assert code == 0, err
     assert {name: count for name, (count, _) in held(context="mission hall").items()} == {NEAR: 6, GRADIENT: 6, FAR: 6}

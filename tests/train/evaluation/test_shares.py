@@ -7,42 +7,25 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 import yaml
 
 from tests.paths import ROOT
-from tests.train import fake_mission
-from train import cli
+from tests.train.commands import told
+from tests.train.evaluation.test_family_evaluation import FAMILY
 from train.evaluation import pipeline
-from train.running import runs
 
-FAMILY = {
-    "name": "small",
-    "description": "Two to four robots and three items.",
-    "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0},
-    "robots": [2, 4],
-    "items": [3, 3],
-}
 EXPERIMENT = ("evaluate", "--scenarios", 7, "--workers", 1)
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(fake_missions, monkeypatch, capsys, tmp_path):
     """Run the command line in this process, on the fake mission: code, output, errors."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
-    monkeypatch.setattr(pipeline, "compiled_before", lambda: True)
-
-    def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["clean-swarm", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        return int(ended.value.code or 0), out, err
-
-    return call
+    return partial(told, capsys)
 
 
 def results(directory: Path) -> tuple[list[str], bytes, bytes]:

@@ -25,7 +25,6 @@ from train.learning.members.machine_space import MachineSpace
 from train.learning.members.missions import MachineMember
 from train.learning.members.training import Drawing, MembersTraining
 from train.learning.racing import race
-from train.learning.training import TrainingJob
 
 MACHINE_FILE = "machine.yaml"
 
@@ -44,10 +43,6 @@ class DesignTraining(MembersTraining):
     settings: DesignConfig
     state: DesignState
     _best: DesignState
-
-    def __init__(self, job: TrainingJob) -> None:
-        assert job.config.design is not None
-        super().__init__(job, job.config.design)
 
     def export(self, command: str) -> Path:
         """Write the best machine so far and return its file."""

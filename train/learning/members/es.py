@@ -21,7 +21,6 @@ from train.learning.by_missions import relative
 from train.learning.config import EsConfig
 from train.learning.members.missions import PolicyMember
 from train.learning.members.training import Drawing, MembersTraining, check_lengths
-from train.learning.training import TrainingJob
 
 POLICY_FOLDER = "policy"
 LEAST_VARIANCE = 1e-3
@@ -54,10 +53,6 @@ class EsTraining(MembersTraining):
     state: EsState
     _best: EsState
     settings: EsConfig
-
-    def __init__(self, job: TrainingJob) -> None:
-        assert job.config.es is not None
-        super().__init__(job, job.config.es)
 
     def policy(self, parameters: Floats, **training: object) -> TrainedPolicy:
         """Return the policy of `parameters` (P,): no hidden layer, outputs linear in the scaled observation."""

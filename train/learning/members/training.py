@@ -57,9 +57,9 @@ class MembersTraining(Training):
 
     Args:
         job: the work, and its directory.
-        settings: those of the learner.
 
     Attributes:
+        settings: those of the learner.
         problem: goal and options; its features are the observation.
         scale: the scale of what robots see, from the first missions on.
         state: what was learned so far.
@@ -70,9 +70,9 @@ class MembersTraining(Training):
     State: ClassVar[type[Closed]]
     """Model of the state."""
 
-    def __init__(self, job: TrainingJob, settings: MembersConfig) -> None:
+    def __init__(self, job: TrainingJob) -> None:
         super().__init__(job)
-        self.settings = settings
+        self.settings: MembersConfig = getattr(job.config, job.config.learner)
         self.problem = self.goal.problem
         self._missions = 0
         self._costs: list[float] = []
