@@ -160,6 +160,7 @@ class Batch(AnyBatch):
         self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._gained: Floats = np.zeros(self.rows)
         self._finished: list[Finished] = []
+        self._state: GlobalState | None = None
         self.doing: list[Scenario | None] = [None] * worlds
         self._states = BatchStates(self.worlds, self._series, self.doing, self.progress, self.observations)
         self._begun = False
@@ -269,8 +270,10 @@ class Batch(AnyBatch):
         return own_columns(self.progress, self.worlds.period)
 
     def global_state(self) -> GlobalState:
-        """Return what tells the global state of the worlds."""
-        return GlobalState(self.worlds, self.progress, options=self._steering is None)
+        """Return what tells the global state of the worlds, and keeps it at the ends of missions from now on."""
+        if self._state is None:
+            self._state = GlobalState(self.worlds, self.progress, options=self._steering is None)
+        return self._state
 
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
         """Begin the next episode of a world; robots hold the options of the highest expert score."""
@@ -353,6 +356,8 @@ class Batch(AnyBatch):
         """Keep the figures and the last observations of the missions that ended with the last tick."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
+        if self._state is not None:
+            self._state.keep(ended)
         for world in ended.tolist():
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -77,6 +77,9 @@ class PpoConfig(Closed):
     """Largest norm of the gradient [-]."""
     hidden: Annotated[tuple[Width, ...], Field(max_length=10)] = (64, 64)
     """Widths of the hidden layers, of policy and value function alike."""
+    critic: Literal["own", "team"] = "own"
+    """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
+    training only."""
 
 
 class CreditConfig(Closed):

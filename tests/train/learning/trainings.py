@@ -17,6 +17,7 @@ COMMON = {
 }
 KINDS = {
     "ppo": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}},
+    "team": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8], "critic": "team"}},
     "bandit": {
         "bandit": {
             "strategy": {"name": "LinearThompson"},

@@ -12,23 +12,21 @@ from typing import Any
 
 import numpy as np
 import torch
-from gymnasium.spaces import Discrete
-from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecEnvWrapper, VecNormalize
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+from stable_baselines3.common.vec_env import VecNormalize
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from train.learning.config import PpoConfig
-from train.learning.policy_export import exported
+from train.learning.ppo.export import exported
+from train.learning.ppo.networks import TeamPolicy
+from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
 from train.learning.training import Training, TrainingJob
 from train.learning.validation import CheckpointHistory
-from train.running.decided_goal import DecidedGoal
 from train.running.pilots import PilotMaker, PolicyPilot
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
@@ -54,9 +52,10 @@ class PpoTraining(Training):
         assert job.config.ppo is not None
         self.settings = job.config.ppo
         self._costs: list[float] = []
-        self._envs = RobotVecEnv(batches=self.curriculum.batches)
-        self.normal = VecNormalize(OneGoalEnv(self._envs, self.goal), gamma=self.settings.discount)
-        self.model = _model(self.settings, self.normal, job.seed)
+        batches = self.curriculum.batches
+        envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
+        self.normal = VecNormalize(OneGoalEnv(envs, self.goal), gamma=self.settings.discount)
+        self.model = _model(self.settings, self.normal, len(self.goal.problem.features), job.seed)
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
@@ -155,31 +154,12 @@ class PpoTraining(Training):
         self.write_history()
 
 
-class OneGoalEnv(VecEnvWrapper):
-    """An environment whose actions are the options of one goal; other goals keep the option of the highest score."""
-
-    def __init__(self, envs: RobotVecEnv, goal: DecidedGoal) -> None:
-        super().__init__(envs, action_space=Discrete(len(goal.problem.options)))
-        self._goal = goal
-
-    def reset(self) -> VecEnvObs:
-        """Begin all episodes."""
-        return self.venv.reset()
-
-    def step_async(self, actions: NDArray[Any]) -> None:
-        """Send the option (R,) of each robot for the goal to the worlds."""
-        self.venv.step_async(self._goal.actions(actions))
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the results of the step."""
-        return self.venv.step_wait()
-
-
-def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
-    layers = list(settings.hidden)
+def _model(settings: PpoConfig, env: VecNormalize, own: int, seed: int) -> PPO:
+    """Return the learner; the first `own` components of what `env` gives are the robot's observation."""
+    layers, team = list(settings.hidden), settings.critic == "team"
     set_random_seed(_derived(seed, -1))  # the argument of PPO would also seed the worlds
     return PPO(
-        "MlpPolicy",
+        TeamPolicy if team else "MlpPolicy",
         env,
         n_steps=settings.steps,
         batch_size=settings.minibatch,
@@ -191,7 +171,7 @@ def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
         ent_coef=settings.entropy,
         vf_coef=settings.value,
         max_grad_norm=settings.gradient,
-        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}},
+        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}, **({"own": own} if team else {})},
         device="cpu",
     )
 

@@ -14,9 +14,13 @@ from selector.strategies.problem import Problem
 
 
 def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[str, Any]) -> TrainedPolicy:
-    """Return the network of `model` as a policy for a problem; `training` describes the training."""
+    """Return the network of `model` as a policy for a problem; `training` describes the training.
+
+    The policy sees the features of the problem, which come first in what `normal` gives.
+    """
     statistics = normal.obs_rms
     assert isinstance(statistics, RunningMeanStd)
+    own = len(problem.features)
     state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model)}
     hidden = tuple(state[f"hidden.{k}.bias"].shape[0] for k in range(len(state) // 2 - 1))
     spec = PolicySpec(
@@ -25,8 +29,8 @@ def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[
         observations=problem.features,
         hidden=hidden,
         activation="tanh",
-        mean=tuple(float(value) for value in statistics.mean),
-        variance=tuple(float(value) for value in statistics.var),
+        mean=tuple(float(value) for value in statistics.mean[:own]),
+        variance=tuple(float(value) for value in statistics.var[:own]),
         epsilon=float(normal.epsilon),
         clip=float(normal.clip_obs),
         training=training,
