@@ -114,7 +114,7 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
         return (self._masked(observations, infos), *others, infos)
 
     def _space(self, agent: str) -> gymnasium.spaces.Dict:
-        actions = self.env.action_space(agent)
+        actions: Any = self.env.action_space(agent)
         if isinstance(actions, gymnasium.spaces.Box):
             raise ValueError("MaskedObservations: expected options as actions, got mode 'velocity'")
         actions = actions[OPTION] if isinstance(actions, gymnasium.spaces.Dict) else actions

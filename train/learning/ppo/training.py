@@ -21,13 +21,14 @@ from stable_baselines3.common.vec_env import VecNormalize
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import TrainedPolicy, save_policy
+from selector.strategies.problem import Problem
 from train.learning.config import PpoConfig
 from train.learning.ppo.export import exported
-from train.learning.ppo.networks import TeamPolicy
+from train.learning.ppo.networks import RobotPolicy
 from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
 from train.learning.training import Training, TrainingJob
 from train.learning.validation import CheckpointHistory
-from train.running.pilots import PilotMaker, PolicyPilot
+from train.running.pilots import PilotMaker, policy_pilot
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
@@ -54,8 +55,8 @@ class PpoTraining(Training):
         self._costs: list[float] = []
         batches = self.curriculum.batches
         envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
-        self.normal = VecNormalize(OneGoalEnv(envs, self.goal), gamma=self.settings.discount)
-        self.model = _model(self.settings, self.normal, len(self.goal.problem.features), job.seed)
+        self.normal = VecNormalize(OneGoalEnv(envs, self.goal, self.settings.action), gamma=self.settings.discount)
+        self.model = _model(self.settings, self.normal, self.goal.problem, job.seed)
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
@@ -103,7 +104,7 @@ class PpoTraining(Training):
 
     def _pilot_maker(self) -> PilotMaker:
         policy = self.policy()
-        return lambda problem, _: PolicyPilot(policy, problem)
+        return lambda problem, _: policy_pilot(policy, problem)
 
     def _weights(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
@@ -154,12 +155,11 @@ class PpoTraining(Training):
         self.write_history()
 
 
-def _model(settings: PpoConfig, env: VecNormalize, own: int, seed: int) -> PPO:
-    """Return the learner; the first `own` components of what `env` gives are the robot's observation."""
-    layers, team = list(settings.hidden), settings.critic == "team"
+def _model(settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int) -> PPO:
+    layers = list(settings.hidden)
     set_random_seed(_derived(seed, -1))  # the argument of PPO would also seed the worlds
     return PPO(
-        TeamPolicy if team else "MlpPolicy",
+        RobotPolicy,
         env,
         n_steps=settings.steps,
         batch_size=settings.minibatch,
@@ -171,7 +171,12 @@ def _model(settings: PpoConfig, env: VecNormalize, own: int, seed: int) -> PPO:
         ent_coef=settings.entropy,
         vf_coef=settings.value,
         max_grad_norm=settings.gradient,
-        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}, **({"own": own} if team else {})},
+        policy_kwargs={
+            "net_arch": {"pi": layers, "vf": layers},
+            "log_std_init": float(np.log(settings.deviation)),
+            "own": len(problem.features),
+            "options": len(problem.options) if settings.action == "both" else 0,
+        },
         device="cpu",
     )
 

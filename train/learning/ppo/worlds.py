@@ -15,6 +15,7 @@ from stable_baselines3.common.vec_env import VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvObs, VecEnvStepReturn
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
+from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
@@ -22,19 +23,33 @@ from train.running.decided_goal import DecidedGoal
 
 
 class OneGoalEnv(VecEnvWrapper):
-    """An environment whose actions are the options of one goal; other goals keep the option of the highest score."""
+    """An environment whose actions are the option of one goal, a vector, or both in a row, the option first.
 
-    def __init__(self, envs: VecEnv, goal: DecidedGoal) -> None:
-        super().__init__(envs, action_space=Discrete(len(goal.problem.options)))
-        self._goal = goal
+    Other goals keep the option of the highest score.
+    """
+
+    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode) -> None:
+        count = len(goal.problem.options)
+        highest = np.array([count - 1.0, 1.0, 1.0], dtype=np.float32)
+        spaces = {
+            "option": Discrete(count),
+            "velocity": Box(-highest[1:], highest[1:]),
+            "both": Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), highest),
+        }
+        super().__init__(envs, action_space=spaces[mode])
+        self._goal, self._mode = goal, mode
 
     def reset(self) -> VecEnvObs:
         """Begin all episodes."""
         return self.venv.reset()
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Send the option (R,) of each robot for the goal to the worlds."""
-        self.venv.step_async(self._goal.actions(actions))
+        """Send the action (R, ...) of each robot to the worlds."""
+        if self._mode == "option":
+            actions = self._goal.actions(actions)
+        elif self._mode == "both":
+            actions = np.hstack([self._goal.actions(actions[:, 0].astype(np.int64)), actions[:, 1:]])
+        self.venv.step_async(actions)
 
     def step_wait(self) -> VecEnvStepReturn:
         """Return the results of the step."""
