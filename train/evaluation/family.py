@@ -32,8 +32,8 @@ from train.evaluation.entrants import (
     check_fit,
     entrants_of,
     identified,
+    mode_of,
     spec_of,
-    steers,
     with_baselines,
 )
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
@@ -191,13 +191,13 @@ class TrialTask:
 
     @property
     def action(self) -> ActionConfig:
-        """What the member gives: options or movement vectors."""
-        return ActionConfig(mode="velocity" if steers(self.member) else "option")
+        """What the member gives: options, movement vectors or both."""
+        return ActionConfig(mode=mode_of(self.member, self.directories))
 
     @property
     def observation(self) -> ObservationConfig:
         """What the member sees."""
-        return ObservationConfig.usual(self.family.terms, steered=steers(self.member))
+        return ObservationConfig.usual(self.family.terms, steered=self.action.mode == "velocity")
 
     def pilot(self, problem: Problem, teams: Ints) -> AnyPilot:
         """Return the pilot of the member."""
