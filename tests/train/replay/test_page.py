@@ -175,6 +175,8 @@ def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, r
         )
         assert {row["behaviour"] for row in rows} == {account["name"] for account in step["behaviours"]}
         shown = {row["behaviour"]: row for row in rows}
+        if step["stayed_s"] >= 1.0 and recordings[k]["working"][frame, robot]:
+            assert page.text_content("[data-movement]") == f"It has stayed within 0.1 m for {step['stayed_s']:.1f} s."
         for account in step["behaviours"]:
             row = shown[account["name"]]
             assert row["why"] == account["why"]
