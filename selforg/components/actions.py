@@ -62,6 +62,13 @@ class Commands:
         for array, given in zip(self.packed.record, others.packed.record, strict=True):
             array[:] = given
 
+    def add(self, vectors: Floats) -> None:
+        """Add `vectors` (N, D) [m/s] to the movements; a zero vector changes nothing, others end turning in place."""
+        rows = np.flatnonzero(vectors.any(axis=1))
+        moving = self.commanded[rows] & ~self.in_place[rows]
+        self.vectors[rows] = np.where(moving[:, None], self.vectors[rows], 0.0) + vectors[rows]
+        self.commanded[rows], self.in_place[rows] = True, False
+
 
 class Action(ABC):
     """Base class of actions: `act` is called in each step for the rows in which the behaviour runs.

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import Count, Scenarios, WorldCount
+from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, JointName, Name, NonNegative, Positive, Share
 from selector.documents.find import load_file
 from selector.strategies.machine_file import MOST_STATES
 from selector.strategies.registry import StrategySpec
@@ -77,6 +78,14 @@ class PpoConfig(Closed):
     """Largest norm of the gradient [-]."""
     hidden: Annotated[tuple[Width, ...], Field(max_length=10)] = (64, 64)
     """Widths of the hidden layers, of policy and value function alike."""
+    action: Mode = "option"
+    """What the policy learns: the option of the goal, a movement vector in place of the network's, or an option and a
+    correction of the movement."""
+    deviation: Positive = 1.0
+    """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
+    critic: Literal["own", "team"] = "own"
+    """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
+    training only."""
 
 
 class CreditConfig(Closed):
@@ -183,8 +192,9 @@ class TrainingConfig(Closed):
     """What is learned, in one sentence."""
     tasks: Annotated[tuple[TaskConfig, ...], Field(min_length=1)]
     """The families to train on."""
-    goal: Name | None = None
-    """Goal of which the options are learned; AvoidCollision, or the only goal of the missions, unless given."""
+    goal: JointName | None = None
+    """Goal of which the options are learned, or several joined by `+`; AvoidCollision, or the only goal of missions,
+    unless given."""
     observation: ObservationConfig = ObservationConfig()
     """Observation of each robot."""
     reward: RewardConfig | Name = RewardConfig()
@@ -221,6 +231,11 @@ class TrainingConfig(Closed):
     def learner(self) -> str:
         """Kind of learner."""
         return next(name for name in LEARNERS if getattr(self, name) is not None)
+
+    @property
+    def action(self) -> ActionConfig:
+        """What a learner gives."""
+        return ActionConfig(mode=self.ppo.action if self.ppo is not None else "option")
 
 
 def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> TrainingConfig:
