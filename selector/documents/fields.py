@@ -13,6 +13,8 @@ LARGEST_NUMBER = 1e9
 """Largest absolute value of any number; squares and products of such numbers are still exact to a millionth."""
 SMALLEST = 1e-9
 """Smallest positive number; quotients of numbers within these bounds are finite."""
+JOINT = "+"
+"""What joins the names of several goals, and of their options."""
 MOST_LETTERS = 100
 """Length of a name; names of files are made of several."""
 MOST_STORED = 120
@@ -42,6 +44,10 @@ def as_name(name: str) -> str:
     return name
 
 
+def _joint_name(text: str) -> str:
+    return JOINT.join(as_name(name) for name in text.split(JOINT))
+
+
 def _no_relative_path(text: str) -> str:
     return _no_controls(text) if os.path.isabs(text) else as_name(text)
 
@@ -54,6 +60,8 @@ def _no_controls(text: str) -> str:
 
 Name = Annotated[str, Field(strict=True, min_length=1), AfterValidator(as_name)]
 """Name of anything: letters, digits and `-_. `, so that it can stand in the name of a file, a table and a message."""
+JointName = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_joint_name)]
+"""Names joined by `+`: of goals that are decided as one, or of their options."""
 DocumentName = Annotated[str, Field(strict=True, min_length=1, max_length=1000), AfterValidator(_no_relative_path)]
 """Name of another document, or its absolute path; a relative path would depend on where the program was started."""
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MOST_STORED), AfterValidator(_no_controls)]

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError, impossible
-from selector.documents.fields import Closed, Name, Number, Share
+from selector.documents.fields import Closed, JointName, Name, Number, Share
 from selector.documents.find import load_file
 from selector.strategies.problem import Problem
 from selforg.registry import unknown
@@ -49,7 +49,7 @@ class Transition(Closed):
 class MachineState(Closed):
     """A state of a machine."""
 
-    option: Name
+    option: JointName
     """Option that robots in this state take."""
     transitions: Annotated[tuple[Transition, ...], Field(max_length=MOST_STATES)] = ()
     """Ways to other states, of which the first open one is taken."""
@@ -58,7 +58,7 @@ class MachineState(Closed):
 class StateMachine(Closed):
     """A finite state machine; each robot is in a state of its own."""
 
-    goal: Name
+    goal: JointName
     """Name of the self-organisation goal."""
     description: str = ""
     """What it does, in one sentence."""

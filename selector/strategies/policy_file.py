@@ -19,7 +19,7 @@ from pydantic import Field, model_validator
 
 from selector.documents.arrays import check_known, check_same_names
 from selector.documents.errors import DocumentError, shown, validated
-from selector.documents.fields import Closed, Name, Number, Positive
+from selector.documents.fields import Closed, JointName, Name, Number, Positive
 from selector.documents.find import find_file
 from selector.documents.plain import plain
 from selector.documents.reading import read_bytes, read_json
@@ -35,9 +35,9 @@ class PolicySpec(Closed):
 
     version: Literal[1] = 1
     """Version of this form."""
-    goal: Name
+    goal: JointName
     """Name of the self-organisation goal."""
-    options: Annotated[tuple[Name, ...], Field(min_length=1)]
+    options: Annotated[tuple[JointName, ...], Field(min_length=1)]
     """(O,) names of the options, in the order of the network's outputs."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""

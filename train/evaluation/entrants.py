@@ -16,6 +16,7 @@ from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observer
 from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError, shown, validated
+from selector.documents.fields import JOINT
 from selector.documents.find import find_file
 from selector.documents.imported import is_import
 from selector.strategies.learned_file import description_of, load_strategy
@@ -27,7 +28,7 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.running.decided_goal import JOINT, option_named
+from train.running.decided_goal import option_named
 from train.running.machine_pilot import MachinePilot
 from train.running.model_pilots import LOADERS, ModelPilot, VectorPilot
 from train.running.pilots import AnyPilot, Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of

@@ -14,7 +14,7 @@ from clean_swarm_env.config.types import Count, Scenarios, WorldCount
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import RewardConfig
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, JointName, Name, NonNegative, Positive, Share
 from selector.documents.find import load_file
 from selector.strategies.machine_file import MOST_STATES
 from selector.strategies.registry import StrategySpec
@@ -183,8 +183,9 @@ class TrainingConfig(Closed):
     """What is learned, in one sentence."""
     tasks: Annotated[tuple[TaskConfig, ...], Field(min_length=1)]
     """The families to train on."""
-    goal: Name | None = None
-    """Goal of which the options are learned; AvoidCollision, or the only goal of the missions, unless given."""
+    goal: JointName | None = None
+    """Goal of which the options are learned, or several joined by `+`; AvoidCollision, or the only goal of missions,
+    unless given."""
     observation: ObservationConfig = ObservationConfig()
     """Observation of each robot."""
     reward: RewardConfig | Name = RewardConfig()

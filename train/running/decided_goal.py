@@ -3,7 +3,8 @@
 Several goals are decided as one: their names and those of their options are joined by `+`. The joint goal
 `ExplorationPatrol+AvoidCollision` has an option `LevyWalk+ORCA`, and as many others as there are combinations.
 
-Shapes: R rows, C goals that the mission coordinates, in the order of the robot's document; O options.
+Shapes: R rows, C goals that the mission coordinates, in the order of the robot's document; G goals that are decided;
+O options.
 """
 
 from __future__ import annotations
@@ -19,14 +20,12 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.cleaning_robot import GOAL
 from selector.documents.errors import DocumentError
+from selector.documents.fields import JOINT
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.running.model_pilots import VectorPilot
 from train.running.pilots import AnyPilot
-
-JOINT = "+"
-"""What joins the names of several goals, and of their options."""
 
 
 class DecidedGoal:
@@ -39,6 +38,7 @@ class DecidedGoal:
     Attributes:
         problem: goal, options and scores; the features are all components of the observation. The score of a
             combination is the sum of its options' scores.
+        parts: (G,) for each of the goals that are decided, its options.
 
     Raises:
         DocumentError: the mission does not coordinate the goal, or has several goals of which none is named.
@@ -51,11 +51,11 @@ class DecidedGoal:
         if len(set(names)) < len(names):
             raise DocumentError(f"goal: expected each goal once, got {goal}")
         self._goals, self._columns = names, [list(models).index(name) for name in names]
-        self._counts = tuple(len(models[name].options) for name in names)
+        self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder = batch.choices.default, batch.recorder
         self.problem = models[names[0]].problem(batch.observer.names)
         if len(names) > 1:
-            options = tuple(JOINT.join(each) for each in product(*(models[name].options for name in names)))
+            options = tuple(JOINT.join(each) for each in product(*self.parts))
             scores = np.array([sum(each) for each in product(*(models[name].scores for name in names))])
             self.problem = Problem(JOINT.join(names), options, scores, batch.observer.names)
 
@@ -71,13 +71,17 @@ class DecidedGoal:
     def actions(self, options: Ints) -> Ints:
         """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""
         actions = np.tile(self._default, (len(options), 1))
-        actions[:, self._columns] = np.stack(np.unravel_index(options, self._counts), axis=1)
+        actions[:, self._columns] = self.combined(options)
         return actions
+
+    def combined(self, options: Ints) -> Ints:
+        """Return the option of each goal (N, G) in combinations (N,)."""
+        return np.stack(np.unravel_index(options, [len(part) for part in self.parts]), axis=1)
 
     def think(self, opinions: Floats) -> None:
         """Record what is thought (R, O) of the options; of an option of one goal, the best of its combinations."""
         assert self._recorder is not None
-        table = opinions.reshape(-1, *self._counts)
+        table = opinions.reshape(-1, *(len(part) for part in self.parts))
         for k, goal in enumerate(self._goals):
             others = tuple(1 + other for other in range(len(self._goals)) if other != k)
             self._recorder.think(goal, table.max(axis=others))

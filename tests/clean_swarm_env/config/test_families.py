@@ -21,7 +21,7 @@ FAMILIES = list(files_of("families"))
 
 def test_all_families_are_shipped():
     alike = ["continuous", "crowded", "random", "shifting", "sparse", "unseen"]
-    exploring = ["clustered", "hotspots", "rare"]
+    exploring = ["clustered", "crowded-exploring", "hotspots", "rare", "unseen-exploring"]
     assert sorted(FAMILIES) == sorted(["careful", "table1", *exploring, *alike, *(f"{name}-bumpers" for name in alike)])
 
 

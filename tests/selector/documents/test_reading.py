@@ -64,7 +64,7 @@ def test_aliases_count_wherever_they_stand_and_may_be_used(tmp_path):
         ('{"a": [1, NaN]}', r"a\.1: expected a finite number, got nan"),
         ('{"a": {"b": -Infinity}}', r"a\.b: expected a finite number, got -inf"),
         ('{"a": 1, "a": 2}', "key 'a' twice"),
-        ('{"a": ' + "[" * 5000 + "]" * 5000 + "}", "expected values in at most"),
+        ('{"a": ' + "[" * 5000 + "]" * 5000 + "}", r"(a[.0]*: )?expected values in at most"),
         ('{"a": ' + "9" * 5000 + "}", "expected a whole number of at most 40 digits"),
         ('{"a": ', "line 1: .*expected JSON"),
     ],

@@ -109,6 +109,32 @@ def test_evolution_strategies_find_the_linear_rule_that_costs_least(tmp_path, mo
     )
 
 
+def test_goals_that_are_decided_as_one_have_weights_of_their_own(tmp_path, monkeypatch):
+    observed = np.random.default_rng(1).uniform(-1.0, 1.0, (200, 10)).astype(np.float32)
+    best = [np.where(observed[:, 0] > 0.0, "ORCA", "Off"), np.where(observed[:, 1] > 0.0, "Finds", "Patrol")]
+
+    def cost_of(member, problem):
+        pairs = [problem.options[k].split("+") for k in options_of(member, problem, observed)]
+        return np.exp(0.5 * np.mean(best != np.array(pairs).T))
+
+    fake(monkeypatch, cost_of)
+    changes = {"tasks": [{"family": "clustered", "worlds": 2}], "goal": "AvoidCollision+ExplorationPatrol"}
+    changes |= {"observation": {"terms": ["situation", "crowd", "finds"]}, "checkpoints": 1, "decisions": 3000}
+    settings = {"pairs": 16, "averaged": 0.5}
+    training = EsTraining(
+        job(load_training(str(written(tmp_path, "es", es=settings, **changes)), "es"), tmp_path / "run")
+    )
+    training.advance()
+    assert len(training.state.parameters) == (4 + 7) * (len(training.problem.features) + 1)
+    policy = load_policy(training.export("a command"))
+    outputs = Network(policy.ordered_for(training.problem, "here")).outputs(observed.astype(np.float64))
+    table = outputs.reshape(-1, 4, 7)  # the sum of two: differences are the same whatever the other goal has
+    np.testing.assert_allclose(
+        table - table[:, :1], np.broadcast_to((table - table[:, :1])[..., :1], table.shape), atol=1e-4
+    )
+    assert cost_of(training._member(), training.problem) < np.exp(0.5 * 0.15)
+
+
 def test_a_training_begins_with_the_best_option_also_where_most_fail(tmp_path, monkeypatch):
     costs = [3000.0, 2000.0, 4000.0, 3000.0, 2500.0, 2600.0, 300.0, 90.0, 60.0]  # three are far below the median
     fake(monkeypatch, lambda member, _: costs[member.option] if isinstance(member, OptionMember) else 100.0)

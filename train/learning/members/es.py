@@ -4,7 +4,9 @@ Salimans et al. 2017, "Evolution Strategies as a Scalable Alternative to Reinfor
 doi:10.48550/arXiv.1703.03864, with Adam (Kingma & Ba 2015, doi:10.48550/arXiv.1412.6980). All members do the same
 scenarios, because costs depend far more on the scenarios than on the members.
 
-Shapes: K pairs, P parameters (O options, each with F weights and a bias).
+Of goals that are decided as one each has weights of its own, and the output of a combination is the sum of theirs.
+
+Shapes: K pairs, P parameters (F weights and a bias of each option of each of the G goals), O options or combinations.
 """
 
 from __future__ import annotations
@@ -56,7 +58,8 @@ class EsTraining(MembersTraining):
 
     def policy(self, parameters: Floats, **training: object) -> TrainedPolicy:
         """Return the policy of `parameters` (P,): no hidden layer, outputs linear in the scaled observation."""
-        problem, matrix = self.problem, parameters.reshape(len(self.problem.options), -1).astype(np.float32)
+        problem, tables = self.problem, parameters.reshape(-1, len(self.problem.features) + 1)
+        matrix = tables[self._rows_of(np.arange(len(problem.options)))].sum(axis=1).astype(np.float32)
         spec = PolicySpec(
             goal=problem.goal,
             options=problem.options,
@@ -76,8 +79,8 @@ class EsTraining(MembersTraining):
         return path
 
     def _first(self, order: Ints) -> EsState:
-        first = np.zeros((len(self.problem.options), len(self.problem.features) + 1))
-        first[order[0], -1] = self.settings.lead
+        first = np.zeros((self._outputs, len(self.problem.features) + 1))
+        first[self._rows_of(order[:1]), -1] = self.settings.lead
         point, nothing = tuple(first.ravel().tolist()), (0.0,) * first.size
         return EsState(parameters=point, average=point, slope=nothing, square=nothing)
 
@@ -95,8 +98,18 @@ class EsTraining(MembersTraining):
 
     def _check(self, state: Closed, where: str) -> None:
         assert isinstance(state, EsState)
-        size = len(self.problem.options) * (len(self.problem.features) + 1)
+        size = self._outputs * (len(self.problem.features) + 1)
         check_lengths(size, (state.parameters, state.average, state.slope, state.square), where)
+
+    @property
+    def _outputs(self) -> int:
+        return sum(len(part) for part in self.goal.parts)
+
+    def _rows_of(self, options: Ints) -> Ints:
+        """Return the rows (N, G) of the table of parameters that belong to combinations (N,)."""
+        counts = [len(part) for part in self.goal.parts]
+        first: Ints = np.cumsum([0, *counts[:-1]])
+        return self.goal.combined(options) + first
 
     def _member(self) -> PolicyMember:
         return PolicyMember(self.policy(np.array(self.state.average)))
