@@ -214,13 +214,15 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
             if not space.contains(action):
                 expected = f"0..{space.n - 1}" if isinstance(space, gymnasium.spaces.Discrete) else repr(space)
                 raise ValueError(f"actions[{agent!r}]: expected {expected}, got {brief(action)}")
-        if self._batch.action.mode == "both":
-            return np.array([[actions[a][OPTION], *actions[a][CORRECTION]] for a in self.possible_agents])  # type: ignore[index,call-overload]
-        if len(actions) == len(self.possible_agents):
-            return np.array([actions[agent] for agent in self.possible_agents])
-        default: NDArray[Any] = self._batch.choices.default if self._batch.action.mode == "option" else np.zeros(2)
-        first = default.reshape(np.shape(actions[self.agents[0]]))  # the action of robots that join during the period
-        return np.array([actions.get(agent, first) for agent in self.possible_agents])
+        mode, options, still = self._batch.action.mode, self._batch.choices.default, np.zeros(2)
+        given: Mapping[str, Any] = actions
+        if mode == "both":
+            given = {agent: np.hstack([action[OPTION], action[CORRECTION]]) for agent, action in given.items()}
+        if len(given) == len(self.possible_agents):
+            return np.array([given[agent] for agent in self.possible_agents])
+        default = {"option": options, "velocity": still, "both": np.append(options, still)}[mode]
+        first = default.reshape(np.shape(given[self.agents[0]]))  # the action of robots that join during the period
+        return np.array([given.get(agent, first) for agent in self.possible_agents])
 
 
 def parallel_env(

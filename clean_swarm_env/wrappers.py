@@ -16,6 +16,7 @@ from pettingzoo import ParallelEnv
 from pettingzoo.utils.wrappers import BaseParallelWrapper
 
 from clean_swarm_env.borders.infos import MASK
+from clean_swarm_env.borders.spaces import OPTION
 from clean_swarm_env.clean_swarm_v0 import AgentAction, AgentInfos, AgentsStep, CleanSwarm
 from clean_swarm_env.learning.observation.observer import Observations
 
@@ -113,9 +114,10 @@ class MaskedObservations(BaseParallelWrapper[str, dict[str, NDArray[Any]], Agent
         return (self._masked(observations, infos), *others, infos)
 
     def _space(self, agent: str) -> gymnasium.spaces.Dict:
-        actions = self.env.action_space(agent)
+        actions: Any = self.env.action_space(agent)
         if isinstance(actions, gymnasium.spaces.Box):
             raise ValueError("MaskedObservations: expected options as actions, got mode 'velocity'")
+        actions = actions[OPTION] if isinstance(actions, gymnasium.spaces.Dict) else actions
         options = int(actions.n) if isinstance(actions, gymnasium.spaces.Discrete) else int(actions.nvec.sum())
         mask = gymnasium.spaces.Box(0, 1, (options,), np.int8)
         return gymnasium.spaces.Dict({self._key: self.env.observation_space(agent), MASK: mask})

@@ -51,3 +51,10 @@ class Commands:
         """Take over the commands of as many robots."""
         for array, given in zip(self.packed.record, others.packed.record, strict=True):
             array[:] = given
+
+    def add(self, vectors: Floats) -> None:
+        """Add `vectors` (N, D) [m/s] to the movements; a zero vector changes nothing, others end turning in place."""
+        rows = np.flatnonzero(vectors.any(axis=1))
+        moving = self.commanded[rows] & ~self.in_place[rows]
+        self.vectors[rows] = np.where(moving[:, None], self.vectors[rows], 0.0) + vectors[rows]
+        self.commanded[rows], self.in_place[rows] = True, False

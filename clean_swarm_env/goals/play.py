@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.goals.settings import Mode
-from clean_swarm_env.learning.actions import OptionActions, checked_vectors, turn_to_world
+from clean_swarm_env.learning.actions import Mode, OptionActions, checked_vectors, parted, turn_to_world
 from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import Expertise, ServedTeam
 from selforg.arrays import Floats
@@ -44,11 +42,7 @@ class Play:
         given, rows, arena = np.asarray(actions), len(self.asked), self.scene.arena
         vectors = given
         if self._mode == "both":
-            if given.shape != (rows, 3) or (given[:, 0] % 1.0 != 0.0).any():
-                raise ValueError(
-                    f"actions: expected an option and a vector for each of {rows} rows, got {brief(given)}"
-                )
-            given, vectors = given[:, 0].astype(np.int64), given[:, 1:]
+            given, vectors = parted(given, rows, 1)
         if self._mode != "velocity":
             self.team.hold(choices.check(given, rows)[:, 0])
         if self._mode != "option":
@@ -65,7 +59,4 @@ class Play:
             commands.vectors[:] = self._vectors
             commands.commanded[:], commands.in_place[:] = True, False
         elif self._mode == "both":
-            rows = np.flatnonzero(self._vectors.any(axis=1))
-            driving = self.asked * ~commands.in_place[:, None]
-            commands.vectors[rows] = driving[rows] + self._vectors[rows]
-            commands.commanded[rows], commands.in_place[rows] = True, False
+            commands.add(self._vectors)

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, create_model
 
 from clean_swarm_env.config.types import Robots, Seconds
+from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.given import Named, config_from
 from clean_swarm_env.scenes.ground import GroundKind
 from clean_swarm_env.scenes.scene import Scene, Setting
@@ -19,9 +20,6 @@ from selforg.arrays import Floats, Ints
 GoalTerm = Literal["command", "around", "neighbour", "movement", "facts", "time", "holds"]
 OWN_COLLISION = "collision"
 """Key of the weight for each collision event in which the robot took part [1/event]."""
-
-
-Mode = Literal["option", "velocity", "both"]
 
 
 class GoalAction(Closed):

@@ -1,4 +1,4 @@
-"""Actions of a learner: the option that serves each goal, or the robot's movement vector.
+"""Actions of a learner: the option that serves each goal, the robot's movement vector, or an option and a correction.
 
 Shapes: R rows (robots), C coordinated goals, O options of all goals one after the other.
 """
@@ -6,6 +6,7 @@ Shapes: R rows (robots), C coordinated goals, O options of all goals one after t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from reprlib import repr as brief
 from typing import Any, Literal
 
 import numpy as np
@@ -22,12 +23,15 @@ from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
 from selforg.registry import unknown
 
+Mode = Literal["option", "velocity", "both"]
+
 
 class ActionConfig(Closed):
     """The actions of a learner, one in each decision period."""
 
-    mode: Literal["option", "velocity"] = "option"
-    """Whether an action is the option that serves each goal, or the movement vector in the robot's frame."""
+    mode: Mode = "option"
+    """Whether an action is the option that serves each goal, the movement vector in the robot's frame, or both: options
+    and a correction of the movement."""
     serves: dict[Name, tuple[Phase, ...]] = Field(default={})
     """Option -> the only phases in which it can serve; an option that is not named can always serve."""
 
@@ -98,10 +102,11 @@ class VelocityActions:
 
     The vector keeps its direction in the world through the decision period. The drive follows the vector in place of
     those of behaviours. The robot's network decides nothing. The robot picks, recycles and dumps wherever it can.
+    Corrections are added to the vectors of behaviours instead, and the network decides as ever.
     """
 
-    def __init__(self, worlds: Worlds) -> None:
-        self._worlds = worlds
+    def __init__(self, worlds: Worlds, *, corrections: bool) -> None:
+        self._worlds, self._corrections = worlds, corrections
         self._vectors: Floats = np.zeros((worlds.rows, 2))
         self._max_speed = worlds.mission.robots.max_speed
 
@@ -109,7 +114,15 @@ class VelocityActions:
         """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
         given = checked_vectors(actions, self._worlds.rows)
         turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
-        self._worlds.steer(self._vectors)
+        self._worlds.steer(self._vectors, added=self._corrections)
+
+
+def parted(actions: NDArray[Any], rows: int, goals: int) -> tuple[Ints, NDArray[Any]]:
+    """Return the options (R, C) of C goals and the vectors (R, 2) in `actions` (R, C + 2), or raise ValueError."""
+    if actions.shape != (rows, goals + 2) or (actions[:, :goals] % 1.0 != 0.0).any():
+        expected = "an option" if goals == 1 else f"{goals} options"
+        raise ValueError(f"actions: expected {expected} and a vector for each of {rows} rows, got {brief(actions)}")
+    return actions[:, :goals].astype(np.int64), actions[:, goals:]
 
 
 def checked_vectors(actions: NDArray[Any], rows: int) -> Floats:

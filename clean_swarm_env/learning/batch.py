@@ -17,7 +17,7 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
-from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions
+from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions, parted
 from clean_swarm_env.learning.batch_state import BatchStates
 from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.figures import own_columns, team_columns
@@ -107,7 +107,7 @@ class Batch(AnyBatch):
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(models, self.action)
-        self._steering = VelocityActions(self.worlds) if self.action.mode == "velocity" else None
+        self._steering = VelocityActions(self.worlds, corrections=self.action.mode == "both")
         rate = self.mission.world.control_rate
         self._ticks_per_step = round(self.mission.decision_period * rate)
         self.progress = MissionProgress(self.worlds)
@@ -115,12 +115,13 @@ class Batch(AnyBatch):
         weights = config_from(RewardConfig, None if self._own_rewards else reward, "reward")  # type: ignore[arg-type]
         self.rewards = Rewards(weights, self.worlds.period)
         seen = config_from(ObservationConfig, observation, "observation")
-        self.observer = Observer(self.worlds, self.progress, seen if self._steering is None else seen.steered())
+        self.observer = Observer(self.worlds, self.progress, seen.steered() if self.action.mode == "velocity" else seen)
         self.width = self.observer.width
         self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._gained: Floats = np.zeros(self.rows)
         self._finished: list[Finished] = []
+        self._state: GlobalState | None = None
         self.doing: list[Scenario | None] = [None] * worlds
         self._states = BatchStates(self.worlds, self._series, self.doing, self.progress, self.observations)
         self._begun = False
@@ -218,8 +219,10 @@ class Batch(AnyBatch):
         return own_columns(self.progress, self.worlds.period)
 
     def global_state(self) -> GlobalState:
-        """Return what tells the global state of the worlds."""
-        return GlobalState(self.worlds, self.progress, options=self._steering is None)
+        """Return what tells the global state of the worlds, and keeps it at the ends of missions from now on."""
+        if self._state is None:
+            self._state = GlobalState(self.worlds, self.progress, options=self.action.mode != "velocity")
+        return self._state
 
     def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
         """Begin the next episode of a world; robots hold the options of the highest expert score."""
@@ -245,7 +248,7 @@ class Batch(AnyBatch):
             ValueError: actions are vectors.
 
         """
-        if self._steering is not None:
+        if self.action.mode == "velocity":
             raise ValueError("masks: expected options as actions, got mode 'velocity'")
         return self.choices.masks(self.observer.phases)
 
@@ -258,15 +261,18 @@ class Batch(AnyBatch):
         """Run one decision period, and yield the worlds after each control period.
 
         In a world whose mission ends the period ends early. `actions` are options (R, C), or (R,) for one goal, whole
-        numbers; or vectors (R, 2), see `VelocityActions`.
+        numbers; vectors (R, 2), see `VelocityActions`; or both (R, C + 2), the options first.
         """
         if not self._begun:
             raise RuntimeError("step: call reset first")
-        if self._steering is None:
-            options = self.choices.check(actions, self.rows)
-            self.worlds.hold(self.choices.able(options, self.observer.phases))
-        else:
-            self._steering.steer(actions)
+        options = vectors = actions
+        if self.action.mode == "both":
+            options, vectors = parted(np.asarray(actions), self.rows, len(self.choices.counts))
+        if self.action.mode != "velocity":
+            checked = self.choices.check(options, self.rows)
+            self.worlds.hold(self.choices.able(checked, self.observer.phases))
+        if self.action.mode != "option":
+            self._steering.steer(vectors)
         self._finished.clear()
         progress = self.progress
         progress.begin_period()
@@ -302,6 +308,8 @@ class Batch(AnyBatch):
         """Keep the figures and the last observations of the missions that ended with the last tick."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
+        if self._state is not None:
+            self._state.keep(ended)
         for world in ended.tolist():
             scenario, events = self.doing[world], int(worlds.collisions.events[world, 0])
             assert scenario is not None

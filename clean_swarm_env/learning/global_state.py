@@ -35,6 +35,7 @@ class GlobalState:
 
     Attributes:
         names: (G,) names of the components.
+        final: (W, G) state at the end of the last mission of each world, zeros before.
 
     """
 
@@ -51,12 +52,17 @@ class GlobalState:
         items = [f"item_{k}_{name}" for k in range(worlds.garbage.stage.shape[1]) for name in ITEM]
         stations = [f"{station}_{name}" for station in ("recycling", "dump") for name in STATION]
         self.names = (*robots, *items, *stations, "time", "garbage_done")
+        self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
 
     def now(self) -> NDArray[np.float32]:
         """Return the state (W, G) of the worlds as they are."""
         worlds = self._worlds
         parts = (self._robots(), self._items(), self._places(worlds.stations), self._course())
         return np.concatenate([part.reshape(worlds.worlds, -1) for part in parts], axis=1).astype(np.float32)
+
+    def keep(self, ended: Ints) -> None:
+        """Keep the state of the worlds (K,) whose missions have just ended as the final one."""
+        self.final[ended] = self.now()[ended]
 
     def _places(self, points: Floats) -> Floats:
         places: Floats = 2.0 * points / self._worlds.extent - 1.0

@@ -64,6 +64,7 @@ class Worlds:
         self._agendas = Agendas(Affected(self.floor, self.minds, self.team, self._clock))
         self._states = WorldStates(self.floor, self.minds, self.team, self._agendas, self._clock)
         self._steered: Floats | None = None
+        self._correction: Floats | None = None
         self.extent, self.stations, self.garbage = self.floor.extent, self.floor.stations, self.floor.garbage
         self.physics, self.drive, self.collisions = self.floor.physics, self.floor.drive, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
@@ -141,13 +142,13 @@ class Worlds:
         """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""
         hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
-    def steer(self, vectors: Floats | None) -> None:
+    def steer(self, vectors: Floats | None, *, added: bool = False) -> None:
         """Make robots follow vectors (R, 2) [m/s] from the next tick on; None: their behaviours again.
 
         The networks of steered robots decide nothing. The robots pick, recycle and dump wherever their sensors allow
-        it.
+        it. If vectors are `added` to those of behaviours, networks decide as ever.
         """
-        self._steered = vectors
+        self._steered, self._correction = (None, vectors) if added else (vectors, None)
 
     def tick(self) -> Ints:
         """Run one control period of all worlds.
@@ -173,6 +174,8 @@ class Worlds:
                 minds.show_items(*still_there, now)
         if self._steered is None:
             minds.act(floor.packed, now)
+            if self._correction is not None:
+                minds.commands.add(self._correction * self.team.working[:, None])
             minds.leave(now)
         else:
             minds.follow(self._steered, self.team.working)

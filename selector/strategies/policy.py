@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from selector.documents.errors import shown
+from selector.documents.errors import DocumentError, shown
 from selector.documents.fields import Closed, DocumentName, Flag
 from selector.strategies.choosing import best, chance_of, drawn, shares
 from selector.strategies.policy_file import Floats32, TrainedPolicy, find_policy, load_policy
@@ -34,7 +34,10 @@ class Policy(DecisionStrategy):
 
     def _prepare(self) -> None:
         directory = find_policy(self.parameters.policy, self.directories)
-        self.network = Network(load_policy(directory).ordered_for(self.problem, shown(directory)))
+        policy = load_policy(directory)
+        if policy.spec.vector:
+            raise DocumentError(f"{shown(directory)}: expected a policy that chooses options only, got one that steers")
+        self.network = Network(policy.ordered_for(self.problem, shown(directory)))
 
     @property
     def draws_per_decision(self) -> int:
@@ -61,22 +64,33 @@ class Network:
         spec = policy.spec
         self._mean, self._clip = np.array(spec.mean), spec.clip
         self._deviation = np.sqrt(np.array(spec.variance) + spec.epsilon)
-        names = [name for name, _, _ in spec.layers()]
-        codes = [ACTIVATIONS[spec.activation]] * len(spec.hidden) + [ACTIVATIONS["none"]]
-        self._layers = [
-            (np.ascontiguousarray(policy.weights[f"{name}.weight"].T), policy.weights[f"{name}.bias"], code)
-            for name, code in zip(names, codes, strict=True)
-        ]
+        self._activation = ACTIVATIONS[spec.activation]
+        layers = {
+            name: (np.ascontiguousarray(policy.weights[f"{name}.weight"].T), policy.weights[f"{name}.bias"])
+            for name, _, _ in spec.layers()
+        }
+        self._heads = {name: layers.pop(name) for name in spec.heads}
+        self._hidden = list(layers.values())
 
     def outputs(self, context: Floats) -> Floats:
         """Return the output (K, O) for each observation (K, F): logarithms of probabilities, up to a constant."""
+        return self.heads(context)["options"]
+
+    def heads(self, context: Floats) -> dict[str, Floats]:
+        """Return the outputs (K, ...) of each head, of `options` and of `vector`, for each observation (K, F)."""
         normal = np.clip((context - self._mean) / self._deviation, -self._clip, self._clip)
         values: Floats32 = normal.astype(np.float32)
-        for weights, bias, activation in self._layers:
-            following = np.empty((len(values), len(bias)), dtype=np.float32)
-            dense(values, weights, bias, activation, following)
-            values = following
-        return values.astype(np.float64)
+        for layer in self._hidden:
+            values = passed(values, layer, self._activation)
+        none = ACTIVATIONS["none"]
+        return {name: passed(values, head, none).astype(np.float64) for name, head in self._heads.items()}
+
+
+def passed(values: Floats32, layer: tuple[Floats32, Floats32], activation: int) -> Floats32:
+    """Return what a layer with weights (I, H) and bias (H,) makes of `values` (K, I)."""
+    following = np.empty((len(values), len(layer[1])), dtype=np.float32)
+    dense(values, *layer, activation, following)
+    return following
 
 
 @kernel

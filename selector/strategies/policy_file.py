@@ -1,7 +1,8 @@
 """Files of trained policies, which are read and run without torch: weights as safetensors, the rest as JSON.
 
 A policy is a directory with `policy.json` (`PolicySpec`) and `policy.safetensors`: `hidden.0.weight` (H, F) and
-`hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out.
+`hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out. One that
+steers has `vector.weight` (2, H) and `vector.bias` (2,) in place of those of options, or beside them.
 """
 
 import hashlib
@@ -37,8 +38,10 @@ class PolicySpec(Closed):
     """Version of this form."""
     goal: JointName
     """Name of the self-organisation goal."""
-    options: Annotated[tuple[JointName, ...], Field(min_length=1)]
-    """(O,) names of the options, in the order of the network's outputs."""
+    options: tuple[JointName, ...]
+    """(O,) names of the options, in the order of the network's outputs; none if it only steers."""
+    vector: bool = False
+    """Whether the network gives a movement vector: ahead and left, in shares of the largest speed."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=100_000)], ...], Field(max_length=100)]
@@ -60,6 +63,8 @@ class PolicySpec(Closed):
 
     @model_validator(mode="after")
     def _widths(self) -> Self:
+        if not self.options and not self.vector:
+            raise ValueError("options: expected at least one, or a vector, got none")
         for name in ("mean", "variance"):
             count = len(getattr(self, name))
             if count != len(self.observations):
@@ -68,9 +73,14 @@ class PolicySpec(Closed):
 
     def layers(self) -> list[tuple[str, int, int]]:
         """Return name, inputs and outputs of each layer."""
-        widths = (len(self.observations), *self.hidden, len(self.options))
-        names = (*(f"hidden.{k}" for k in range(len(self.hidden))), "options")
-        return list(zip(names, widths[:-1], widths[1:], strict=True))
+        widths = (len(self.observations), *self.hidden)
+        hidden = [(f"hidden.{k}", widths[k], widths[k + 1]) for k in range(len(self.hidden))]
+        return hidden + [(name, widths[-1], count) for name, count in self.heads.items()]
+
+    @property
+    def heads(self) -> dict[str, int]:
+        """Names of the last layers, and their outputs."""
+        return {name: count for name, count in (("options", len(self.options)), ("vector", 2 * self.vector)) if count}
 
 
 @dataclass(frozen=True)
@@ -87,7 +97,7 @@ class TrainedPolicy:
     weights: dict[str, Floats32]
 
     def ordered_for(self, problem: Problem, where: str) -> "TrainedPolicy":
-        """Return the policy with inputs and outputs in the order of `problem`.
+        """Return the policy with inputs and outputs in the order of `problem`; one without options keeps its outputs.
 
         Options for which it was not trained get the least output: they are taken only where no other can serve.
 
@@ -97,7 +107,7 @@ class TrainedPolicy:
 
         """
         spec = self.spec
-        if spec.goal != problem.goal:
+        if spec.options and spec.goal != problem.goal:
             raise DocumentError(f"{where}: goal: expected {problem.goal}, got {spec.goal}")
         check_known(where, "options", problem.options, spec.options)
         check_same_names(where, "observations", problem.features, spec.observations)
@@ -107,13 +117,14 @@ class TrainedPolicy:
         weights = dict(self.weights)
         first = f"{spec.layers()[0][0]}.weight"
         weights[first] = weights[first][:, inputs]
-        for name, unknown in (("options.weight", 0.0), ("options.bias", np.finfo(np.float32).min)):
+        least = {"options.weight": 0.0, "options.bias": np.finfo(np.float32).min}
+        for name, unknown in least.items() if spec.options else ():
             widened = np.full((len(problem.options), *weights[name].shape[1:]), unknown, dtype=np.float32)
             widened[trained] = weights[name][outputs]
             weights[name] = widened
         ordered = spec.model_copy(
             update={
-                "options": problem.options,
+                "options": problem.options if spec.options else (),
                 "observations": problem.features,
                 "mean": tuple(spec.mean[k] for k in inputs),
                 "variance": tuple(spec.variance[k] for k in inputs),

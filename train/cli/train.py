@@ -39,7 +39,7 @@ def ppo(
     from train.learning.session import TrainingRequest, check_installed, run_training  # imports Numba
 
     check_installed("ppo")
-    from train.learning.ppo import PpoTraining  # imports torch
+    from train.learning.ppo.training import PpoTraining  # imports torch
 
     directories = tuple(configs or ())
     request = TrainingRequest("ppo", config, seed, output, resume, directories=directories, record=record, forced=force)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observer
@@ -31,7 +32,7 @@ from selforg.registry import unknown
 from train.running.decided_goal import option_named
 from train.running.machine_pilot import MachinePilot
 from train.running.model_pilots import LOADERS, ModelPilot, VectorPilot
-from train.running.pilots import AnyPilot, Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of
+from train.running.pilots import AnyPilot, Pilot, PolicyPilot, RulePilot, StrategyPilot, columns_of, policy_pilot
 
 FIXED, RULE, POLICY, LEARNED, MACHINE, VELOCITY = "fixed", "rule", "policy", "learned", "fsm", "velocity"
 FILED = (POLICY, LEARNED, MACHINE, VELOCITY)
@@ -103,7 +104,7 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
 
     """
     kind, _, name = member.partition(":")
-    if steers(member):
+    if mode_of(member, directories) != "option":
         raise ConfigurationError(f"{member}: expected a strategy that chooses options, got one that steers")
     if kind == POLICY and Path(name).suffix in LOADERS:
         return ModelPilot(Path(name), problem)
@@ -130,15 +131,22 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     return StrategyPilot(strategy, columns, problem)
 
 
-def steers(member: str) -> bool:
-    """Return whether a member gives movement vectors in place of options."""
-    return member.partition(":")[0] == VELOCITY
+def mode_of(member: str, directories: Sequence[Path] = ()) -> Mode:
+    """Return what a member gives: options, movement vectors, or options and corrections."""
+    kind, _, name = member.partition(":")
+    if kind != POLICY or Path(name).suffix in LOADERS:
+        return "velocity" if kind == VELOCITY else "option"
+    spec = load_policy(find_policy(name, directories)).spec
+    return "velocity" if not spec.options else "both" if spec.vector else "option"
 
 
 def any_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[Path] = ()) -> AnyPilot:
-    """Return the pilot of a member, also of one that steers; see `member_pilot`."""
-    if steers(member):
-        return VectorPilot(Path(member.partition(":")[2]), len(problem.features))
+    """Return the pilot of a member, also of one that steers or corrects; see `member_pilot`."""
+    kind, _, name = member.partition(":")
+    if kind == VELOCITY:
+        return VectorPilot.of_file(Path(name), len(problem.features))
+    if mode_of(member, directories) != "option":
+        return policy_pilot(load_policy(find_policy(name, directories)), problem)
     return member_pilot(member, problem, teams, directories)
 
 
@@ -149,12 +157,13 @@ def check_fit(
 
     `terms` are those of the observation beside the default ones.
     """
-    teams, seen = np.zeros(batch.rows, dtype=np.int64), ObservationConfig.usual(terms, steered=True)
-    steered = replace(problem, features=Observer(batch.worlds, batch.progress, seen).names)
+    teams, without = np.zeros(batch.rows, dtype=np.int64), ObservationConfig.usual(terms, steered=True)
+    steered = replace(problem, features=Observer(batch.worlds, batch.progress, without).names)
     for entrant in entrants:
         for member in entrant.members:
             try:
-                any_pilot(member, steered if steers(member) else problem, teams, directories)
+                seen = steered if mode_of(member, directories) == "velocity" else problem
+                any_pilot(member, seen, teams, directories)
             except DocumentError as error:
                 raise DocumentError(f"--strategy {entrant.label}: {error}") from error
 
@@ -182,7 +191,7 @@ def never_taken(
             known = description_of(find_file("strategies", name, directories)).options
         else:
             continue
-        found[entrant.label] = [option for option in options if option not in known]
+        found[entrant.label] = [option for option in options if known and option not in known]
     return {label: missing for label, missing in found.items() if missing}
 
 

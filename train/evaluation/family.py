@@ -14,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place_of, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
@@ -32,8 +32,8 @@ from train.evaluation.entrants import (
     check_fit,
     entrants_of,
     identified,
+    mode_of,
     spec_of,
-    steers,
     with_baselines,
 )
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
@@ -140,6 +140,11 @@ class TrialTask:
         return self.scenario_of(self.places[0]).mission
 
     @property
+    def start(self) -> StartConfiguration:
+        """Start of the first mission."""
+        return self.scenario_of(self.places[0]).start
+
+    @property
     def mission_seed(self) -> int:
         """Seed of the first mission."""
         return self.scenario_of(self.places[0]).seed
@@ -191,13 +196,13 @@ class TrialTask:
 
     @property
     def action(self) -> ActionConfig:
-        """What the member gives: options or movement vectors."""
-        return ActionConfig(mode="velocity" if steers(self.member) else "option")
+        """What the member gives: options, movement vectors or both."""
+        return ActionConfig(mode=mode_of(self.member, self.directories))
 
     @property
     def observation(self) -> ObservationConfig:
         """What the member sees."""
-        return ObservationConfig.usual(self.family.terms, steered=steers(self.member))
+        return ObservationConfig.usual(self.family.terms, steered=self.action.mode == "velocity")
 
     def pilot(self, problem: Problem, teams: Ints) -> AnyPilot:
         """Return the pilot of the member."""

@@ -48,6 +48,7 @@ class Curriculum:
                 sizes=_sizes(family),
                 observation=config.observation,
                 reward=config.reward,
+                action=config.action,
                 directories=directories,
             )
         self._families = families

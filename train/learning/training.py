@@ -82,7 +82,10 @@ class Training(ABC):
         self.curriculum = Curriculum(job.config, job.seed, job.directories)
         self.goal = DecidedGoal(self.curriculum.batches[0], job.config.goal)
         self.trials = TrialSettings(
-            self.goal.problem.goal, observation=job.config.observation, directories=job.directories
+            self.goal.problem.goal,
+            observation=job.config.observation,
+            directories=job.directories,
+            action=job.config.action,
         )
         self.history, self.checkpoint = CheckpointHistory(), 0
 

@@ -25,7 +25,7 @@ from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.running.model_pilots import VectorPilot
-from train.running.pilots import AnyPilot
+from train.running.pilots import AnyPilot, PolicyPilot
 
 
 class DecidedGoal:
@@ -66,7 +66,8 @@ class DecidedGoal:
         options = pilot.choose(observations)
         if self._recorder is not None:
             self.think(pilot.opinions())
-        return self.actions(options)
+        actions = self.actions(options)
+        return np.hstack([actions, pilot.vectors]) if isinstance(pilot, PolicyPilot) and pilot.corrects else actions
 
     def actions(self, options: Ints) -> Ints:
         """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""

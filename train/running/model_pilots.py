@@ -60,19 +60,18 @@ class ModelPilot:
 
 
 class VectorPilot:
-    """A model of another library whose answers are movement vectors (R, 2), see `VelocityActions`.
+    """A model whose answers are movement vectors (R, 2), see `VelocityActions`."""
 
-    Args:
-        path: the file.
-        features: number of components of the observation of a robot that is steered.
+    def __init__(self, model: Model) -> None:
+        self.choose = model
 
-    Raises:
-        DocumentError: as `ModelPilot`.
+    @classmethod
+    def of_file(cls, path: Path, features: int) -> VectorPilot:
+        """Return the pilot of a file by another library, for `features` components of an observation without options.
 
-    """
-
-    def __init__(self, path: Path, features: int) -> None:
-        self.choose = loaded(path, features, "a vector", checked_vectors)
+        DocumentError as `ModelPilot`.
+        """
+        return cls(loaded(path, features, "a vector", checked_vectors))
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Do nothing: the vectors do not depend on the mission."""

@@ -77,26 +77,45 @@ class StrategyPilot:
 
 
 class PolicyPilot:
-    """A trained network that always takes the likeliest option."""
+    """A trained network that always takes the likeliest option.
+
+    Attributes:
+        corrects: whether it also gives a vector, by which the movement is corrected.
+        vectors: (R, 2) what it gave last.
+
+    """
 
     def __init__(self, policy: TrainedPolicy, problem: Problem) -> None:
         names = policy.spec.observations
         check_known("policy", "options", problem.options, policy.spec.options)
         self._columns = columns_of(problem, names, "policy: observations")
         self._network = Network(policy.ordered_for(replace(problem, features=names), "policy"))
+        self.corrects, self.vectors = policy.spec.vector, np.zeros((0, 2))
 
     def begin(self, rows: Ints, seed: int) -> None:
         """Do nothing: the decisions do not depend on the mission."""
 
     def choose(self, observations: Observations) -> Ints:
         """Return the likeliest options (R,)."""
-        self._outputs = self._network.outputs(observations[:, self._columns].astype(np.float64))
+        heads = self.heads(observations)
+        self._outputs = heads["options"]
+        self.vectors = heads.get("vector", self.vectors)
         options: Ints = self._outputs.argmax(axis=1)
         return options
+
+    def heads(self, observations: Observations) -> dict[str, Floats]:
+        """Return the outputs (R, ...) of each head of the network."""
+        return self._network.heads(observations[:, self._columns].astype(np.float64))
 
     def opinions(self) -> Floats:
         """Return the probabilities (R, O) of the network."""
         return shares(self._outputs)
+
+
+def policy_pilot(policy: TrainedPolicy, problem: Problem) -> AnyPilot:
+    """Return the pilot of a policy that chooses options, corrects beside, or only steers."""
+    pilot = PolicyPilot(policy, problem)
+    return pilot if policy.spec.options else VectorPilot(lambda observations: pilot.heads(observations)["vector"])
 
 
 class RulePilot:

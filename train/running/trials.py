@@ -1,4 +1,4 @@
-"""Trials: missions of given scenarios, many at the same time, in which a pilot chooses the options or steers.
+"""Trials: missions of given scenarios, many at the same time, in which a pilot chooses the options, steers, or both.
 
 The result of a mission depends neither on the worlds beside it nor on their number.
 """
@@ -40,7 +40,7 @@ class TrialSettings:
     record: RecordSettings | None = None
     """Where the missions are recorded; none is unless given."""
     action: ActionConfig = field(default_factory=ActionConfig)
-    """What the pilot gives: options or movement vectors."""
+    """What the pilot gives: options, movement vectors or both."""
 
 
 def run_trials(
@@ -84,7 +84,7 @@ def _trials(
         source=following,
         observation=settings.observation,
         directories=settings.directories,
-        record=replace(record, thinking=settings.action.mode == "option") if record else None,
+        record=replace(record, thinking=settings.action.mode != "velocity") if record else None,
         action=settings.action,
     )
     decided = DecidedGoal(batch, settings.goal)

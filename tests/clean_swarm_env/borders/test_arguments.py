@@ -55,7 +55,7 @@ WRONG = [
         {"observation": ObservationConfig().model_copy(update={"terms": 3})},
         "observation: terms: expected a valid tuple",
     ),
-    ({"action": {"mode": "fly"}}, "action: mode: expected 'option' or 'velocity', got 'fly'"),
+    ({"action": {"mode": "fly"}}, "action: mode: expected 'option', 'velocity' or 'both', got 'fly'"),
     ({"split": "test"}, "split: expected with a family only, got 'test'"),
     ({"size": (6.0, 6.0)}, "size: expected with a family only"),
     ({"mission": "table1", "family": "table1"}, "family: expected a mission or a family, got both"),

@@ -29,8 +29,13 @@ def _episode(env, seed):
     while env.agents:
         for agent, seen in observations.items():
             assert env.observation_space(agent).contains(seen)
-        velocity = not hasattr(env.action_space(env.agents[0]), "n")
-        actions = {a: rng.uniform(-1, 1, 2).astype(np.float32) if velocity else rng.integers(3) for a in env.agents}
+        each = {a: (rng.integers(3), rng.uniform(-1, 1, 2).astype(np.float32)) for a in env.agents}
+        give = {
+            "option": lambda o, v: o,
+            "velocity": lambda o, v: v,
+            "both": lambda o, v: {"option": o, "correction": v},
+        }
+        actions = {a: give[env.unwrapped._batch.action.mode](*parts) for a, parts in each.items()}
         observations, rewards, terminations, truncations, infos = env.step(actions)
         assert observations.keys() == rewards.keys() == terminations.keys() == truncations.keys() == infos.keys()
         steps.append((tuple(env.agents), {a: o.tobytes() for a, o in observations.items()}, rewards, terminations,
@@ -38,7 +43,7 @@ def _episode(env, seed):
     return steps
 
 
-@pytest.mark.parametrize("mode", ["option", "velocity"])
+@pytest.mark.parametrize("mode", ["option", "velocity", "both"])
 def test_the_parallel_environment_passes_pettingzoos_test_while_agents_leave_and_join(mode):
     parallel_api_test(_env(mode), num_cycles=150)
 
@@ -69,7 +74,7 @@ def test_agents_leave_and_join_when_the_mission_says_so():
 
 
 @long_course
-@pytest.mark.parametrize("mode", ["option", "velocity"])
+@pytest.mark.parametrize("mode", ["option", "velocity", "both"])
 def test_equal_seeds_give_equal_episodes_with_changing_agents(mode):
     first, second = _env(mode), _env(mode)
     whole = _episode(first, 4)

@@ -139,9 +139,7 @@ def test_what_does_not_fit_is_refused(settings, error, message):
         clean_swarm_v0.parallel_env(**{"goal": "Foraging", **settings})
 
 
-def test_missions_have_no_corrections_and_scenes_no_starts():
-    with pytest.raises(ConfigurationError, match="action: mode: expected 'option' or 'velocity', got 'both'"):
-        clean_swarm_v0.parallel_env(action={"mode": "both"})
+def test_scenes_have_no_starts():
     env = clean_swarm_v0.parallel_env(goal="Foraging")
     with pytest.raises(ValueError, match="start: expected none with a goal"):
         env.reset(options={"start": {"id": "own", "robots": [[1.0, 1.0, 0.0]], "items": []}})

@@ -162,6 +162,51 @@ def test_a_team_steered_by_hand_completes_its_mission_alone_as_in_a_batch():
     assert courses[0][-1][2]
 
 
+def test_a_zero_correction_changes_nothing_and_another_one_moves_who_stands():
+    config = mission("exploring")  # two goals
+    courses = []
+    for mode, vector in (("option", []), ("both", [0.0, 0.0]), ("both", [0.1, 0.0])):
+        batch, rng = Batch(config, 2, action={"mode": mode}), np.random.default_rng(1)
+        batch.reset([1, 2])
+        course = []
+        for _ in range(40):
+            options = np.stack([rng.integers(0, count, batch.rows) for count in batch.choices.counts], axis=1)
+            actions = np.hstack([options, np.tile(vector, (batch.rows, 1))]) if vector else options
+            course.append(batch.step(actions).observations.tobytes())
+            assert np.array_equal(np.stack([c.held for c in batch.worlds.coordinators], axis=1), options)
+        courses.append(course)
+    assert courses[0] == courses[1] != courses[2]
+
+
+def test_a_correction_is_added_to_what_behaviours_command():
+    batch = Batch(action={"mode": "both"})
+    batch.reset([1])
+    worlds, before = batch.worlds, np.zeros((5, 2))
+    commands, act, headings = worlds.minds.commands, worlds.minds.act, worlds.physics.headings.copy()
+
+    def act_and_note(*given):
+        act(*given)
+        before[:] = commands.vectors * (commands.commanded & ~commands.in_place)[:, None]
+
+    worlds.minds.act = act_and_note
+    ahead, left = np.array([np.cos(headings), np.sin(headings)]), np.array([-np.sin(headings), np.cos(headings)])
+    correction = batch.mission.robots.max_speed * (0.5 * ahead - 0.25 * left).T
+    for _ in batch.ticks(np.tile([0.0, 0.5, -0.25], (5, 1))):
+        assert commands.commanded.all()
+        np.testing.assert_allclose(commands.vectors, before + correction, atol=1e-12)
+    assert before.any()
+
+
+@pytest.mark.parametrize("actions", [np.zeros((5, 2)), np.zeros(5), np.full((5, 3), np.nan), np.full((5, 3), 0.5)])
+def test_wrong_options_with_corrections_are_refused(actions):
+    batch = Batch(action={"mode": "both"})
+    batch.reset([1])
+    with pytest.raises(ValueError, match="actions: expected an option and a vector for each of 5 rows"):
+        batch.step(actions)
+    with pytest.raises(ValueError, match=r"options\[0\]: expected 0\.\.2, got 3"):
+        batch.step(np.full((5, 3), 3.0))
+
+
 @pytest.mark.parametrize("actions", [np.zeros((5, 3)), np.zeros(5), np.full((5, 2), np.nan)])
 def test_wrong_vectors_are_refused(actions):
     batch = velocity_batch()

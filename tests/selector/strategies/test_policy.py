@@ -45,6 +45,14 @@ def test_outputs_are_those_of_the_network(tmp_path, activation, hidden):
     np.testing.assert_array_equal(chosen[clear], expected.argmax(axis=1)[clear])
 
 
+def test_a_policy_that_steers_is_no_strategy_and_one_that_gives_nothing_is_refused(tmp_path):
+    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, vector=True)
+    with pytest.raises(DocumentError, match="expected a policy that chooses options only, got one that steers"):
+        strategy_of(tmp_path)
+    with pytest.raises(ValueError, match="options: expected at least one, or a vector, got none"):
+        untrained("Goal", (), OBSERVATIONS)
+
+
 @pytest.mark.parametrize("activation", ["tanh", "relu"])
 def test_outputs_are_those_of_torch(tmp_path, activation):
     torch = pytest.importorskip("torch", reason="torch is not installed (extra train)")

@@ -9,9 +9,12 @@ import yaml
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
+from selector.strategies.policy_file import save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
+from tests.selector.strategies.policies import untrained
 from train.evaluation.entrants import entrants_of, identified, member_pilot, unlearned
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.evaluation.repeat_trial import trial_steps
@@ -103,6 +106,37 @@ def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahe
         assert (record.result.garbage_done, record.result.completed) == (last["garbage_done"], last["completed"])
         assert record.result.duration_s == last["duration_s"]
     assert sum(1 for _ in trial_steps(task)) == task.run()[0].result.ticks
+
+
+def constant(folder, batch, options, vector):
+    """Write a policy that always prefers the second option and gives a vector, where it has them; return its name."""
+    policy = untrained("AvoidCollision", options, batch.observer.names, hidden=(), vector=vector is not None)
+    for weights in policy.weights.values():
+        weights[:] = 0.0
+    if options:
+        policy.weights["options.bias"][1] = 1.0
+    if vector is not None:
+        policy.weights["vector.bias"][:] = vector
+    directory = folder / f"policy-{len(options)}-{vector}"
+    save_policy(directory, policy)
+    return f"policy:{directory}"
+
+
+def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(folder, ahead):
+    plain, steered = Batch(family="table1"), Batch("table1", action={"mode": "velocity"})
+    options = plain.options["AvoidCollision"]
+    Path("ahead.const").write_text("0.75 0.125")  # the same in float32
+    steering = constant(folder, steered, (), [0.75, 0.125])
+    still, moved = (constant(folder, plain, options, vector) for vector in ([0.0, 0.0], [0.3, 0.0]))
+    request = FamilyRequest("table1", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
+    tasks = FamilyEvaluation(request).tasks(())[:5]
+    assert [task.action.mode for task in tasks] == ["velocity", "velocity", "option", "both", "both"]
+    runs = [[record.result for record in task.run()] for task in tasks]
+    assert runs[0] == runs[1]
+    assert runs[2] == runs[3] != runs[4]
+    for member in (steering, still):
+        with pytest.raises(DocumentError, match="expected a strategy that chooses options, got one that steers"):
+            member_pilot(member, PROBLEM, TEAMS)
 
 
 def test_strategies_see_the_terms_of_a_family(folder):

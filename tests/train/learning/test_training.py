@@ -10,10 +10,11 @@ import pytest
 from rich.console import Console
 
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore
 from selector.strategies.policy import Network
-from selector.strategies.problem import Problem
+from tests.clean_swarm_env.courses import mission
 from tests.train.learning.trainings import job, written
 from train.learning import session
 from train.learning.by_rewards import Credit
@@ -22,7 +23,8 @@ from train.learning.curriculum import VALIDATION_SEED, Curriculum
 
 pytest.importorskip("stable_baselines3")
 
-RESULTS = {"ppo": ("ppo", "policy/policy.safetensors")}
+POLICY = ("ppo", "policy/policy.safetensors")
+RESULTS = dict.fromkeys(("ppo", "both"), POLICY)
 BANDIT = ("bandit", "strategy.safetensors")
 TIMEOUT = 400.0
 
@@ -38,7 +40,7 @@ def finish(words):
     return done
 
 
-@pytest.mark.parametrize("kind", ["ppo", "bandit", "missions"])
+@pytest.mark.parametrize("kind", ["ppo", "both", "bandit", "missions"])
 def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
     config = written(tmp_path, kind)
     learner, learned = RESULTS.get(kind, BANDIT)
@@ -110,25 +112,86 @@ def test_rewards_are_credited_up_to_the_horizon_and_not_beyond_the_mission():
     assert (paid.options.tolist(), paid.rewards.tolist(), paid.contexts.tolist()) == ([0], [6.0], [[0.3]])
 
 
-def test_the_exported_policy_decides_as_the_trained_one(tmp_path):
+@pytest.mark.parametrize("kind", ["ppo", "team", "both", "velocity"])
+def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp_path, kind):
     import torch
 
-    from train.learning.ppo import PpoTraining
+    from train.learning.ppo.training import PpoTraining
 
-    config = load_training(str(written(tmp_path, "ppo")), "ppo")
+    config = load_training(str(written(tmp_path, kind)), "ppo")
     training = PpoTraining(job(config, tmp_path / "run"))
     training.advance()
-    policy = training.policy()
-    seen = np.random.default_rng(0).uniform(-1.0, 1.0, (50, len(policy.spec.observations))).astype(np.float32)
+    policy, model = training.policy(), training.model.policy
+    own = len(policy.spec.observations)
+    seen = np.random.default_rng(0).uniform(-1.0, 1.0, (50, *training.normal.observation_space.shape))
+    seen = seen.astype(np.float32)
     normal = torch.as_tensor(training.normal.normalize_obs(seen))
     with torch.no_grad():
-        expected = training.model.policy.get_distribution(normal).distribution.logits.numpy()
-    problem = Problem(
-        policy.spec.goal, policy.spec.options, np.zeros(len(policy.spec.options)), policy.spec.observations
+        expected = model.action_net(model.mlp_extractor.forward_actor(normal)).numpy()
+        likeliest = model.get_distribution(normal).mode().numpy().reshape(50, -1)
+        values = model.predict_values(normal)
+        normal[:, own:] = 0.0
+        assert torch.equal(model.predict_values(normal), values) == (kind == "ppo")
+    heads = Network(policy.ordered_for(training.goal.problem, "here")).heads(seen[:, :own].astype(np.float64))
+    assert list(heads) == {"both": ["options", "vector"], "velocity": ["vector"]}.get(kind, ["options"])
+    np.testing.assert_allclose(np.hstack(list(heads.values())), expected, atol=1e-4)
+    decided = [heads["options"].argmax(axis=1)[:, None]] if "options" in heads else []
+    np.testing.assert_allclose(
+        np.hstack(decided + [heads[name] for name in heads if name == "vector"]), likeliest, atol=1e-4
     )
-    outputs = Network(policy.ordered_for(problem, "here")).outputs(seen.astype(np.float64))
-    outputs -= np.log(np.exp(outputs).sum(axis=1, keepdims=True))  # torch gives normalised ones
-    np.testing.assert_allclose(outputs, expected, atol=1e-4)
+
+
+def test_an_option_and_a_vector_are_drawn_as_their_densities_say():
+    import torch
+
+    from train.learning.ppo.networks import OptionAndVector
+
+    torch.manual_seed(1)
+    outputs, deviations = torch.tensor([[0.0, 1.0, 2.0, 0.5, -0.5]]), torch.tensor([-1.0, 0.0])
+    drawn = OptionAndVector(3).proba_distribution(outputs.expand(20_000, -1), deviations)
+    actions = drawn.sample()
+    option, vector = (
+        torch.distributions.Categorical(logits=outputs[:, :3]),
+        torch.distributions.Normal(outputs[:, 3:], deviations.exp()),
+    )
+    expected = option.log_prob(actions[:, 0]) + vector.log_prob(actions[:, 1:]).sum(dim=1)
+    torch.testing.assert_close(drawn.log_prob(actions), expected)
+    torch.testing.assert_close(drawn.entropy()[:1], option.entropy() + vector.entropy().sum(dim=1))
+    shares = torch.bincount(actions[:, 0].long(), minlength=3) / len(actions)
+    torch.testing.assert_close(shares, option.probs[0], atol=0.02, rtol=0.0)
+    torch.testing.assert_close(actions[:, 1:].mean(dim=0), outputs[0, 3:], atol=0.05, rtol=0.0)
+    assert drawn.mode()[0].tolist() == [2.0, 0.5, -0.5]
+
+
+def test_the_critic_sees_the_state_of_its_world_also_at_the_end_of_a_mission():
+    from train.learning.ppo.worlds import TeamEnv
+
+    batches = [Batch(mission(time_limit=3.0 + k), worlds=2 - k) for k in range(2)]
+    own, names = batches[0].width, batches[0].global_state().names
+    envs = TeamEnv(batches)
+    envs.seed(1)
+    seen, ended = envs.reset(), 0
+    for period in range(1, 9):
+        states = np.concatenate([np.repeat(batch.global_state().now(), 5, axis=0) for batch in batches])
+        assert np.array_equal(seen[:, own:], states)
+        seen, _, over, infos = envs.step(np.zeros(15, np.int64))
+        assert over.tolist() == [period % 3 == 0] * 10 + [period % 4 == 0] * 5
+        for row in np.flatnonzero(over):
+            last = dict(zip(names, infos[row]["terminal_observation"][own:], strict=True))
+            places = [seen[row, own + names.index(f"robot_{row % 5}_{axis}")] for axis in "xy"]
+            assert last["time"] == 1.0
+            assert [last[f"robot_{row % 5}_{axis}"] for axis in "xy"] != places
+            ended += 1
+    assert ended == 2 * 10 + 2 * 5
+
+
+def test_a_critic_of_the_team_needs_families_with_states_alike(tmp_path):
+    from train.learning.ppo.training import PpoTraining
+
+    tasks = [{"family": "random", "worlds": 1}, {"family": "crowded", "worlds": 1}]
+    config = load_training(str(written(tmp_path, "team", tasks=tasks)), "ppo")
+    with pytest.raises(DocumentError, match=r"critic: expected families of as many robots .*, got 5 and 10, 20 and 20"):
+        PpoTraining(job(config, tmp_path / "run"))
 
 
 def test_learned_scores_go_to_the_knowledge_store(tmp_path):

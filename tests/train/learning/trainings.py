@@ -17,6 +17,11 @@ COMMON = {
 }
 KINDS = {
     "ppo": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}},
+    "team": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8], "critic": "team"}},
+    "both": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8], "critic": "team", "action": "both"}},
+    "velocity": {
+        "ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [], "critic": "team", "action": "velocity"}
+    },
     "bandit": {
         "bandit": {
             "strategy": {"name": "LinearThompson"},

@@ -14,19 +14,25 @@ from selector.strategies.problem import Problem
 
 
 def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[str, Any]) -> TrainedPolicy:
-    """Return the network of `model` as a policy for a problem; `training` describes the training."""
+    """Return the network of `model` as a policy for a problem; `training` describes the training.
+
+    The policy sees the features of the problem, which come first in what `normal` gives.
+    """
     statistics = normal.obs_rms
     assert isinstance(statistics, RunningMeanStd)
-    state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model)}
-    hidden = tuple(state[f"hidden.{k}.bias"].shape[0] for k in range(len(state) // 2 - 1))
+    own = len(problem.features)
+    options = () if model.action_space.shape == (2,) else problem.options
+    state = {name: np.array(tensor.detach().numpy(), dtype=np.float32) for name, tensor in _layers(model, len(options))}
+    hidden = tuple(array.shape[0] for name, array in state.items() if name.startswith("hidden.") and array.ndim == 1)
     spec = PolicySpec(
         goal=problem.goal,
-        options=problem.options,
+        options=options,
+        vector="vector.bias" in state,
         observations=problem.features,
         hidden=hidden,
         activation="tanh",
-        mean=tuple(float(value) for value in statistics.mean),
-        variance=tuple(float(value) for value in statistics.var),
+        mean=tuple(float(value) for value in statistics.mean[:own]),
+        variance=tuple(float(value) for value in statistics.var[:own]),
         epsilon=float(normal.epsilon),
         clip=float(normal.clip_obs),
         training=training,
@@ -34,8 +40,11 @@ def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[
     return TrainedPolicy(spec, state)
 
 
-def _layers(model: PPO) -> list[tuple[str, Any]]:
-    """Return the arrays of the layers of the policy, with their names in a policy file."""
+def _layers(model: PPO, options: int) -> list[tuple[str, Any]]:
+    """Return the arrays of the layers of the policy, with their names in a policy file.
+
+    Outputs are those of so many `options`, and after them those of a vector.
+    """
     state = model.policy.state_dict()
     path = "mlp_extractor.policy_net."
     names = [name for name in state if name.startswith(path) and name.endswith("weight")]
@@ -43,4 +52,8 @@ def _layers(model: PPO) -> list[tuple[str, Any]]:
     layers = []
     for k, (_, name) in enumerate(weights):
         layers += [(f"hidden.{k}.weight", state[name]), (f"hidden.{k}.bias", state[name.replace("weight", "bias")])]
-    return [*layers, ("options.weight", state["action_net.weight"]), ("options.bias", state["action_net.bias"])]
+    for part in ("weight", "bias"):
+        outputs = state[f"action_net.{part}"]
+        heads = {"options": outputs[:options], "vector": outputs[options:]}
+        layers += [(f"{name}.{part}", each) for name, each in heads.items() if len(each)]
+    return layers

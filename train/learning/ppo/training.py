@@ -12,24 +12,23 @@ from typing import Any
 
 import numpy as np
 import torch
-from gymnasium.spaces import Discrete
-from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecEnvWrapper, VecNormalize
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+from stable_baselines3.common.vec_env import VecNormalize
 
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import TrainedPolicy, save_policy
+from selector.strategies.problem import Problem
 from train.learning.config import PpoConfig
-from train.learning.policy_export import exported
+from train.learning.ppo.export import exported
+from train.learning.ppo.networks import RobotPolicy
+from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
 from train.learning.training import Training, TrainingJob
 from train.learning.validation import CheckpointHistory
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import PilotMaker, PolicyPilot
+from train.running.pilots import PilotMaker, policy_pilot
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
@@ -54,9 +53,10 @@ class PpoTraining(Training):
         assert job.config.ppo is not None
         self.settings = job.config.ppo
         self._costs: list[float] = []
-        self._envs = RobotVecEnv(batches=self.curriculum.batches)
-        self.normal = VecNormalize(OneGoalEnv(self._envs, self.goal), gamma=self.settings.discount)
-        self.model = _model(self.settings, self.normal, job.seed)
+        batches = self.curriculum.batches
+        envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
+        self.normal = VecNormalize(OneGoalEnv(envs, self.goal, self.settings.action), gamma=self.settings.discount)
+        self.model = _model(self.settings, self.normal, self.goal.problem, job.seed)
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
@@ -104,7 +104,7 @@ class PpoTraining(Training):
 
     def _pilot_maker(self) -> PilotMaker:
         policy = self.policy()
-        return lambda problem, _: PolicyPilot(policy, problem)
+        return lambda problem, _: policy_pilot(policy, problem)
 
     def _weights(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
@@ -155,31 +155,11 @@ class PpoTraining(Training):
         self.write_history()
 
 
-class OneGoalEnv(VecEnvWrapper):
-    """An environment whose actions are the options of one goal; other goals keep the option of the highest score."""
-
-    def __init__(self, envs: RobotVecEnv, goal: DecidedGoal) -> None:
-        super().__init__(envs, action_space=Discrete(len(goal.problem.options)))
-        self._goal = goal
-
-    def reset(self) -> VecEnvObs:
-        """Begin all episodes."""
-        return self.venv.reset()
-
-    def step_async(self, actions: NDArray[Any]) -> None:
-        """Send the option (R,) of each robot for the goal to the worlds."""
-        self.venv.step_async(self._goal.actions(actions))
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the results of the step."""
-        return self.venv.step_wait()
-
-
-def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
+def _model(settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int) -> PPO:
     layers = list(settings.hidden)
     set_random_seed(_derived(seed, -1))  # the argument of PPO would also seed the worlds
     return PPO(
-        "MlpPolicy",
+        RobotPolicy,
         env,
         n_steps=settings.steps,
         batch_size=settings.minibatch,
@@ -191,7 +171,12 @@ def _model(settings: PpoConfig, env: VecNormalize, seed: int) -> PPO:
         ent_coef=settings.entropy,
         vf_coef=settings.value,
         max_grad_norm=settings.gradient,
-        policy_kwargs={"net_arch": {"pi": layers, "vf": layers}},
+        policy_kwargs={
+            "net_arch": {"pi": layers, "vf": layers},
+            "log_std_init": float(np.log(settings.deviation)),
+            "own": len(problem.features),
+            "options": len(problem.options) if settings.action == "both" else 0,
+        },
         device="cpu",
     )
 

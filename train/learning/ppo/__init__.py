@@ -1,0 +1,1 @@
+"""Learning by PPO of Stable-Baselines3; imports torch."""
