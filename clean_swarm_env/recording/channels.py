@@ -6,15 +6,14 @@ as differences in time. `docs/recordings.md` describes the bytes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from math import prod
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.recording.stepping import WholeNumbers, pack_columns, round_values
-from selforg.arrays import Ints
+from clean_swarm_env.recording.stepping import WholeNumbers, round_values
 
 LARGEST_WHOLE: Final = 2**30 - 1
 """Largest whole number that a channel holds; what is beyond is kept as this number."""
@@ -44,11 +43,11 @@ class Channel:
     @property
     def columns(self) -> int:
         """How many numbers a frame has, K."""
-        return int(np.prod(self.shape, dtype=np.int64))
+        return prod(self.shape)
 
     def as_mapping(self) -> dict[str, Any]:
         """Return the fields as plain data."""
-        return asdict(self)
+        return dict(vars(self))
 
     def whole(self, values: AnyArray) -> WholeNumbers:
         """Return values (T, ...) as whole numbers (T, K); NaN is 0."""
@@ -78,35 +77,24 @@ def point_channels(name: str, axes: tuple[tuple[str, int], ...], about: str, ord
     return Channel(x, names, shape, MILLI, order, "m", about), Channel(y, names, shape, MILLI, order, "m", about)
 
 
-def packed_frames(
-    channels: Sequence[Channel], frames: WholeNumbers, still: Sequence[bool] | None = None
-) -> tuple[list[tuple[int, int]], bytes]:
-    """Return the bytes of T >= 1 frames (T, K) of whole numbers, the columns of one channel after those of another.
+class PackedFrames(NamedTuple):
+    """T >= 1 frames as bytes: of each channel the first frame, which columns change, and their differences in time."""
 
-    For each channel also how many columns change, and the width of a number. In the bytes of a channel the first frame
-    comes first, as K numbers int32. A bit for each column follows, 1 where it changes. The differences in time of the
-    columns that change come last, column by column: the lowest byte of all, then the next one.
-
-    still: the channels that stay, whatever stands in their later frames; none unless given.
-    """
-    stay = still or [False] * len(channels)
-    layout: Ints = np.array([(each.columns, each.order, stays) for each, stays in zip(channels, stay, strict=True)])
-    changed: WholeNumbers = np.zeros(frames.shape[1], dtype=np.int32)
-    sizes: Ints = np.empty((len(channels), 2), dtype=np.int64)
-    steps = np.empty((layout[:, 0].max(), len(frames) - 1), dtype=np.int32)
-    content = np.empty(frames.nbytes + sum(-(-channel.columns // 8) for channel in channels), dtype=np.uint8)
-    used = pack_columns(np.ascontiguousarray(frames), layout, changed, steps, sizes, content)
-    return [(changing, width) for changing, width in sizes.tolist()], content[:used].tobytes()
+    frames: int
+    """T."""
+    sizes: list[tuple[int, int]]
+    """For each channel how many columns change, and the width of a number."""
+    content: bytes
 
 
 def packed_bytes(sizes: tuple[int, int, int, int]) -> int:
-    """Return how many bytes `packed_frames` makes of a channel; `sizes` as in `unpacked_frames`."""
+    """Return how many bytes `pack_steps` makes of a channel; `sizes` as in `unpacked_frames`."""
     frames, count, changed, width = sizes
     return 4 * count + -(-count // 8) + changed * (frames - 1) * width
 
 
 def unpacked_frames(content: memoryview, sizes: tuple[int, int, int, int], order: int) -> tuple[WholeNumbers, int]:
-    """Return the whole numbers (T, K) of a channel that `packed_frames` packed, and the number of bytes that they took.
+    """Return the whole numbers (T, K) of a channel that `pack_steps` packed, and the number of bytes that they took.
 
     sizes: T, K, how many columns change, and the width of a number.
     """

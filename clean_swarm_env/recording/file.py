@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.channels import Channel, packed_frames
-from clean_swarm_env.recording.stepping import WholeNumbers
+from clean_swarm_env.recording.channels import Channel, PackedFrames
 
 SUFFIX: Final = ".swarm"
 MAGIC: Final = b"\x93SWARM\r\n"
@@ -41,7 +40,7 @@ class RecordingFile:
     """
 
     def __init__(self, path: Path, head: Mapping[str, Any], channels: Sequence[Channel]) -> None:
-        self.path, self._channels = path, channels
+        self.path = path
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file: IO[bytes] = path.open("wb")
@@ -50,14 +49,9 @@ class RecordingFile:
         self.beginning = beginning_of(head, channels)
         self._write(self.beginning)
 
-    def add(
-        self, first: int, frames: WholeNumbers, notes: Mapping[str, Any], still: Sequence[bool] | None = None
-    ) -> bytes:
-        """Append frames (T, K) from number `first` on, whole numbers of all channels; return the block.
-
-        `notes` is plain data. `still`: the channels of which only the first frame is looked at, because they stay.
-        """
-        block = part_of(self._channels, first, frames, notes, still)
+    def add(self, first: int, packed: PackedFrames, notes: Mapping[str, Any]) -> bytes:
+        """Append frames from number `first` on; return the block. `notes` is plain data."""
+        block = part_of(first, packed, notes)
         self._write(block)
         return block
 
@@ -78,17 +72,10 @@ def beginning_of(head: Mapping[str, Any], channels: Sequence[Channel]) -> bytes:
     return MAGIC + struct.pack("<I", FORMAT_VERSION) + _block(HEAD, _json(described))
 
 
-def part_of(
-    channels: Sequence[Channel],
-    first: int,
-    frames: WholeNumbers,
-    notes: Mapping[str, Any],
-    still: Sequence[bool] | None = None,
-) -> bytes:
+def part_of(first: int, packed: PackedFrames, notes: Mapping[str, Any]) -> bytes:
     """Return the block of frames; the arguments are those of `RecordingFile.add`."""
-    sizes, content = packed_frames(channels, frames, still)
-    directory = _json({"first": first, "frames": len(frames), "sizes": sizes, **notes})
-    return _block(PART, struct.pack("<I", len(directory)) + directory + content)
+    directory = _json({"first": first, "frames": packed.frames, "sizes": packed.sizes, **notes})
+    return _block(PART, struct.pack("<I", len(directory)) + directory + packed.content)
 
 
 def end_of(result: Mapping[str, Any]) -> bytes:

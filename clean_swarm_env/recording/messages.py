@@ -32,8 +32,6 @@ class DepositLog:
     def __init__(self, buffers: Mapping[str, SoBuffer], rows: int) -> None:
         self.deposits: Ints = np.zeros(rows, dtype=np.int64)
         self._bits: dict[tuple[str, bytes, int, int], int] = {}
-        self._left: tuple[str, bytes, bytes] | None = None  # what was left last
-        self._bit = 0  # its bit
         self.kinds: list[dict[str, Any]] = []
         self._buffers = buffers
         for name, buffer in buffers.items():
@@ -49,10 +47,7 @@ class DepositLog:
             buffer.on_deposit = None
 
     def _note(self, name: str, rows: Ints, message: Floats, tag: Ints) -> None:
-        left = name, message.tobytes(), tag.tobytes()
-        if left != self._left:
-            self._left, self._bit = left, self._bit_of(name, message, tag)
-        mark_rows(self.deposits, rows, self._bit)
+        mark_rows(self.deposits, rows, self._bit_of(name, message, tag))
 
     def _bit_of(self, name: str, message: Floats, tag: Ints) -> int:
         """Return the bit of a kind of deposits, a new one for a new kind."""

@@ -18,7 +18,7 @@ from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points
 from clean_swarm_env.recording.stepping import copy_poses
-from clean_swarm_env.recording.taking import Sampled, fillers_of, waiting_frames
+from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
@@ -49,10 +49,8 @@ class _Running:
     """A mission that is being recorded."""
 
     file: RecordingFile
-    begun: int
-    """Place of the first frame that is not written yet."""
     first: int
-    """Number of this frame."""
+    """Number of the first frame that is not written yet."""
 
 
 class MissionRecorder:
@@ -81,15 +79,8 @@ class MissionRecorder:
         sampled += [self._opinion(c) for c in worlds.coordinators if settings.thinking]
         minds = Thinking(worlds.network, worlds.coordinators, worlds.minds.nested)
         sampled += mind_arrays(worlds.robots, minds) if settings.minds else []
-        self._channels = [each.channel for each in sampled]
-        self._prepare = [each.prepare for each in sampled if each.prepare is not None]
-        self._always, self._of_option = fillers_of(sampled, worlds.worlds)
-        self._frames = waiting_frames(worlds.worlds, self._channels)
-        self.room = self._frames.shape[1]
-        self._options = [each.option for each in sampled]
-        self._moved: set[tuple[int, int]] = set()  # options that a robot has held in the frames that wait
+        self.frames = WaitingFrames(sampled, worlds.worlds)
         self._begun = False  # whether a mission has begun since the last frame
-        self._at = 0
         self._joined = worlds.team.joined.tobytes()
         self._networks = networks_of(minds) if settings.minds else {}
         self._by_hand: list[dict[str, Any]] = []  # what was done by hand and is not in the file yet
@@ -120,7 +111,8 @@ class MissionRecorder:
         }
         facts |= self._networks
         path = self._path(facts["about"])
-        self._running[world] = _Running(RecordingFile(path, facts, self._channels), self._at, 0)
+        self._running[world] = _Running(RecordingFile(path, facts, self.frames.channels), 0)
+        self.frames.begin(world)
         self._ends[world], self._begun = self._ticks + tick_limit(mission), True
         self._joined = worlds.team.joined.tobytes()
         self._messages.begin()
@@ -140,23 +132,19 @@ class MissionRecorder:
         """Record the tick that the worlds have just run."""
         if not self._running:
             return
-        worlds, at = self.worlds, self._at
+        worlds = self.worlds
         if worlds.team.joined.tobytes() != self._joined:
             self._note_joined()
-        for prepare in self._prepare:
-            prepare()
-        if self._of_option:
-            self._take_options()
-        self._always.fill(self._frames, at)
+        self.frames.take(None if self._begun else [coordinator.used for coordinator in worlds.coordinators])
+        self._begun = False
         self._messages.begin()
         self._note_poses()
-        self._at += 1
         self._ticks += 1
         cleaned = worlds.cleaned.tolist()
         if True in cleaned or self._ticks >= min(self._ends.values()):
             for world in [w for w in self._running if cleaned[w] or self._ticks >= self._ends[w]]:
                 self._end(world, asdict(result_of(worlds, world)))
-        if self._at == self.room:
+        if self.frames.at == self.frames.room:
             self._write_all()
 
     @property
@@ -166,11 +154,8 @@ class MissionRecorder:
 
     def latest(self, notes: Mapping[str, Any]) -> bytes:
         """Return the last frame of the only world as the block of a recording, with `notes`, for those who look on."""
-        first, frame = int(self.worlds.ticks[0]) - 1, self._frames[0, [(self._at - 1) % self.room]]
-        for option, filler in self._of_option.items():
-            if option not in self._moved:
-                frame[:, filler.columns] = self._frames[0, 0, filler.columns]
-        return part_of(self._channels, first, frame, {"deposits": self._messages.kinds, **notes})
+        first = int(self.worlds.ticks[0]) - 1
+        return part_of(first, self.frames.latest(0), {"deposits": self._messages.kinds, **notes})
 
     def close(self) -> None:
         """Write all frames that are not in a file yet, and end all files."""
@@ -207,25 +192,6 @@ class MissionRecorder:
             self._poses[rows, 2] = directions(own[:, c.POSE_HEADING : c.POSE_HEADING + 2])
         self._joined = worlds.team.joined.tobytes()
 
-    def _take_options(self) -> None:
-        """Take the networks of options that may have changed.
-
-        What belongs to an option that no robot has held in the frames that wait is in the first of them only.
-        """
-        frames, at, moved = self._frames, self._at, self._moved
-        used = {(c, k) for c, coordinator in enumerate(self.worlds.coordinators) for k in coordinator.used}
-        for option, filler in self._of_option.items():
-            filled, own = self._begun or option in used, filler.columns
-            if filled and at and option not in moved:
-                frames[:, 1:at, own] = frames[:, :1, own]
-            if filled:
-                filler.fill(frames, at)
-            elif option in moved:
-                frames[:, at, own] = frames[:, at - 1, own]
-            if option in used or (filled and at):
-                moved.add(option)
-        self._begun = False
-
     def _path(self, about: Mapping[str, Any]) -> Path:
         words = (str(about[name]) for name in ("scenario", "condition") if about.get(name))
         stem = self.settings.name.removesuffix(SUFFIX) or re.sub(r"[^\w.#+=-]+", "_", "-".join(words))
@@ -245,20 +211,13 @@ class MissionRecorder:
     def _write_all(self) -> None:
         for world in self._running:
             self._write(world)
-            self._running[world].begun = 0
-        for own in (self._of_option[option].columns for option in self._moved):
-            self._frames[:, 0, own] = self._frames[:, self._at - 1, own]
-        self._moved.clear()
-        self._at = 0
+        self.frames.restart(self._running)
 
     def _write(self, world: int) -> None:
         """Write the frames of a world that are not in its file yet."""
         running = self._running[world]
-        frames = self._frames[world, running.begun : self._at]
-        if len(frames):
-            notes = {"deposits": self._messages.kinds, "by_hand": self._by_hand}
-            still = [option is not None and option not in self._moved for option in self._options]
-            running.file.add(running.first, frames, notes, still)
+        if self.frames.waiting(world):
+            notes, packed = {"deposits": self._messages.kinds, "by_hand": self._by_hand}, self.frames.pack(world)
+            running.file.add(running.first, packed, notes)
             self._by_hand.clear()
-            running.first += len(frames)
-            running.begun = self._at
+            running.first += packed.frames

@@ -12,8 +12,8 @@ from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile
 from clean_swarm_env.recording.messages import DepositLog
 from clean_swarm_env.recording.sampled import Thinking, mind_arrays, networks_of, points
-from clean_swarm_env.recording.stepping import WholeNumbers, copy_poses
-from clean_swarm_env.recording.taking import Sampled, fillers_of, waiting_frames
+from clean_swarm_env.recording.stepping import copy_poses
+from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
 from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import ServedTeam
@@ -32,7 +32,7 @@ class SceneFrames:
         option: the option that serves the goal, or what else the robots do.
 
     Attributes:
-        channels: what every frame holds.
+        frames: those that wait for being written.
 
     """
 
@@ -46,11 +46,8 @@ class SceneFrames:
         self._poses: Floats = np.zeros((rows, 3))
         self._cargo: Ints = np.full(rows, NOTHING)
         self._contacts, self._entered = np.zeros(rows, dtype=np.int64), scene.arena.entered.copy()
-        sampled = list(self._sampled())
-        self.channels = tuple(each.channel for each in sampled)
-        always, of_option = fillers_of(sampled, scene.arena.worlds)
-        self._prepare = [each.prepare for each in sampled if each.prepare is not None]
-        self._fillers = always, *of_option.values()
+        self.frames = WaitingFrames(list(self._sampled()), scene.arena.worlds)
+        self.frames.restart(range(scene.arena.worlds))
         self.note_poses()
 
     @property
@@ -62,17 +59,14 @@ class SceneFrames:
         """Keep the poses, at which the next control period begins; call it after they were changed by hand."""
         copy_poses(self._scene.arena.positions, self._scene.arena.headings, self._poses)
 
-    def take(self, frames: WholeNumbers, at: int) -> None:
-        """Fill frame `at` of `frames` (W, T, K) with the control period that has just been run."""
+    def take(self) -> None:
+        """Take the control period that has just been run."""
         arena = self._scene.arena
         np.subtract(arena.entered, self._entered, out=self._contacts)
         self._entered[:] = arena.entered
         if self._team is not None and CARRYING in self._team.memory.kinds:
             self._cargo[:] = np.where(self._team.memory[CARRYING].values == 1.0, 0, NOTHING)
-        for prepare in self._prepare:
-            prepare()
-        for filler in self._fillers:
-            filler.fill(frames, at)
+        self.frames.take()
         self._log.begin()
         self.note_poses()
 
@@ -152,20 +146,19 @@ class SceneRecorder:
     """
 
     def __init__(self, scene: Scene, option: str, directory: Path, seeds: Sequence[int]) -> None:
-        self._frames_of, self._at, self._written = SceneFrames(scene, option), 0, 0
-        channels = self._frames_of.channels
-        self._frames = waiting_frames(len(seeds), channels)
+        self._frames_of, self._written = SceneFrames(scene, option), 0
+        self._frames = self._frames_of.frames
         self.paths = [directory / f"{scene.goal}-{option}-seed{seed}{SUFFIX}" for seed in seeds]
         heads = (
             self._frames_of.head(world, {"scenario": f"seed {seed}", "seed": seed}) for world, seed in enumerate(seeds)
         )
+        channels = self._frames.channels
         self._files = [RecordingFile(path, head, channels) for path, head in zip(self.paths, heads, strict=True)]
 
     def take(self) -> None:
         """Record the control period that has just been run."""
-        self._frames_of.take(self._frames, self._at)
-        self._at += 1
-        if self._at == self._frames.shape[1]:
+        self._frames_of.take()
+        if self._frames.at == self._frames.room:
             self._write()
 
     def close(self) -> None:
@@ -177,7 +170,8 @@ class SceneRecorder:
 
     def _write(self) -> None:
         """Write the frames that are in no file yet."""
-        if self._at:
-            for file, frames in zip(self._files, self._frames, strict=True):
-                file.add(self._written, frames[: self._at], self._frames_of.notes)
-        self._written, self._at = self._written + self._at, 0
+        if self._frames.at:
+            for world, file in enumerate(self._files):
+                file.add(self._written, self._frames.pack(world), self._frames_of.notes)
+            self._written += self._frames.at
+            self._frames.restart(range(len(self._files)))

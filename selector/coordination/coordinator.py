@@ -16,8 +16,8 @@ from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Ints, Lasting, together
+from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
-from selforg.components import Commands
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
 
@@ -30,6 +30,7 @@ class Coordinator:
     Attributes:
         held: (R,) the option that each row holds; `hold` changes it.
         contents: (O,) the running configurations of the options.
+        used: the options that any row holds.
         beside: (O,) 1 for those that only steer, which run beside the robot's behaviours and never take a turn.
 
     """
@@ -65,6 +66,7 @@ class Coordinator:
         self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to be reset
         self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those to reset
         self._in_use: list[tuple[int, int]] = []  # options that any row holds, and by how many
+        self.used: tuple[int, ...] = ()
         self._acted: list[RunningConfiguration] = []
         self.reset(np.arange(parent.rows))
 
@@ -108,11 +110,6 @@ class Coordinator:
                 self.contents[k].forget(self._new[k, :count])
         self._list_in_use()
 
-    @property
-    def used(self) -> tuple[int, ...]:
-        """The options that any row holds."""
-        return tuple(k for k, _ in self._in_use)
-
     def _take_turns(self, rows: Ints) -> None:
         """Let the coordinator compete with the other behaviours of `rows` (K,) unless what they hold only steers."""
         if self._some_beside:
@@ -123,6 +120,7 @@ class Coordinator:
 
     def _list_in_use(self) -> None:
         self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]
+        self.used = tuple(k for k, _ in self._in_use)
         if self._radii:
             for k, count in self._in_use:
                 self._poses.radii[self._members[k, :count]] = self._radii[k]
@@ -162,6 +160,19 @@ class Coordinator:
         for content in self._acted:
             content.robots.leave(now)
         self._acted.clear()
+
+
+def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints) -> None:
+    """Give `options` (K, C), or (K,) for one coordinator, to `coordinators` (C,) in `rows` (K,)."""
+    table = np.asarray(options)
+    table = table[:, None] if table.ndim == 1 else table
+    if table.shape != (len(rows), len(coordinators)):
+        goals = ", ".join(coordinator.model.goal for coordinator in coordinators)
+        raise ValueError(
+            f"hold: expected for each of {len(rows)} rows one option for each of {goals}, got shape {options.shape}"
+        )
+    for coordinator, wanted in zip(coordinators, table.T, strict=True):
+        coordinator.hold(rows, wanted)
 
 
 def own_radii(pose: PoseSpec, usual: Sequence[float]) -> list[float]:

@@ -5,8 +5,10 @@ The text fits into 80 columns: a table of the terms of each activation, and a tr
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import Any, Final
 
+import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -14,32 +16,63 @@ from rich.tree import Tree
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
+from selforg.arrays import Flags
 from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount
 from selforg.network.explain.text import TERM_TITLES, header
-from train.evaluation.repeat import Repeated, world_at
+from selforg.space import Torus
+from train.evaluation.repeat import Repeated, steps_until
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short heads of columns, so that the table fits."""
-
-
+STILL: Final = 0.1
+"""Distance within which a robot stays where it is, as in `mind.js` of the replay page [m]."""
+SHORTEST_STAY: Final = 1.0
+"""What is shorter is no stay [s]."""
 Inside = Coordinated | Nested
 
 
-def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep]:
-    """Repeat a run up to `time` [s]; return what run it is, and what the robot decided then."""
+@dataclass(frozen=True)
+class Before:
+    """What led to a step of a robot."""
+
+    stayed_s: float
+    """How long it has stayed within `STILL` of where it is [s]."""
+    running_s: dict[str, float]
+    """How long each behaviour that runs has been running, the step included [s]."""
+
+
+def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep, Before]:
+    """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it."""
     count = task.mission.robots.count
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     names = {"experiment": task.experiment, "scenario": task.scenario, "condition": task.condition, "seed": task.seed}
-    return names, explain_robot(world_at(task, time), robot)
+    places, running = [np.array(task.start.robots[robot][:2])], []
+    for worlds in steps_until(task, time):
+        places.append(worlds.physics.positions[robot].copy())
+        running.append(worlds.network.executing[robot] == 1)
+    step, period = explain_robot(worlds, robot), worlds.period
+    ways = Torus(*worlds.extent).offsets(places[step.step], np.array(places[:-1]))
+    stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1
+    ran = {
+        behaviour.name: round(_latest(np.array(running)[:, b]) * period, 9)
+        for b, behaviour in enumerate(worlds.network.model.behaviours)
+        if running[-1][b]
+    }
+    return names, step, Before(round(stayed * period, 9), ran)
 
 
-def as_json(names: dict[str, Any], step: RobotStep) -> str:
+def _latest(held: Flags) -> int:
+    """Return for how many of the latest steps (T,) something has held."""
+    return len(held) - 1 - int(np.flatnonzero(~held).max(initial=-1))
+
+
+def as_json(names: dict[str, Any], step: RobotStep, before: Before) -> str:
     """Return a step as a JSON object; `plan` is null without a plan, `inner` if the network inside does not run."""
-    return json.dumps(names | step.as_mapping(), indent=2, allow_nan=False)
+    return json.dumps(names | step.as_mapping() | asdict(before), indent=2, allow_nan=False)
 
 
-def step_on_terminal(names: dict[str, Any], step: RobotStep) -> RenderableType:
+def step_on_terminal(names: dict[str, Any], step: RobotStep, before: Before) -> RenderableType:
     """Return the explanation for a terminal of 80 columns or more."""
     explanation, situation = step.network, names | step.as_mapping()
     inside: tuple[Inside, ...] = (*step.coordinators, *step.networks)
@@ -49,9 +82,10 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep) -> RenderableType:
     due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
     stopped = "a collision stops it for {stopped_s:g} s, this step included" if situation["stopped_s"] else ""
     damaged = "collisions have damaged it" if situation["damaged"] else ""
-    facts = Text(
-        f"{title}\n\n" + "\n".join(filter(None, [stopped.format(**situation), damaged, *header(explanation), due]))
-    )
+    stayed = f"it has stayed within {STILL:g} m for {before.stayed_s:g} s" if before.stayed_s >= SHORTEST_STAY else ""
+    ran = [f"{name} has run for {seconds:g} s" for name, seconds in before.running_s.items()]
+    told = [stayed, "; ".join(ran), stopped.format(**situation), damaged, *header(explanation), due]
+    facts = Text(f"{title}\n\n" + "\n".join(filter(None, told)))
     trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
     inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]
     return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees, *inner)

@@ -14,7 +14,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, place_of, scenario_name
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
@@ -138,6 +138,11 @@ class TrialTask:
     def mission(self) -> MissionConfig:
         """Mission of the first scenario."""
         return self.scenario_of(self.places[0]).mission
+
+    @property
+    def start(self) -> StartConfiguration:
+        """Start of the first mission."""
+        return self.scenario_of(self.places[0]).start
 
     @property
     def mission_seed(self) -> int:

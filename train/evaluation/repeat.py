@@ -105,8 +105,8 @@ def steps_of(task: Repeated) -> Iterator[Worlds]:
         yield course.worlds
 
 
-def world_at(task: Repeated, time: float) -> Worlds:
-    """Return the world of a run just after the control period in which `time` [s] lies.
+def steps_until(task: Repeated, time: float) -> Iterator[Worlds]:
+    """Repeat a run as `steps_of` does, up to the control period in which `time` [s] lies.
 
     Raises:
         ConfigurationError: the mission was not running at this time; the text says when it ended.
@@ -117,8 +117,9 @@ def world_at(task: Repeated, time: float) -> Worlds:
         raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
     worlds = None
     for worlds in steps_of(task):
+        yield worlds
         if worlds.ticks[0] == wanted:
-            return worlds
+            return
     if worlds is None:
         raise ConfigurationError("--time: the mission has nothing to do and is over at once")
     result = result_of(worlds, 0)

@@ -18,7 +18,6 @@ from clean_swarm_env.recording.by_hand import Change, FollowStrategy, HoldOption
 from clean_swarm_env.recording.file import RecordingFile
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.scene_recording import SceneFrames
-from clean_swarm_env.recording.taking import waiting_frames
 from clean_swarm_env.scenes import Setting, find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
 from clean_swarm_env.scenes.served import expertise
@@ -98,7 +97,6 @@ class GoalSession(Session):
         self._team, self._arena = self._play.team, self.scene.arena
         self._names = expert.model.options
         self._frames_of = SceneFrames(self.scene, expert.name)
-        self._frame = waiting_frames(1, self._frames_of.channels)[:, :1]
         told = _GoalPlay(
             goal=played.name,
             option=expert.name,
@@ -107,7 +105,7 @@ class GoalSession(Session):
             files=fingerprints(played.directories),
         )
         head = self._frames_of.head(0, {"seed": played.seed, "play": told.model_dump(mode="json")})
-        self._file = RecordingFile(output, head, self._frames_of.channels)
+        self._file = RecordingFile(output, head, self._frames_of.frames.channels)
         super().__init__(self._file.beginning, CONTROL_PERIOD, played.by_hand)
 
     @property
@@ -162,11 +160,13 @@ class GoalSession(Session):
         self._team.hold(held)
 
     def _run_period(self, notes: Mapping[str, Any]) -> bytes:
-        first = self.ticks
+        first, frames = self.ticks, self._frames_of.frames
         self._frames_of.note_poses()
         self._play.tick()
-        self._frames_of.take(self._frame, 0)
-        return self._file.add(first, self._frame[0], {**self._frames_of.notes, **notes})
+        self._frames_of.take()
+        packed = frames.pack(0)
+        frames.restart((0,))
+        return self._file.add(first, packed, {**self._frames_of.notes, **notes})
 
     def _ended(self) -> Mapping[str, Any] | None:
         return self._frames_of.result(0) if self.scene.over else None

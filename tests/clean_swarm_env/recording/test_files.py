@@ -1,47 +1,111 @@
 """Files of recordings: numbers come back, cut files are read as far as they go, others give one clear line."""
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.channels import LARGEST_WHOLE, Channel, packed_frames, unpacked_frames
+from clean_swarm_env.recording import taking
+from clean_swarm_env.recording.channels import LARGEST_WHOLE, Channel, unpacked_frames
 from clean_swarm_env.recording.file import MAGIC, RecordingFile, blocks_of
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 
 NUMBERS = Channel("numbers", ("robot",), (3,), 1000, 1, "m", "three numbers")
 HEAD = {"period": 0.2, "width": 10.0, "height": 10.0, "robots": 3, "items": 0, "minds": False}
 HEAD |= {"about": {}, "options": {}, "views": {}, "mission": {}}
+NUMBERS_AS_STEPS = replace(NUMBERS, scale=1)
 WHOLE = Channel("whole", (), (), 1, 1, "-", "one whole number")
+
+
+def waiting(whole, channels) -> WaitingFrames:
+    """Frames (T, K) of whole numbers that wait in one world; channels of which each second belongs to option 1."""
+    numbers, at, sampled = whole[0].astype(np.int64), 0, []
+    for k, channel in enumerate(channels):
+        sampled.append(Sampled(channel, numbers[at : at + channel.columns], (0, 1) if k % 2 else None))
+        at += channel.columns
+    frames = WaitingFrames(sampled, 1)
+    frames.begin(0)
+    for frame in whole:
+        numbers[:] = frame
+        frames.take()
+    return frames
+
+
+def unpacked(channels, packed, rest=b"") -> tuple[np.ndarray, bytes]:
+    read, content = [], memoryview(packed.content + rest)
+    for channel, size in zip(channels, packed.sizes, strict=True):
+        back, used = unpacked_frames(content, (packed.frames, channel.columns, *size), channel.order)
+        read.append(back)
+        content = content[used:]
+    return np.concatenate(read, axis=1), bytes(content)
 
 
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("size", [0, 1, 100, 30_000, LARGEST_WHOLE])
-@pytest.mark.parametrize("frames", [1, 2, 50])
-def test_whole_numbers_come_back(order, size, frames):
-    rng = np.random.default_rng(frames)
-    whole = rng.integers(-size, size + 1, (frames, 20)).astype(np.int32)
+@pytest.mark.parametrize("count", [1, 2, 50])
+@pytest.mark.parametrize("by_address", [True, False])
+def test_whole_numbers_come_back(order, size, count, by_address, monkeypatch):
+    monkeypatch.setattr(taking, "BY_ADDRESS", by_address and taking.BY_ADDRESS)
+    rng = np.random.default_rng(count)
+    whole = rng.integers(-size, size + 1, (count, 20)).astype(np.int32)
     whole[:, 3] = 7
-    channels = [Channel(str(count), ("robot",), (count,), 1, order, "-", "") for count in (17, 0, 3)]
-    sizes, content = packed_frames(channels, whole)
-    read, rest = [], memoryview(content + b"rest")
-    for channel, size in zip(channels, sizes, strict=True):
-        back, used = unpacked_frames(rest, (frames, channel.columns, *size), order)
-        read.append(back)
-        rest = rest[used:]
-    np.testing.assert_array_equal(np.concatenate(read, axis=1), whole)
-    assert bytes(rest) == b"rest"
+    channels = [Channel(str(columns), ("robot",), (columns,), 1, order, "-", "") for columns in (17, 0, 3)]
+    frames = waiting(whole, channels)
+    assert unpacked(channels, frames.latest(0))[0].tolist() == whole[-1:].tolist()
+    back, rest = unpacked(channels, frames.pack(0), b"rest")
+    np.testing.assert_array_equal(back, whole)
+    assert rest == b"rest"
 
 
-def test_of_a_channel_that_stays_the_first_frame_is_kept():
+PAIR = [Channel(name, ("robot",), (2,), 1, 1, "-", "") for name in "ab"]
+
+
+def test_a_part_begins_with_the_numbers_of_its_first_frame():
     whole = np.arange(12, dtype=np.int32).reshape(3, 4)
-    pair = [Channel(name, ("robot",), (2,), 1, 1, "-", "") for name in "ab"]
-    sizes, content = packed_frames(pair, whole, [False, True])
-    assert [changing for changing, _ in sizes] == [2, 0]
-    _, used = unpacked_frames(memoryview(content), (3, 2, *sizes[0]), 1)
-    kept, _ = unpacked_frames(memoryview(content)[used:], (3, 2, *sizes[1]), 1)
-    assert kept.tolist() == [[2, 3]] * 3
+    frames = waiting(whole, PAIR)
+    frames.pack(0)
+    frames.restart((0,))
+    frames.take()
+    frames.take()
+    assert unpacked(PAIR, frames.pack(0))[0].tolist() == [whole[-1].tolist()] * 2
+
+
+def test_numbers_of_an_option_that_nobody_holds_stay():
+    numbers = np.arange(4)
+    sampled = [Sampled(PAIR[0], numbers[:2]), Sampled(PAIR[1], numbers[2:], (0, 1))]
+    frames = WaitingFrames(sampled, 1)
+    frames.begin(0)
+    for used in (None, [[0]], [[1]], [[0]]):
+        frames.take(used)
+        numbers += 10
+    assert unpacked(PAIR, frames.pack(0))[0].tolist() == [
+        [0, 1, 2, 3],
+        [10, 11, 2, 3],
+        [20, 21, 22, 23],
+        [30, 31, 22, 23],
+    ]
+
+
+def test_worlds_begin_and_end_on_their_own():
+    numbers = np.array([1, 1, 2, 2])  # two worlds
+    frames = WaitingFrames([Sampled(PAIR[0], numbers)], 2)
+    frames.begin(0)
+    frames.take()
+    frames.begin(1)
+    numbers += 10
+    frames.take()
+    ended = unpacked(PAIR[:1], frames.pack(0))[0]
+    numbers += 10
+    frames.take()
+    assert ended.tolist() == [[1, 1], [11, 11]]
+    assert unpacked(PAIR[:1], frames.pack(1))[0].tolist() == [[12, 12], [22, 22]]
+    frames.begin(0)
+    frames.take()
+    assert frames.waiting(0) == 1
+    assert unpacked(PAIR[:1], frames.pack(0))[0].tolist() == [[21, 21]], "of what was while it was idle nothing is left"
 
 
 def test_values_are_rounded_and_held_within_the_range():
@@ -53,11 +117,8 @@ def test_values_are_rounded_and_held_within_the_range():
 def path(tmp_path):
     file = RecordingFile(tmp_path / "a.swarm", HEAD, (NUMBERS, WHOLE))
     for part in range(3):
-        file.add(
-            10 * part,
-            np.column_stack([np.arange(30).reshape(10, 3) + 30 * part, np.full(10, part)]).astype(np.int32),
-            {"deposits": []},
-        )
+        whole = np.column_stack([np.arange(30).reshape(10, 3) + 30 * part, np.full(10, part)])
+        file.add(10 * part, waiting(whole, (NUMBERS_AS_STEPS, WHOLE)).pack(0), {"deposits": []})
     file.close({"ticks": 30})
     return tmp_path / "a.swarm"
 

@@ -38,7 +38,7 @@ def seen(tmp_path_factory):
     directory = tmp_path_factory.mktemp("recordings")
     course = Course(run_of(), explained=True)
     recorder = MissionRecorder(course.worlds, RecordSettings(directory, minds=True, thinking=True))
-    recorder.room = 64  # several parts
+    recorder.frames.room = 64  # several parts
     path = recorder.begin(0, {"scenario": "1"})
     frames = []
     while course.in_progress:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from selforg.commands import Commands
 from selforg.compiler.decorators import kernel
-from selforg.components import Commands
 from selforg.gradients.poses import PoseDelivery
 from selforg.mechanisms import MECHANISMS, ORCA, PredictiveSteering, SteeringMechanism
 from selforg.mechanisms.kernels.others import OTHER_COLUMNS, note_others

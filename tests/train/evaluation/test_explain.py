@@ -65,6 +65,30 @@ def test_a_repeated_run_comes_to_what_the_evaluation_wrote(evaluated):
         }
 
 
+@pytest.mark.parametrize("time", [0.0, 0.2, 7.0, 30.0])
+def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, told, time):
+    task, step = task_of(evaluated), round(time / 0.2)
+    course = Course(MissionRun(task.mission, task.start, run_seed(5, "1"), task.scores))
+    places, runs = [np.array(task.start.robots)[:, :2]], []
+    while len(runs) <= step:
+        course.tick()
+        places.append(course.worlds.physics.positions.copy())
+        runs.append(course.worlds.network.executing == 1)
+    names = [behaviour.name for behaviour in course.worlds.network.model.behaviours]
+    for robot in range(5):
+        way = np.abs([place[robot] - places[step][robot] for place in places[: step + 1]])
+        away = np.hypot(*np.minimum(way, course.worlds.extent - way).T) >= 0.1
+        since = max([-1, *(k for k in range(step + 1) if away[k])]) + 1
+        code, out, err = told("explain", evaluated, "--robot", robot, "--time", time, "--json")
+        assert code == 0, err
+        shown = json.loads(out)
+        assert shown["stayed_s"] == pytest.approx((step - since) * 0.2)
+        assert shown["running_s"].keys() == {name for b, name in enumerate(names) if runs[step][robot, b]}
+        for name, seconds in shown["running_s"].items():
+            began = max([-1, *(k for k in range(step + 1) if not runs[k][robot, names.index(name)])]) + 1
+            assert seconds == pytest.approx((step - began + 1) * 0.2)
+
+
 def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
     code, out, err = told("explain", evaluated, "--robot", 3, "--time", 4.1)
     assert code == 0, err
@@ -72,6 +96,7 @@ def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
     assert max(map(len, lines)) <= 80
     assert lines[0] == "short, seed 5, RepulsionFernandez, scenario 1"
     assert lines[1].startswith("robot 3 at 4 s (step 20); AvoidCollision by RepulsionFernandez")
+    assert any("has run for" in line for line in lines)
     assert any(line.startswith("plan: [") for line in lines)
     assert any(" of " in line and line.endswith("is due") for line in lines)
     (head,) = (line.split() for line in lines if line.split()[:2] == ["behaviour", "active"])

@@ -171,13 +171,16 @@ def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, r
         step = json.loads(capsys.readouterr().out)
         rows = page.evaluate(
             "[...document.querySelectorAll('[data-network=robot]')].map(row => ({...row.dataset,"
-            " why: row.querySelector('.why').textContent}))"
+            " why: row.querySelector('.why').textContent, ran: row.querySelector('[data-ran]')?.textContent}))"
         )
         assert {row["behaviour"] for row in rows} == {account["name"] for account in step["behaviours"]}
         shown = {row["behaviour"]: row for row in rows}
+        if step["stayed_s"] >= 1.0 and recordings[k]["working"][frame, robot]:
+            assert page.text_content("[data-movement]") == f"It has stayed within 0.1 m for {step['stayed_s']:.1f} s."
         for account in step["behaviours"]:
-            row = shown[account["name"]]
+            row, ran = shown[account["name"]], step["running_s"].get(account["name"])
             assert row["why"] == account["why"]
+            assert row.get("ran") == (None if ran is None else f"for {ran:.1f} s")
             assert (row["running"] == "1") == account["running"]
             assert float(row["activation"]) == pytest.approx(account["activation"], abs=0.00051)
             parts = [float(part) for part in row["parts"].split(" ")]

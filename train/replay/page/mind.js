@@ -42,6 +42,17 @@ function needsOf(run, prefix, frame, robot, b) {
   return told.length ? `needs ${told.map((need) => need.text).join("; ")}` : "";
 }
 
+/**
+ * Return for how long a behaviour of the robot's network has been running [s], the step included.
+ * @param {Run} run @param {number} frame @param {number} robot @param {number} b
+ */
+function ranFor(run, frame, robot, b) {
+  const at = robot * (run.head.networks?.robot.behaviours.length ?? 0) + b;
+  let since = frame;
+  while (since >= 0 && valueAt(run, "robot/running", since, at)) since--;
+  return (frame - since) * run.head.period;
+}
+
 /** Return a bar of signed parts around a middle, as HTML. @param {number[]} parts @param {number} most */
 function stacked(parts, most) {
   let up = 0, down = 0, bars = "";
@@ -115,7 +126,8 @@ function networkOf(run, prefix, frame, robot) {
     const running = valueAt(run, `${prefix}/running`, frame, robot * count + b), ready = valueAt(run, `${prefix}/ready`, frame, robot * count + b);
     return `<tr class="${running ? "run" : ""}" data-network="${plain(prefix)}" data-behaviour="${plain(names.behaviours[b])}"
       data-activation="${value(b, 0)}" data-parts="${terms.slice(2).map((_, k) => value(b, k + 2)).join(" ")}" data-running="${running}">
-      <td>${running ? "&#9654; " : ""}${plain(names.behaviours[b])}<div class="why">${plain(whyOf(run, prefix, frame, robot, b))}</div>
+      <td>${running ? "&#9654; " : ""}${plain(names.behaviours[b])}
+      ${running ? `<span class="small" data-ran>for ${fixed(ranFor(run, frame, robot, b), 1)} s</span>` : ""}<div class="why">${plain(whyOf(run, prefix, frame, robot, b))}</div>
       ${ready ? "" : `<div class="why">${plain(needsOf(run, prefix, frame, robot, b))}</div>`}</td>
       <td>${stacked(terms.slice(2).map((_, k) => value(b, k + 2)), most)}</td><td class="n">${fixed(value(b, 0))}</td></tr>`;
   });
