@@ -15,10 +15,11 @@ def test_a_fixed_option_costs_the_same_and_chance_does_not():
     request = FamilyRequest("random", ("Random", "fixed:ORCA"), 1, scenarios=2)
     grid = periods_table(PeriodsRequest(family, request, (1.0, 0.2, 5.0)))
     cells = {row.label: [cell for group in row.groups for cell in group] for row in grid.rows}
-    assert list(cells) == ["Random", "fixed:ORCA"]
-    cost = cells["fixed:ORCA"][0].removesuffix(", 1")
-    assert cells["fixed:ORCA"][1:] == [f"{cost}, 1.00 [1.00, 1.00]"] * 2
-    assert len(set(cells["Random"])) == 3
+    names = [f"{strategy}, {period}" for strategy in ("Random", "fixed:ORCA") for period in ("1 s", "0.2 s", "5 s")]
+    assert list(cells) == names
+    cost = cells["fixed:ORCA, 1 s"][0]
+    assert [cells[name] for name in names[3:]] == [[cost, "1", ""], *[[cost, "1.000", "[1.000, 1.000]"]] * 2]
+    assert len({tuple(cells[name]) for name in names[:3]}) == 3
 
 
 def test_options_are_held_for_a_period():

@@ -6,7 +6,7 @@ Shapes: P periods, K scenarios.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,16 +35,16 @@ def periods_table(asked: PeriodsRequest) -> Grid:
     """Run all strategies with all periods on the same scenarios, and return their excess costs as a table."""
     evaluations = [FamilyEvaluation(asked.request, with_period(asked.family, period)) for period in asked.periods]
     names = [f"{period:g} s" for period in asked.periods]
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for entrant in entrants_of(asked.request.strategies, evaluations[0].options):
         own = [_excesses(evaluation, entrant.conditions) for evaluation in evaluations]
         tables = dict(zip(names, own, strict=True))
         claims = claims_of({asked.family.name: tables}, names[1:], {asked.family.name: names[0]})
-        ratios = ["1", *(f"{claim.ratio:.2f} [{claim.ci95[0]:.2f}, {claim.ci95[1]:.2f}]" for claim in claims)]
-        cells = (f"{float(each.mean()):.1f}, {ratio}" for each, ratio in zip(own, ratios, strict=True))
-        rows.append((entrant.label, *cells))
-    grid = flat(f"{asked.family.name}: excess s by decision period", "strategy", names, rows)
-    return replace(grid, notes=(f"ratio to {names[0]}, with 95 % intervals over the scenarios",))
+        ratios = [("1", ""), *((f"{c.ratio:.3f}", f"[{c.ci95[0]:.3f}, {c.ci95[1]:.3f}]") for c in claims)]
+        for name, excesses, ratio in zip(names, own, ratios, strict=True):
+            rows.append((f"{entrant.label}, {name}", f"{float(excesses.mean()):.1f}", *ratio))
+    heads = ("excess s", f"ratio to {names[0]}", "95 %")
+    return flat(f"{asked.family.name}: decision periods", "strategy", heads, rows)
 
 
 def with_period(family: FamilyConfig, period: float) -> FamilyConfig:
