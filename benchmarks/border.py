@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.measuring import Figure, by_turns, ratio, seconds_per_call
-from benchmarks.record import record
-from benchmarks.scenes import SEED, mission_of, worlds_at_start
+from benchmarks.shared.measuring import Figure, by_turns, ratio, seconds_per_call
+from benchmarks.shared.record import record
+from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.cleaning_robot import GOAL

@@ -13,8 +13,8 @@ import sys
 import tempfile
 from collections.abc import Callable
 
-from benchmarks.measuring import middle
-from benchmarks.record import record
+from benchmarks.shared.measuring import middle
+from benchmarks.shared.record import record
 
 STARTS = 5
 MORE = 256  # worlds
@@ -23,7 +23,7 @@ MANY = 10_000  # robots in one world
 START = """
 from time import perf_counter, process_time
 begin = perf_counter()
-from benchmarks.scenes import mission_of, worlds_at_start
+from benchmarks.shared.scenes import mission_of, worlds_at_start
 worlds = worlds_at_start(mission_of(5), 1)
 for _ in range(5):
     worlds.tick()
@@ -32,7 +32,7 @@ print(json.dumps({"cpu": process_time(), "wall": perf_counter() - begin}))
 """
 MEMORY = """
 import json, resource
-from benchmarks.scenes import mission_of, worlds_at_start
+from benchmarks.shared.scenes import mission_of, worlds_at_start
 worlds = worlds_at_start(mission_of(ROBOTS), WORLDS)
 for _ in range(100):
     worlds.tick()

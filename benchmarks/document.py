@@ -6,9 +6,9 @@ from typing import Any
 
 import matplotlib
 
-from benchmarks.parts import PARTS
-from benchmarks.record import RESULTS
 from benchmarks.required import REQUIREMENTS, value_at
+from benchmarks.shared.parts import PARTS
+from benchmarks.shared.record import RESULTS
 
 DOCS = Path(__file__).parents[1] / "docs"
 DOCUMENT, PICTURES = DOCS / "benchmarks.md", DOCS / "pictures"

@@ -18,7 +18,7 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.pymunk_space import PymunkSpace, find_copies, push_bodies, wrap_bodies
+from benchmarks.shared.pymunk_space import PymunkSpace, find_copies, push_bodies, wrap_bodies
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.motion import COPY_OFFSETS
 from clean_swarm_env.physics.physics import Physics

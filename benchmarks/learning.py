@@ -16,8 +16,8 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO
 
-from benchmarks.parts import Stopwatch, borders_of
-from benchmarks.record import record
+from benchmarks.shared.parts import Stopwatch, borders_of
+from benchmarks.shared.record import record
 from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.batch import Batch
 

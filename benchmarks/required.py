@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.record import RESULTS
+from benchmarks.shared.record import RESULTS
 
 NOISE = 0.2
 """Share by which a figure may be worse without an alarm; four times its spread if that is larger."""

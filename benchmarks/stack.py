@@ -10,9 +10,9 @@ five solid robots does less than REQUIRED simulated seconds for a CPU second ove
 import sys
 
 from benchmarks.floor import floor_seconds_per_tick
-from benchmarks.measuring import REPEATS, by_turns, middle, seconds_per_call
-from benchmarks.record import record
-from benchmarks.scenes import SEED, mission_of, worlds_at_start
+from benchmarks.shared.measuring import REPEATS, by_turns, middle, seconds_per_call
+from benchmarks.shared.record import record
+from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.cleaning_robot import GOAL

@@ -14,8 +14,8 @@ from time import process_time
 
 import numpy as np
 
-from benchmarks.measuring import by_turns, ratio
-from benchmarks.record import record
+from benchmarks.shared.measuring import by_turns, ratio
+from benchmarks.shared.record import record
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start

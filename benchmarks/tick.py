@@ -10,10 +10,10 @@ Figures go to `results.json`.
 from collections.abc import Callable
 
 from benchmarks.floor import Floor, floor_at_start
-from benchmarks.measuring import Figure, by_turns, growth, middle, ratio, seconds_per_call
-from benchmarks.parts import parts_of_a_tick
-from benchmarks.record import record
-from benchmarks.scenes import mission_of, worlds_at_start
+from benchmarks.shared.measuring import Figure, by_turns, growth, middle, ratio, seconds_per_call
+from benchmarks.shared.parts import parts_of_a_tick
+from benchmarks.shared.record import record
+from benchmarks.shared.scenes import mission_of, worlds_at_start
 from clean_swarm_env.world.worlds import Worlds
 
 SIZES = ((1, 5), (64, 5), (256, 5), (1, 50), (1, 200), (1, 1000), (1, 10_000))

@@ -115,3 +115,13 @@ def test_the_architecture_lists_the_records_of_the_code():
     update_architecture.records()  # imports all modules with records
     ours = {kind.__name__ for kind in Recording.of if kind.__module__.partition(".")[0] in PACKAGES[:4]}
     assert listed == ours, "run: python -m docs.figures.update_architecture"
+
+
+def test_the_walks_of_the_architecture_lead_through_code_that_exists():
+    walks = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").partition("## Four walks")[2]
+    stations = re.findall(r"^\d+\. `([\w/]+\.py)`: (.*)$", walks, flags=re.MULTILINE)
+    assert [walk.count("\n1. ") for walk in walks.split("### ")[1:]] == [1, 1, 1, 1]
+    for file, told in stations:
+        code = (ROOT / file).read_text(encoding="utf-8")
+        for name in re.findall(r"`(\w+)`", told):
+            assert re.search(rf"^ *(def|class) {name}\b", code, flags=re.MULTILINE), f"{file}: {name}"

@@ -11,7 +11,7 @@ from clean_swarm_env.learning.actions import Mode, OptionActions, checked_vector
 from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import Expertise, ServedTeam
 from selforg.arrays import Floats
-from selforg.components import Commands
+from selforg.commands import Commands
 
 
 class Play:

@@ -48,18 +48,6 @@ DRIVE = Recording(DriveState)
 open_drive = DRIVE.open
 
 
-class Orders(NamedTuple):
-    """Commands to the robots for one control period."""
-
-    vectors: Annotated[Floats, "R 2"]  # where to move and how fast [m/s]
-    commanded: Annotated[Flags, "R"]  # there is a command; a zero vector commands the robot to stand still
-    in_place: Annotated[Flags, "R"]  # the robot turns without driving
-
-
-ORDERS = Recording(Orders)
-open_orders = ORDERS.open
-
-
 class DifferentialDrive:
     """Drives of R robots; a command holds until the next one, or until `command_timeout` has passed.
 

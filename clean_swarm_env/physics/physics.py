@@ -19,7 +19,7 @@ import numpy as np
 
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import ContactSpace, chipmunk_functions
-from clean_swarm_env.physics.drive import DifferentialDrive, Orders
+from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import (
     ALWAYS_TOUCHING,
     NOBODY_TOUCHES,
@@ -35,6 +35,7 @@ from clean_swarm_env.physics.motion import (
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.physics.tick import begin_tick, land_and_go_on, substep_worlds
 from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
 
@@ -164,15 +165,20 @@ class Physics:
                 land(world, motion.words)
 
     def tick(
-        self, now: float, substeps: int, orders: Packed[Orders], drive: DifferentialDrive, counter: CollisionCounter
+        self,
+        now: float,
+        substeps: int,
+        commands: Packed[Commanded],
+        drive: DifferentialDrive,
+        counter: CollisionCounter,
     ) -> None:
-        """Give `drive` its orders at `now` [s], advance all worlds by `substeps` timesteps and count after each.
+        """Give `drive` its commands at `now` [s], advance all worlds by `substeps` timesteps and count after each.
 
         This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn, but for robots
         that touch: within a tick a substep begins from the impulses of the one before.
         """
         motion, drives, counts = self._motion, drive.packed, counter.packed
-        if not begin_tick(now, substeps, orders.words, drives.words, motion.words, counts.words, FUNCTIONS.words):
+        if not begin_tick(now, substeps, commands.words, drives.words, motion.words, counts.words, FUNCTIONS.words):
             return
         for world in np.flatnonzero(motion.record.left).tolist():
             left, space = int(motion.record.left[world]), ContactSpace(world, motion.record)

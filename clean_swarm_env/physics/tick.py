@@ -9,9 +9,10 @@ Shapes: W worlds, N robots a world, R = W * N rows.
 
 from clean_swarm_env.physics.chipmunk_calls import Chipmunk, free_space, make_space, open_chipmunk, touch
 from clean_swarm_env.physics.collisions import Counts, count_world, open_counts
-from clean_swarm_env.physics.drive import DriveState, Orders, open_drive, open_orders, steer_rows
+from clean_swarm_env.physics.drive import DriveState, open_drive, steer_rows
 from clean_swarm_env.physics.motion import RobotMotion, land, open_robot_motion, push, search_contacts, steer_world
 from selforg.arrays import Floats
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words
 
@@ -80,18 +81,18 @@ def go_on(
 def begin_tick(
     now: float,
     substeps: int,
-    orders: Words[Orders],
+    commands: Words[Commanded],
     drive: Words[DriveState],
     motion: Words[RobotMotion],
     counts: Words[Counts],
     chipmunk: Words[Chipmunk],
 ) -> int:
-    """Give the drives their orders at `now` [s] and run every world as far as compiled code can.
+    """Give the drives their commands at `now` [s] and run every world as far as compiled code can.
 
     Returns how many worlds have substeps left.
     """
-    o, m, c = open_orders(orders), open_robot_motion(motion), open_counts(counts)
-    steer_rows(o.vectors, o.commanded, o.in_place, m.headings, now, drive)
+    given, m, c = open_commanded(commands), open_robot_motion(motion), open_counts(counts)
+    steer_rows(given.vectors, given.commanded, given.in_place, m.headings, now, drive)
     for row in range(c.entered_in_tick.shape[0]):
         c.entered_in_tick[row] = 0
     waiting = 0

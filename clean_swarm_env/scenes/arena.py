@@ -17,7 +17,7 @@ from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import Contacts, PhysicsSettings
 from clean_swarm_env.scenes.ground import Ground
 from selforg.arrays import Ints
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.elementary import directions
 from selforg.gradients.poses import OwnPoses
 from selforg.randomness import DirectionStream

@@ -9,7 +9,7 @@ import numpy as np
 
 from clean_swarm_env.scenes.arena import BASELINES, CONTROL_PERIOD, Arena
 from selforg.arrays import Floats
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.elementary import unit_vectors
 
 

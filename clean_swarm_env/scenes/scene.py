@@ -15,7 +15,7 @@ from clean_swarm_env.scenes.baselines import Controller, Wander
 from clean_swarm_env.scenes.ground import Ground, GroundKind
 from clean_swarm_env.scenes.placing import Taken, any_headings, scattered
 from selforg.arrays import Floats
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.settings import BufferSettings

@@ -21,7 +21,7 @@ from selector.coordination.robots import CoordinatedRobots
 from selector.knowledge import Knowledge, load_knowledge
 from selector.strategies.max_score import MaxScore
 from selforg.arrays import Floats, Ints
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.mechanisms import DecisionMechanism
 from selforg.registry import unknown
 

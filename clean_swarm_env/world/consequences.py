@@ -12,10 +12,10 @@ import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import distance
-from clean_swarm_env.physics.drive import Orders, open_orders
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, open_floor
 from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
 from selforg.space import nearest_image
@@ -97,10 +97,10 @@ class Consequences:
         free = self.standing == 0
         return np.flatnonzero(free) if at_work is None else at_work[free[at_work]]
 
-    def hold_back(self, orders: Packed[Orders]) -> None:
-        """Order robots that stand not to move, or to drive off, and damaged ones to be slow."""
+    def hold_back(self, commands: Packed[Commanded]) -> None:
+        """Command robots that stand not to move, or to drive off, and damaged ones to be slow."""
         if self.active:
-            hold_back(orders.words, self._packed.words)
+            hold_back(commands.words, self._packed.words)
 
     def follow(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
@@ -113,21 +113,21 @@ class Consequences:
 
 
 @lean_kernel
-def hold_back(orders: Words[Orders], consequence: Words[Consequence]) -> None:
-    """Change the orders of robots that stand or are damaged."""
-    o, c = open_orders(orders), open_consequence(consequence)
+def hold_back(commands: Words[Commanded], consequence: Words[Consequence]) -> None:
+    """Change the commands of robots that stand or are damaged."""
+    given, c = open_commanded(commands), open_consequence(consequence)
     for row in range(c.standing.shape[0]):
         if c.standing[row] > 0:
             driving = c.standing[row] <= c.back_off
-            o.vectors[row, 0] = c.away[row, 0] if driving else 0.0
-            o.vectors[row, 1] = c.away[row, 1] if driving else 0.0
-            o.commanded[row], o.in_place[row] = True, False
+            given.vectors[row, 0] = c.away[row, 0] if driving else 0.0
+            given.vectors[row, 1] = c.away[row, 1] if driving else 0.0
+            given.commanded[row], given.in_place[row] = True, False
         elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
-            x, y = o.vectors[row, 0], o.vectors[row, 1]
+            x, y = given.vectors[row, 0], given.vectors[row, 1]
             length = np.sqrt(x * x + y * y)
             if length > c.damaged_speed:
-                o.vectors[row, 0] = x * c.damaged_speed / length
-                o.vectors[row, 1] = y * c.damaged_speed / length
+                given.vectors[row, 0] = x * c.damaged_speed / length
+                given.vectors[row, 1] = y * c.damaged_speed / length
 
 
 @inlined

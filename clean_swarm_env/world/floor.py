@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.physics.collisions import CollisionCounter
-from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings, Orders
+from clean_swarm_env.physics.drive import DifferentialDrive, DriveSettings
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.world.consequences import Consequences
 from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
 from selforg.arrays import Flags, Floats, Ints, Lasting, together
+from selforg.commands import Commanded
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
 from selforg.space import nearest_image
@@ -35,7 +36,7 @@ class Floor:
         worlds, robots: W and N.
         extent: (2,) of each world's torus [m].
         physics: the bodies.
-        drive: turns orders into speeds and turn rates.
+        drive: turns commands into speeds and turn rates.
         collisions: counts of robots that are too close to each other.
         consequences: what collisions have done to the robots.
         garbage: the items, and which robot carries which.
@@ -144,9 +145,9 @@ class Floor:
         which, items = np.nonzero(lying & (apart.max(axis=2) < SAME_PLACE))
         return worlds[which], self.garbage.positions[worlds[which], items]
 
-    def move(self, orders: Packed[Orders], now: float) -> None:
-        """Move the robots by their orders for one control period, and count collisions meanwhile."""
-        self.physics.tick(now, self._substeps, orders, self.drive, self.collisions)
+    def move(self, commands: Packed[Commanded], now: float) -> None:
+        """Move the robots by their commands for one control period, and count collisions meanwhile."""
+        self.physics.tick(now, self._substeps, commands, self.drive, self.collisions)
 
 
 @lean_kernel

@@ -13,18 +13,17 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.physics.drive import ORDERS, Orders
 from clean_swarm_env.world.cleaning_robot import robot_network
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
-from clean_swarm_env.world.tick_kernels import begin_orders, read_sensors
+from clean_swarm_env.world.tick_kernels import begin_commands, read_sensors
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints, Lasting, together
+from selforg.commands import Commands
 from selforg.compiler.records import Packed
-from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -84,7 +83,7 @@ class Minds:
         nested: the networks inside other behaviours of the robot's document.
         to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
             behaviour moves the robots.
-        commands: the commands to the robots in this tick; `orders` is the record of the same arrays.
+        commands: the commands to the robots in this tick.
         packed: the record that compiled code takes.
 
     """
@@ -103,9 +102,6 @@ class Minds:
         self._build_buffers(mission, worlds)
         self._build_network(mission, models, directories, explained)
         self.commands = Commands.none(self.rows, 2)
-        self.orders: Packed[Orders] = ORDERS.pack(
-            Orders(self.commands.vectors, self.commands.commanded, self.commands.in_place)
-        )
         index = self.network.model.behaviour_index
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
@@ -115,9 +111,6 @@ class Minds:
                 transport=np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")], dtype=np.int64),
                 movers=np.array([index[name] for name in self._movers], dtype=np.int64),
                 starting=np.zeros((self.rows, 3), dtype=np.bool_),
-                vectors=self.commands.vectors,
-                commanded=self.commands.commanded,
-                in_place=self.commands.in_place,
                 running=np.zeros((len(self._movers), self.rows), dtype=np.int64),
                 counts=np.zeros(len(self._movers), dtype=np.int64),
             )
@@ -274,8 +267,8 @@ class Minds:
 
     def act(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write a movement vector for every robot in which a behaviour that moves runs, and steer those that do."""
-        begin_orders(floor.words, self.packed.words)
         commands = self.commands
+        begin_commands(floor.words, self.packed.words, commands.packed.words)
         for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
@@ -299,7 +292,7 @@ class Minds:
             inner.leave(now)
 
     def follow(self, vectors: Floats, rows: Flags) -> None:
-        """Order the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of what they decide."""
+        """Command the robots marked in `rows` (R,) to follow vectors (R, 2) [m/s] in place of what they decide."""
         np.copyto(self.commands.vectors, vectors)
         np.copyto(self.commands.commanded, rows)
         self.commands.in_place[:] = False

@@ -36,7 +36,7 @@ class FloorRecord(NamedTuple):
 
 
 class MindsRecord(NamedTuple):
-    """What robots read and decide, and the orders that need no mechanism; owned by `Minds`."""
+    """What robots read and decide, and which behaviours move them; owned by `Minds`."""
 
     readings: Annotated[Floats, "R S"]  # of the network
     marks: Annotated[Ints, "R LAYERS B"]  # of the network
@@ -44,9 +44,6 @@ class MindsRecord(NamedTuple):
     transport: Annotated[Ints, "2"]  # behaviours that go to stations of kind RECYCLING and DUMP
     movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism by themselves
     starting: Annotated[Flags, "R 3"]  # robots that pick, recycle and dump in this tick
-    vectors: Annotated[Floats, "R 2"]  # orders of the tick, see `Commands`
-    commanded: Annotated[Flags, "R"]
-    in_place: Annotated[Flags, "R"]
     running: Annotated[Ints, "L R"]  # rows in which each mover runs, the first `counts` of them
     counts: Annotated[Ints, "L"]
 

@@ -24,6 +24,7 @@ from clean_swarm_env.world.cleaning_robot import (
 from clean_swarm_env.world.garbage import CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, MindsRecord, open_floor, open_minds
 from selforg.arrays import Flags
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Words
 from selforg.network.state import state as st
@@ -129,14 +130,14 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
 
 
 @lean_kernel
-def begin_orders(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
-    """Clear the last orders, order the ways to the nearest stations, and list the rows in which each mover runs."""
-    f, m = open_floor(floor), open_minds(minds)
+def begin_commands(floor: Words[FloorRecord], minds: Words[MindsRecord], commands: Words[Commanded]) -> None:
+    """Clear the last commands, command the ways to the nearest stations, and list the rows in which each mover runs."""
+    f, m, given = open_floor(floor), open_minds(minds), open_commanded(commands)
     per_world = f.robots.shape[0] // f.stations.shape[0]
     for mover in range(m.movers.shape[0]):
         m.counts[mover] = 0
-    for row in range(m.commanded.shape[0]):
-        m.commanded[row] = m.in_place[row] = False
+    for row in range(given.commanded.shape[0]):
+        given.commanded[row] = given.in_place[row] = False
         for k in range(m.transport.shape[0]):
             if m.marks[row, st.EXECUTING, m.transport[k]]:
                 stations, place = f.stations[row // per_world], f.robots[row]
@@ -144,9 +145,9 @@ def begin_orders(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
                 x = nearest_image(stations[station, 0] - place[0], f.extent[0])
                 y = nearest_image(stations[station, 1] - place[1], f.extent[1])
                 length = np.sqrt(x * x + y * y)
-                m.vectors[row, 0] = x / length if length > 0.0 else 0.0
-                m.vectors[row, 1] = y / length if length > 0.0 else 0.0
-                m.commanded[row] = True
+                given.vectors[row, 0] = x / length if length > 0.0 else 0.0
+                given.vectors[row, 1] = y / length if length > 0.0 else 0.0
+                given.commanded[row] = True
         for mover in range(m.movers.shape[0]):
             if m.marks[row, st.EXECUTING, m.movers[mover]]:
                 m.running[mover, m.counts[mover]] = row

@@ -20,8 +20,8 @@ from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided, handle_cargo_in_reach
 from clean_swarm_env.world.world_state import WorldState, WorldStates, from_bytes, to_bytes
+from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
-from selector.coordination.robots import hold_options
 from selforg.arrays import Flags, Floats, Ints
 
 
@@ -180,8 +180,8 @@ class Worlds:
             minds.leave(now)
         else:
             minds.follow(self._steered, self.team.working)
-        floor.consequences.hold_back(minds.orders)
-        floor.move(minds.orders, now)
+        floor.consequences.hold_back(minds.commands.packed)
+        floor.move(minds.commands.packed, now)
         self._clock.advance()
         entered = self.collisions.entered_in_tick
         lost = floor.consequences.follow(entered, self.team.working, self.physics.present, floor.packed)

@@ -25,6 +25,7 @@ from train.evaluation.pipeline import Execution, evaluate
 from train.replay.page_file import write_page
 from train.report_page.page import report_of_results
 from train.report_page.results import results_in
+from train.running.processes import Processes
 from train.running.run_folder import RECORDINGS
 
 DOCS = Path(__file__).parents[1]
@@ -76,7 +77,7 @@ def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
 def write_report(folder: Path) -> Path:
     """Evaluate both conditions on some scenarios and write the report; return it."""
     evaluation = FamilyEvaluation(FamilyRequest("crowded", CONDITIONS, 0, SCENARIOS))
-    evaluate(evaluation, Execution(1, folder, False, wide_console(), RecordSettings(Path(RECORDINGS))))
+    evaluate(evaluation, Execution(Processes(1), folder, False, wide_console(), RecordSettings(Path(RECORDINGS))))
     page = folder / "report.html"
     page.write_text(report_of_results([results_in(folder)], {}), encoding="utf-8")
     return page

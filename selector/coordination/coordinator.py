@@ -16,8 +16,8 @@ from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Ints, Lasting, together
+from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
-from selforg.components import Commands
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
 
@@ -171,6 +171,19 @@ class Coordinator:
         for content in self._acted:
             content.robots.leave(now)
         self._acted.clear()
+
+
+def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints) -> None:
+    """Give `options` (K, C), or (K,) for one coordinator, to `coordinators` (C,) in `rows` (K,)."""
+    table = np.asarray(options)
+    table = table[:, None] if table.ndim == 1 else table
+    if table.shape != (len(rows), len(coordinators)):
+        goals = ", ".join(coordinator.model.goal for coordinator in coordinators)
+        raise ValueError(
+            f"hold: expected for each of {len(rows)} rows one option for each of {goals}, got shape {options.shape}"
+        )
+    for coordinator, wanted in zip(coordinators, table.T, strict=True):
+        coordinator.hold(rows, wanted)
 
 
 def own_radii(pose: PoseSpec, usual: Sequence[float]) -> list[float]:

@@ -10,7 +10,7 @@ from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import Ints, Lasting, together
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.network.nesting import rows_inside, shared_columns
 from selforg.network.network import BehaviourNetwork
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from selector.configurations.host import Host
-from selector.coordination.coordinator import Coordinator
+from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.inner_network import InnerNetwork, inner_networks
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import Ints
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.network.model.behaviours import NetworkSettings
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
@@ -95,16 +95,3 @@ def network_of(models: Sequence[CoordinatorModel], settings: NetworkSettings | N
     """Return a network whose only behaviours are the coordinators."""
     sensors = [sensor for model in models for sensor in model.sensors]
     return NetworkModel(sensors, [model.behaviour() for model in models], [], settings)
-
-
-def hold_options(coordinators: Sequence[Coordinator], options: Ints, rows: Ints) -> None:
-    """Give `options` (K, C), or (K,) for one coordinator, to `coordinators` (C,) in `rows` (K,)."""
-    table = np.asarray(options)
-    table = table[:, None] if table.ndim == 1 else table
-    if table.shape != (len(rows), len(coordinators)):
-        goals = ", ".join(coordinator.model.goal for coordinator in coordinators)
-        raise ValueError(
-            f"hold: expected for each of {len(rows)} rows one option for each of {goals}, got shape {options.shape}"
-        )
-    for coordinator, wanted in zip(coordinators, table.T, strict=True):
-        coordinator.hold(rows, wanted)

@@ -3,7 +3,6 @@
 from selforg.components.actions import ACTIONS as ACTIONS
 from selforg.components.actions import Act as Act
 from selforg.components.actions import Action as Action
-from selforg.components.actions import Commands as Commands
 from selforg.components.actions import Decide as Decide
 from selforg.components.actions import DecideState as DecideState
 from selforg.components.actions import Move as Move

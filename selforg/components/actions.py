@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, TypeAlias, final
 
-import numpy as np
-
 from selforg.arrays import Flags, Floats, Ints
+from selforg.commands import Commanded, Commands, open_commanded
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Packed, Words
+from selforg.compiler.records import Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
-from selforg.mechanisms.kernels.others import COMMANDED, Commanded, open_commanded
 from selforg.mechanisms.spreading import SpreadGradient
 from selforg.mechanisms.steering import SteeringMechanism
 from selforg.parameters import Finite
@@ -25,49 +21,6 @@ from selforg.registry import Registry
 
 Call: TypeAlias = Callable[[float, Ints], None]
 """A function of the host, which gets the time [s] and the rows (K,)."""
-
-
-@dataclass(frozen=True)
-class Commands:
-    """The movement commands of all robots in one tick.
-
-    Attributes:
-        vectors: (N, D) [m/s] direction and speed; for a robot that turns in place, only the direction counts.
-        commanded: (N,) whether there is a command.
-        in_place: (N,) whether the robot turns without moving.
-
-    """
-
-    vectors: Floats
-    commanded: Flags
-    in_place: Flags
-
-    @staticmethod
-    def none(rows: int, dim: int) -> Commands:
-        """Return N rows without a command."""
-        return Commands(np.zeros((rows, dim)), np.zeros(rows, dtype=np.bool_), np.zeros(rows, dtype=np.bool_))
-
-    @cached_property
-    def packed(self) -> Packed[Commanded]:
-        """The commands as compiled code takes them."""
-        return COMMANDED.pack(Commanded(self.vectors, self.commanded, self.in_place))
-
-    def clear(self) -> None:
-        """Take all commands back."""
-        for array in self.packed.record:
-            array[:] = 0
-
-    def take(self, others: Commands) -> None:
-        """Take over the commands of as many robots."""
-        for array, given in zip(self.packed.record, others.packed.record, strict=True):
-            array[:] = given
-
-    def add(self, vectors: Floats) -> None:
-        """Add `vectors` (N, D) [m/s] to the movements; a zero vector changes nothing, others end turning in place."""
-        rows = np.flatnonzero(vectors.any(axis=1))
-        moving = self.commanded[rows] & ~self.in_place[rows]
-        self.vectors[rows] = np.where(moving[:, None], self.vectors[rows], 0.0) + vectors[rows]
-        self.commanded[rows], self.in_place[rows] = True, False
 
 
 class Action(ABC):

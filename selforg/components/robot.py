@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
-from selforg.components.actions import Action, Commands
+from selforg.components.actions import Action
 from selforg.components.sensors import SensorComponent, VectorSensor
 from selforg.components.sources import MovementSource, Source
 from selforg.components.vector_readings import VectorReadings

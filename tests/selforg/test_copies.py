@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import PoseDelivery
 from selforg.gradients.queries import Filter, Queries

@@ -19,8 +19,7 @@ from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.learning.by_missions import MissionLearning
-from train.learning.by_rewards import RewardLearning
-from train.learning.protocol import Learning, Paid
+from train.learning.by_rewards import Learning, Paid, RewardLearning
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.learning.validation import CheckpointDescription
 from train.running.pilots import PilotMaker, StrategyPilot, columns_of

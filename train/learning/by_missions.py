@@ -22,9 +22,9 @@ from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
+from train.learning.by_rewards import Paid, Taker
 from train.learning.config import ComparisonConfig, TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.learning.protocol import Paid, Taker
 from train.running.pilots import RulePilot
 from train.running.trials import TrialSettings, run_trials
 

@@ -5,6 +5,9 @@ A decision is credited with the discounted rewards within a horizon.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
 import numpy as np
 
 from clean_swarm_env.learning.joined import Joined
@@ -12,9 +15,33 @@ from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Flags, Floats, Ints
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.learning.protocol import Paid, Taker
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import columns_of
+
+
+class Paid(NamedTuple):
+    """K decisions whose rewards are complete."""
+
+    rows: Ints
+    options: Ints
+    rewards: Floats
+    contexts: Floats
+    chances: Floats
+
+
+Taker = Callable[[Paid, int], None]
+"""Function that gets decisions with complete rewards, and the number of decisions made since the last call."""
+
+
+class Learning(Protocol):
+    """A way of learning: when rows decide, and how each decision is rewarded."""
+
+    @property
+    def teams(self) -> Ints:
+        """(R,) team of each row of the strategy."""
+
+    def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
+        """Train the strategy until the next checkpoint; return the costs of the missions that ended [s]."""
 
 
 class RewardLearning:

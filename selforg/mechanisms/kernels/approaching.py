@@ -5,18 +5,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.mechanisms.kernels.others import (
-    OTHER_X,
-    OTHER_Y,
-    Commanded,
-    note_others,
-    open_commanded,
-    speed_to_change,
-)
+from selforg.mechanisms.kernels.others import OTHER_X, OTHER_Y, note_others, speed_to_change
 from selforg.space import nearest_image, wrapped
 
 CHOSEN_AT, WAITING_SINCE = 0, 1  # columns of `Approaching.times`

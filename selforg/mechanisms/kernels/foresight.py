@@ -9,6 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from selforg.arrays import Flags, Floats, Ints
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.elementary import direction
@@ -19,9 +20,7 @@ from selforg.mechanisms.kernels.others import (
     OTHER_VY,
     OTHER_X,
     OTHER_Y,
-    Commanded,
     note_others,
-    open_commanded,
     speed_to_change,
 )
 from selforg.randomness import take_direction

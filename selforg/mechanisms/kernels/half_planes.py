@@ -9,6 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from selforg.arrays import Floats, Ints
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import kernel, lean_kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
@@ -18,9 +19,7 @@ from selforg.mechanisms.kernels.others import (
     OTHER_VY,
     OTHER_X,
     OTHER_Y,
-    Commanded,
     note_others,
-    open_commanded,
     speed_to_change,
 )
 from selforg.space import nearest_image

@@ -4,13 +4,12 @@ An other is a row of a table, float64 (M, OTHER_COLUMNS). Its velocity is that b
 place is the last one received, carried on with that velocity for as long as the pose is old.
 """
 
-from typing import Annotated, NamedTuple
-
 import numpy as np
 
-from selforg.arrays import Flags, Floats
+from selforg.arrays import Floats
+from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
 from selforg.space import nearest_image
@@ -18,18 +17,6 @@ from selforg.space import nearest_image
 OTHER_X, OTHER_Y = 0, 1  # offset from the robot [m]
 OTHER_VX, OTHER_VY = 2, 3  # velocity [m/s], zero after a single pose
 OTHER_COLUMNS = 4
-
-
-class Commanded(NamedTuple):
-    """The commands of all robots in one tick, which steering changes."""
-
-    vectors: Annotated[Floats, "N 2"]  # direction and speed [m/s]
-    commanded: Annotated[Flags, "N"]  # whether there is a command
-    in_place: Annotated[Flags, "N"]  # whether the robot turns without moving
-
-
-COMMANDED = Recording(Commanded)
-open_commanded = COMMANDED.open
 
 
 @part

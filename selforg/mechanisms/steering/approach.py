@@ -5,13 +5,14 @@ from typing import Unpack
 import numpy as np
 
 from selforg.arrays import Floats, Ints, Lasting
+from selforg.commands import Commanded
 from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
 from selforg.mechanisms.base import at_least
 from selforg.mechanisms.kernels.approaching import APPROACHING, Approaching, approach_rows
-from selforg.mechanisms.kernels.others import OTHER_COLUMNS, Commanded
+from selforg.mechanisms.kernels.others import OTHER_COLUMNS
 from selforg.mechanisms.options import LookOptions
 from selforg.mechanisms.registry import MECHANISMS
 from selforg.mechanisms.steering.base import SteeringMechanism

@@ -4,11 +4,11 @@ from abc import abstractmethod
 from typing import Unpack
 
 from selforg.arrays import Ints
+from selforg.commands import Commanded
 from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import Mechanism
-from selforg.mechanisms.kernels.others import Commanded
 from selforg.mechanisms.options import LookOptions
 
 

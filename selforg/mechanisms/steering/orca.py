@@ -5,12 +5,13 @@ from typing import Unpack
 import numpy as np
 
 from selforg.arrays import Ints
+from selforg.commands import Commanded
 from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.mechanisms.base import at_least
 from selforg.mechanisms.kernels.half_planes import HALF_PLANES, LINE_COLUMNS, HalfPlanes, avoid_rows
-from selforg.mechanisms.kernels.others import OTHER_COLUMNS, Commanded
+from selforg.mechanisms.kernels.others import OTHER_COLUMNS
 from selforg.mechanisms.options import LookOptions
 from selforg.mechanisms.registry import MECHANISMS
 from selforg.mechanisms.steering.base import SteeringMechanism

@@ -8,10 +8,11 @@ import pytest
 
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.contact_space import chipmunk_functions
-from clean_swarm_env.physics.drive import ORDERS, DifferentialDrive, Orders
+from clean_swarm_env.physics.drive import DifferentialDrive
 from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, ROBOT_MOTION
 from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
+from selforg.commands import COMMANDED, Commanded
 
 SIZE = 11.0
 MIDDLE = (5.5, 5.5)
@@ -230,15 +231,15 @@ def test_arrays_stay_the_same_objects_and_commands_are_only_read():
 
 
 def drive_about(physics, ticks, seed):
-    """Run ticks with random orders; return positions (T, R, 2) and velocities."""
+    """Run ticks with random commands; return positions (T, R, 2) and velocities."""
     rows, rng = len(physics.positions), np.random.default_rng(seed)
     drive = DifferentialDrive(rows)
     counter = CollisionCounter(physics.settings.worlds, physics.settings.robots, 11.0, 11.0)
-    orders = ORDERS.pack(Orders(np.zeros((rows, 2)), np.ones(rows, np.bool_), np.zeros(rows, np.bool_)))
+    commands = COMMANDED.pack(Commanded(np.zeros((rows, 2)), np.ones(rows, np.bool_), np.zeros(rows, np.bool_)))
     history = []
     for tick in range(ticks):
-        orders.record.vectors[:] = rng.normal(0.0, 1.0, (rows, 2))
-        physics.tick(0.2 * tick, 4, orders, drive, counter)
+        commands.record.vectors[:] = rng.normal(0.0, 1.0, (rows, 2))
+        physics.tick(0.2 * tick, 4, commands, drive, counter)
         history.append(np.hstack([physics.positions, physics.velocities]))
     return np.array(history)
 

@@ -29,9 +29,6 @@ def minds_record(rows, behaviours=1, handling=(0, 0, 0)):
         transport=np.zeros(2, np.int64),
         movers=np.zeros(1, np.int64),
         starting=np.zeros((rows, 3), np.bool_),
-        vectors=np.zeros((rows, 2)),
-        commanded=np.zeros(rows, np.bool_),
-        in_place=np.zeros(rows, np.bool_),
         running=np.zeros((1, rows), np.int64),
         counts=np.zeros(1, np.int64),
     )

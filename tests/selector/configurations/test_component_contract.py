@@ -10,7 +10,8 @@ from selector.documents.errors import DocumentError, validated
 from selector.vocabulary.conditions import ActivatorSpec
 from selector.vocabulary.constructors import references_of
 from selector.vocabulary.settings import SettingsSpec
-from selforg.components import ACTIONS, SENSORS, Action, Commands, MovementSource, SensorComponent
+from selforg.commands import Commands
+from selforg.components import ACTIONS, SENSORS, Action, MovementSource, SensorComponent
 from selforg.mechanisms import DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.network.model.activators import ACTIVATORS, THRESHOLD_RULE, Activator
 from selforg.network.model.behaviours import NetworkSettings

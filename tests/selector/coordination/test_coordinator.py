@@ -11,7 +11,7 @@ from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from selforg.commands import Commands
 from selforg.components import (
     Changed,
-    Commands,
     Decide,
     DecideState,
     DecisionSource,

@@ -5,11 +5,11 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from selforg.commands import Commands
 from selforg.components import (
     ACTIONS,
     SENSORS,
     Action,
-    Commands,
     DecisionSource,
     GoalSource,
     MovementSource,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from selforg.commands import Commands
 from selforg.compiler.decorators import kernel
-from selforg.components import Commands
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import PoseDelivery
 from selforg.gradients.settings import BufferSettings

@@ -14,7 +14,7 @@ PAGE = (ROOT / "docs" / "clusters.md").read_text(encoding="utf-8")
 def commands(name: str) -> list[list[str]]:
     """Return the words of each command in a marked block."""
     [block] = re.findall(rf"<!-- ci: {name} -->\n```sh\n(.*?)```", PAGE, flags=re.DOTALL)
-    return [shlex.split(line)[1:] for line in block.splitlines()]
+    return [shlex.split(line)[1:] for line in block.replace("\\\n", "").splitlines()]
 
 
 def test_shares_and_the_job_array_give_equal_results(monkeypatch, tmp_path, capsys):

@@ -9,14 +9,14 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
 from train.evaluation import headroom
-from train.evaluation.headroom import (
+from train.evaluation.choosing.headroom import (
     RULE_FOUND,
     SINGLE,
     HeadroomRequest,
     RuleSearch,
     headroom_of,
     headroom_table,
-    kinds_of,
+    scenario_kinds,
 )
 
 SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
@@ -65,7 +65,7 @@ def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged(monkeypat
     options = RuleSearch(asked).problem.options
 
     def excess(self, scenarios, rules):
-        wanted = [options.index(planted[kind]) for kind in kinds_of(scenarios)]
+        wanted = [options.index(planted[kind]) for kind in scenario_kinds(scenarios)]
         return np.array([10.0 + abs(option - best) for (option,), best in zip(rules, wanted, strict=True)])
 
     monkeypatch.setattr(RuleSearch, "excess", excess)

@@ -94,7 +94,7 @@ class RuleSearch:
 
     def of_kinds(self) -> dict[str, int]:
         """Return the best single option for each kind of scenario."""
-        excesses, kinds = self._excesses(self._singles), np.array(kinds_of(self._scenarios))
+        excesses, kinds = self._excesses(self._singles), np.array(scenario_kinds(self._scenarios))
         return {kind: int(excesses[:, kinds == kind].mean(axis=1).argmin()) for kind in np.unique(kinds).tolist()}
 
     def rule(self) -> Ints:
@@ -156,7 +156,7 @@ def headroom_of(request: HeadroomRequest) -> Headroom:
         rules, named = np.tile(rule, (len(scenarios), 1)), dict(zip(request.situations, rule.tolist(), strict=True))
     else:
         named = search.of_kinds()
-        rules = np.array([[named.get(kind, single)] for kind in kinds_of(scenarios)])
+        rules = np.array([[named.get(kind, single)] for kind in scenario_kinds(scenarios)])
     excesses = {
         SINGLE: search.excess(scenarios, np.full_like(rules, single)),
         RULE_FOUND: search.excess(scenarios, rules),
@@ -190,7 +190,7 @@ def headroom_table(found: Headroom, family: str) -> Grid:
     return replace(grid, notes=notes)
 
 
-def kinds_of(scenarios: Sequence[Scenario]) -> list[str]:
+def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
     """Return the kind (T,) of each scenario."""
     return [
         f"spots {len(mission.garbage.spots)} stations {len(set(mission.stations.places))}"

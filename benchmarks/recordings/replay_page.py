@@ -1,6 +1,6 @@
 """The replay page in a headless Chromium with software rendering: time of a picture, time to load, size.
 
-    python -m benchmarks.replay_page
+    python -m benchmarks.recordings.replay_page
 
 All layers are on, who-sees-whom too. Two runs of 20 robots with minds, one under the policy `general`; and a thousand
 robots for a minute. Wall time, the least of some repeats. Needs Chromium and Playwright.
@@ -13,8 +13,8 @@ from time import perf_counter
 
 from playwright.sync_api import Browser, sync_playwright
 
-from benchmarks.record import record
-from benchmarks.scenes import SEED, mission_of
+from benchmarks.shared.record import record
+from benchmarks.shared.scenes import SEED, mission_of
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission

@@ -1,6 +1,6 @@
 """The cost of recordings beside the same missions without, and the sizes of their files.
 
-    python -m benchmarks.recording
+    python -m benchmarks.recordings.recording
 
 One process, CPU time, by turns. Twenty robots for ten minutes: one mission alone, and ten of the family `crowded` in
 one batch, as `evaluate` runs them. A thousand robots for a minute; the size is for ten.
@@ -11,9 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-from benchmarks.measuring import by_turns, middle, ratio
-from benchmarks.record import record
-from benchmarks.scenes import SEED, mission_of
+from benchmarks.shared.measuring import by_turns, middle, ratio
+from benchmarks.shared.record import record
+from benchmarks.shared.scenes import SEED, mission_of
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.starts import random_start

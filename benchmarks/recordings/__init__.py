@@ -1,0 +1,1 @@
+"""Benchmarks of recordings and of the page that shows them."""

@@ -1,0 +1,60 @@
+"""Movement commands of robots: behaviours write them, steering changes them, and a drive follows them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from selforg.arrays import Flags, Floats
+from selforg.compiler.records import Packed, Recording
+
+
+class Commanded(NamedTuple):
+    """The commands of all robots in one tick."""
+
+    vectors: Annotated[Floats, "N D"]  # direction and speed [m/s]; of a robot that turns in place, the direction only
+    commanded: Annotated[Flags, "N"]  # whether there is a command; a zero vector commands the robot to stand still
+    in_place: Annotated[Flags, "N"]  # whether the robot turns without moving
+
+
+COMMANDED = Recording(Commanded)
+open_commanded = COMMANDED.open
+
+
+@dataclass(frozen=True)
+class Commands:
+    """The owner of the commands of all robots in one tick; see `Commanded`."""
+
+    vectors: Floats
+    commanded: Flags
+    in_place: Flags
+
+    @staticmethod
+    def none(rows: int, dim: int) -> Commands:
+        """Return N rows without a command."""
+        return Commands(np.zeros((rows, dim)), np.zeros(rows, dtype=np.bool_), np.zeros(rows, dtype=np.bool_))
+
+    @cached_property
+    def packed(self) -> Packed[Commanded]:
+        """The commands as compiled code takes them."""
+        return COMMANDED.pack(Commanded(self.vectors, self.commanded, self.in_place))
+
+    def clear(self) -> None:
+        """Take all commands back."""
+        for array in self.packed.record:
+            array[:] = 0
+
+    def take(self, others: Commands) -> None:
+        """Take over the commands of as many robots."""
+        for array, given in zip(self.packed.record, others.packed.record, strict=True):
+            array[:] = given
+
+    def add(self, vectors: Floats) -> None:
+        """Add `vectors` (N, D) [m/s] to the movements; a zero vector changes nothing, others end turning in place."""
+        rows = np.flatnonzero(vectors.any(axis=1))
+        moving = self.commanded[rows] & ~self.in_place[rows]
+        self.vectors[rows] = np.where(moving[:, None], self.vectors[rows], 0.0) + vectors[rows]
+        self.commanded[rows], self.in_place[rows] = True, False
