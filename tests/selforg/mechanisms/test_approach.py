@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from selforg.components import Commands
+from selforg.commands import Commands
 from selforg.gradients.poses import PoseDelivery
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import ApproachLeastBusy
