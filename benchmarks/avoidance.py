@@ -16,7 +16,8 @@ from scipy import stats
 
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.learning.batch import Batch, Finished
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.interface import Finished
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.world.cleaning_robot import GOAL
 

@@ -7,7 +7,7 @@ w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -19,65 +19,26 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions, parted
 from clean_swarm_env.learning.batch_state import BatchStates
-from clean_swarm_env.learning.episodes import EpisodeSettings, EpisodeSource, Series, episodes_of
+from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
 from clean_swarm_env.learning.global_state import GlobalState
-from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended, FigureColumns
+from clean_swarm_env.learning.interface import AnyBatch, BatchStep, FigureColumns, Finished
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
 from clean_swarm_env.learning.warm_up import compile_once
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.recording.recorder import MissionRecorder
 from clean_swarm_env.world.cleaning_robot import coordinators_of
-from clean_swarm_env.world.mission import MissionResult, result_of
+from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
-from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import Flags, Floats, Ints
 
 WARM_UP_TICKS = 1500
 """Ticks within which a mission has called every kernel that missions call."""
-
-
-@dataclass(frozen=True)
-class Finished(Ended):
-    """A mission that ended in the last period."""
-
-    scenario: Scenario
-    """The scenario of the mission."""
-    result: MissionResult
-    """The figures of the mission."""
-    collision_events: int
-    """Number of times that a pair came closer than the first collision distance."""
-
-    @property
-    def statistics(self) -> dict[str, Any]:
-        """The figures that borders report of a mission."""
-        return {
-            "duration_s": self.result.duration_s,
-            "garbage_done": self.result.garbage_done,
-            "mission_collision_events": self.collision_events,
-            "completed": self.result.completed,
-        }
-
-
-class BatchSettings(EpisodeSettings, total=False):
-    """Further settings of a batch, as keyword arguments."""
-
-    source: EpisodeSource | None
-    """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
-    frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and
-    counts no more."""
-    begin_anew: bool
-    """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
-    the world stays as it is until `reset`, and counts no more."""
-    record: RecordSettings | None
-    """Where every mission is recorded; none is unless given."""
-    explained: bool
-    """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
 
 
 class Batch(AnyBatch):
@@ -203,7 +164,7 @@ class Batch(AnyBatch):
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds` (K,), or of all, as bytes that say their version."""
-        return to_bytes([self._states.take(world) for world in self._numbers(worlds)])
+        return self._states.get(worlds)
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds` (K,), or all, go on from `get_state`, of this or another batch of the same frame and options.
@@ -214,11 +175,7 @@ class Batch(AnyBatch):
         """
         if self.recorder is not None:
             raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
-        states, chosen = from_bytes(state), self._numbers(worlds)
-        if not isinstance(states, list) or len(states) not in (1, len(chosen)):
-            raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(states)}")
-        for number, world in enumerate(chosen):
-            self._states.put(world, states[number % len(states)])
+        chosen = self._states.set(state, worlds)
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
         self._finished.clear()
         self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
@@ -227,14 +184,6 @@ class Batch(AnyBatch):
     def steps(self, world: int) -> int:
         """Return how many decision periods of its mission a world has done."""
         return -(-int(self.progress.elapsed[world]) // self._ticks_per_step)
-
-    def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
-        """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""
-        chosen = list(range(self.worlds.worlds)) if worlds is None else [int(world) for world in worlds]
-        for world in chosen:
-            if not 0 <= world < self.worlds.worlds:
-                raise ValueError(f"worlds: expected 0 to {self.worlds.worlds - 1}, got {world}")
-        return chosen
 
     def share(self, seed: int) -> None:
         """Distribute the episodes of one seed from the next reset on: world w does the episodes w, w + W, ..."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -37,7 +38,31 @@ class BatchStates:
         self._worlds, self._series, self._doing = worlds, series, doing
         self._rows, self._counts = (*rows, *progress.of_rows()), progress.of_worlds()
 
-    def take(self, world: int) -> bytes:
+    def get(self, worlds: Sequence[int] | None) -> bytes:
+        """Return the states of `worlds` (K,), or of all."""
+        return to_bytes([self._take(world) for world in self._numbers(worlds)])
+
+    def set(self, packed: bytes, worlds: Sequence[int] | None) -> list[int]:
+        """Make `worlds` (K,), or all, go on from the states of as many or of one; return their numbers.
+
+        ValueError says what does not fit.
+        """
+        states, chosen = from_bytes(packed), self._numbers(worlds)
+        if not isinstance(states, list) or len(states) not in (1, len(chosen)):
+            raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(states)}")
+        for number, world in enumerate(chosen):
+            self._put(world, states[number % len(states)])
+        return chosen
+
+    def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
+        """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""
+        chosen = list(range(self._worlds.worlds)) if worlds is None else [int(world) for world in worlds]
+        for world in chosen:
+            if not 0 <= world < self._worlds.worlds:
+                raise ValueError(f"worlds: expected 0 to {self._worlds.worlds - 1}, got {world}")
+        return chosen
+
+    def _take(self, world: int) -> bytes:
         """Return the state of a world."""
         rows = self._worlds.rows_of(world)
         part = slice(int(rows[0]), int(rows[-1]) + 1)
@@ -45,7 +70,7 @@ class BatchStates:
         counts = bytes_of(self._counts, slice(world, world + 1))
         return to_bytes(BatchState(self._worlds.state_of(world), self._doing[world], series, own, counts))
 
-    def put(self, world: int, packed: bytes) -> None:
+    def _put(self, world: int, packed: bytes) -> None:
         """Make a world go on from a state; ValueError if it does not fit."""
         state: BatchState = from_bytes(packed)
         rows = self._worlds.rows_of(world)

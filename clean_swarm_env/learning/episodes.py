@@ -24,6 +24,7 @@ from clean_swarm_env.learning.given import (
     mission_from,
     whole_number,
 )
+from clean_swarm_env.recording.recorder import RecordSettings
 
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
@@ -96,6 +97,22 @@ class EpisodeSettings(TypedDict, total=False):
     """Name or path of the expert knowledge, in place of that of the mission."""
     directories: Named | Iterable[Named]
     """The user's configurations, knowledge and robots, searched before the shipped ones."""
+
+
+class BatchSettings(EpisodeSettings, total=False):
+    """Further settings of a batch, as keyword arguments."""
+
+    source: EpisodeSource | None
+    """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
+    frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and
+    counts no more."""
+    begin_anew: bool
+    """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
+    the world stays as it is until `reset`, and counts no more."""
+    record: RecordSettings | None
+    """Where every mission is recorded; none is unless given."""
+    explained: bool
+    """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
 
 
 def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings | None = None) -> Episodes:

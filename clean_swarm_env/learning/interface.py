@@ -9,9 +9,11 @@ from typing import Any, NamedTuple, Protocol
 
 from numpy.typing import NDArray
 
+from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.learning.actions import OptionActions
 from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.world.mission import MissionResult
 from selforg.arrays import Flags, Floats, Ints
 
 FigureColumns = dict[str, list[Any]]
@@ -71,6 +73,28 @@ class Ended(ABC):
     @abstractmethod
     def statistics(self) -> dict[str, Any]:
         """The figures that borders report at the end."""
+
+
+@dataclass(frozen=True)
+class Finished(Ended):
+    """A mission that ended in the last period."""
+
+    scenario: Scenario
+    """The scenario of the mission."""
+    result: MissionResult
+    """The figures of the mission."""
+    collision_events: int
+    """Number of times that a pair came closer than the first collision distance."""
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """The figures that borders report of a mission."""
+        return {
+            "duration_s": self.result.duration_s,
+            "garbage_done": self.result.garbage_done,
+            "mission_collision_events": self.collision_events,
+            "completed": self.result.completed,
+        }
 
 
 class AnyBatch(ABC):

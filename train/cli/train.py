@@ -1,18 +1,15 @@
 """`clean-swarm train`: learn by PPO, by the rewards of choices, or by what missions of many members cost."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, Learn, RunStore, check_whole
-
-if TYPE_CHECKING:
-    from train.learning.training import Training, TrainingJob
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
@@ -74,62 +71,38 @@ def bandit(
         raise typer.Exit(run_training(request, BanditTraining, Console(highlight=False)))
 
 
-@app.command()
-def es(
-    config: Config = "es",
-    output: Output = None,
-    seed: Seed = 0,
-    resume: Resume = False,
-    workers: Workers = None,
-    configs: Configs = None,
-    record: RecordOption = False,
-    force: Force = False,
-) -> None:
-    """Train a linear policy by evolution strategies, by what whole missions cost, and export it."""
-    from train.learning.members.es import EsTraining  # imports Numba
+def _members_command(learner: str, summary: str) -> None:
+    """Add the command of a learner whose members do whole missions; its default training has the learner's name."""
 
-    _run_members("es", EsTraining, config, seed, output, resume, workers, configs, record, force)
+    @app.command(learner, help=summary)
+    def train(
+        config: Config = learner,
+        output: Output = None,
+        seed: Seed = 0,
+        resume: Resume = False,
+        workers: Workers = None,
+        configs: Configs = None,
+        record: RecordOption = False,
+        force: Force = False,
+    ) -> None:
+        check_whole({"--seed": (seed, 0, MOST_SEED), "--workers": (workers, 1, MOST_WORKERS)})
+        from train.knowledge_store import NO_STORE  # these import SQLAlchemy and Numba
+        from train.learning.members.design import DesignTraining
+        from train.learning.members.es import EsTraining
+        from train.learning.session import TrainingRequest, run_training
+        from train.running.runs import usable_cpus
 
-
-@app.command()
-def design(
-    config: Config = "design",
-    output: Output = None,
-    seed: Seed = 0,
-    resume: Resume = False,
-    workers: Workers = None,
-    configs: Configs = None,
-    record: RecordOption = False,
-    force: Force = False,
-) -> None:
-    """Design a finite state machine by iterated races, by what whole missions cost, and export it."""
-    from train.learning.members.design import DesignTraining  # imports Numba
-
-    _run_members("design", DesignTraining, config, seed, output, resume, workers, configs, record, force)
+        made = {"es": EsTraining, "design": DesignTraining}[learner]
+        directories, many = tuple(configs or ()), workers or usable_cpus()
+        request = TrainingRequest(learner, config, seed, output, resume, NO_STORE, directories, record, force, many)
+        with _one_line():
+            raise typer.Exit(run_training(request, made, Console(highlight=False)))
 
 
-def _run_members(
-    learner: str,
-    made: "Callable[[TrainingJob], Training]",
-    config: str,
-    seed: int,
-    output: Path | None,
-    resume: bool,
-    workers: int | None,
-    configs: list[Path] | None,
-    record: bool,
-    force: bool,
-) -> None:
-    """Run a training by missions of members, and exit with its code."""
-    check_whole({"--seed": (seed, 0, MOST_SEED), "--workers": (workers, 1, MOST_WORKERS)})
-    from train.knowledge_store import NO_STORE  # these import SQLAlchemy and Numba
-    from train.learning.session import TrainingRequest, run_training
-    from train.running.runs import usable_cpus
-
-    directories, many = tuple(configs or ()), workers or usable_cpus()
-    request = TrainingRequest(learner, config, seed, output, resume, NO_STORE, directories, record, force, many)
-    with _one_line():
-        raise typer.Exit(run_training(request, made, Console(highlight=False)))
+_members_command("es", "Train a linear policy by evolution strategies, by what whole missions cost, and export it.")
+_members_command(
+    "design", "Design a finite state machine by iterated races, by what whole missions cost, and export it."
+)
 
 
 @contextmanager

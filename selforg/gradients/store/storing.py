@@ -65,8 +65,11 @@ def store_one(message: Floats, tag: Ints, now: float, store: Words[Store]) -> No
     if tag[c.TAG_MOVING]:
         kept = store_moving(slot, first + c.MOVING, store)
     else:
+        free = s.counters[c.COUNTER_FREE]
         kept = aggregate(slot, first, int(s.rules[tag[c.TAG_CHANNEL]]), now, store)
         if kept:
+            if s.counters[c.COUNTER_FREE] != free:
+                slot = take_place(slot, store)
             layer = first + level_for(slot, store)
             insert(slot, layer, store)
             sweep(layer, now, store)
@@ -74,6 +77,26 @@ def store_one(message: Floats, tag: Ints, now: float, store: Words[Store]) -> No
         free_slot(slot, store)
     elif not s.whole_seconds and evaporated_away(slot, store):
         remove(slot, store)
+
+
+@part
+def take_place(slot: int, store: Words[Store]) -> int:
+    """Move the gradient in `slot`, which is not linked yet, to the slot that was freed last, and return that.
+
+    The gradient that it replaces lay there. So neighbours in space stay neighbours in memory, which walks read faster
+    (decision 0113).
+    """
+    s = open_store(store)
+    place = take_slot(store)
+    for column in range(c.NEAR_COLUMNS):
+        s.near[place, column] = s.near[slot, column]
+    for column in range(c.FAR_COLUMNS):
+        s.far[place, column] = s.far[slot, column]
+    s.links[place, c.LINK_SIGN] = s.links[slot, c.LINK_SIGN]
+    for column in range(c.MARK_COLUMNS):
+        s.marks[place, column] = s.marks[slot, column]
+    free_slot(slot, store)
+    return place
 
 
 @part

@@ -178,3 +178,12 @@ def test_payloads_of_gradients_that_are_gone_are_forgotten():
         buffer.store(Gradient("f", (0.0, 0.0), source="x", stamp=stamp, moving=True, payload={"n": stamp}), stamp)
     assert len(buffer.payloads) < 2000
     assert [g.payload["n"] for g in Queries(buffer).gradients(0, 5000.0, EVERYTHING)] == [4999]
+
+
+def test_a_gradient_lies_in_memory_where_the_one_lay_that_it_replaces():
+    space = Euclidean(2)
+    buffer = SoBuffer(BufferSettings(aggregation_distance=0.1), space, OwnPoses(space, rows=1))
+    for x in (1.0, 2.0, 3.0):
+        buffer.store_static(0, "trail", [[x, 0.0]], 0.0)
+    buffer.store_static(0, "trail", [[2.05, 0.0]], 1.0)
+    assert buffer.table.record.near[:3, 0].tolist() == [1.0, 2.05, 3.0]
