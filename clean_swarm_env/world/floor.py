@@ -159,4 +159,5 @@ def find_shared(worlds: Ints, places: Floats, positions: Floats, stages: Ints, e
                 dx = nearest_image(positions[world, item, 0] - places[place, 0], extent[0])
                 if abs(dx) < SAME_PLACE:
                     dy = nearest_image(positions[world, item, 1] - places[place, 1], extent[1])
-                    shared[place] |= abs(dy) < SAME_PLACE
+                    if abs(dy) < SAME_PLACE:
+                        shared[place] = True
