@@ -84,7 +84,7 @@ class MoveSpots(At):
 
 
 class MoveStations(At):
-    """Stations move."""
+    """The first stations of either kind move."""
 
     do: Literal["move_stations"]
     """What happens."""

@@ -81,7 +81,7 @@ class FamilyConfig(Closed):
     spots: tuple[SpotCount, SpotCount] | None = None
     """Least and largest number of spots of garbage, at random places; those of the mission unless given."""
     stations: Literal["given", "random"] = "given"
-    """Whether the stations are where the mission has them, or at random places."""
+    """Whether the stations are where the mission has them, or as many of them at random places."""
     changes: ChangesConfig = ChangesConfig()
     """The events that are drawn."""
     starts: tuple[StartConfiguration, ...] = ()
@@ -152,7 +152,7 @@ class FamilyConfig(Closed):
 
     def _largest_on(self, size: tuple[float, float]) -> MissionConfig:
         stations, garbage = self.mission.stations, {"count": self.items[1], "respawn": self.respawn[1]}
-        places = (stations.recycling, stations.dump) if self.stations == "given" else ((0.0, 0.0), (0.0, 0.0))
+        places = stations.places if self.stations == "given" else ((0.0, 0.0),) * len(stations.places)
         return self._made(size, self._rows, garbage, places, ())
 
     @property
@@ -167,32 +167,38 @@ class FamilyConfig(Closed):
         robots = int(rng.integers(self.robots[0], self.robots[1] + 1))
         items = int(rng.integers(self.items[0], self.items[1] + 1))
         respawn = float(rng.uniform(*self.respawn))
-        recycling, dump = base.stations.recycling, base.stations.dump
+        places = base.stations.places
         if self.stations == "random":
-            recycling, dump = random_stations((width, height), rng)
+            places = random_stations(len(places), (width, height), rng)
         spots = base.garbage.spots
         if self.spots is not None:
             spots = random_spots(int(rng.integers(self.spots[0], self.spots[1] + 1)), (width, height), rng)
         drawn = draw_events(self.changes, (width, height), robots, len(spots), base.time_limit, rng)
         garbage = {"count": items, "respawn": respawn, "spots": spots}
         events = [event.model_dump() for event in base.events] or drawn
-        return self._made((width, height), robots, garbage, (recycling, dump), events)
+        return self._made((width, height), robots, garbage, places, events)
 
     def _made(
         self,
         size: tuple[float, float],
         robots: int,
         garbage: dict[str, Any],
-        places: tuple[Point, Point],
+        places: tuple[Point, ...],
         events: Sequence[dict[str, Any]],
     ) -> MissionConfig:
         """Return the mission on a torus of a `size` [m] with stations at `places` [m]; DocumentError if impossible."""
         base = self.mission
+        dumps_from = 2 + len(base.stations.further_recycling)
         parts: dict[str, dict[str, Any]] = {
             "world": {"width": size[0], "height": size[1]},
             "robots": {"count": robots, "capacity": self._rows},
             "garbage": {**garbage, "capacity": self._item_rows},
-            "stations": {"recycling": places[0], "dump": places[1]},
+            "stations": {
+                "recycling": places[0],
+                "dump": places[1],
+                "further_recycling": places[2:dumps_from],
+                "further_dumps": places[dumps_from:],
+            },
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
         own_contents = base.own_contents or "deliver" in self.changes.kinds

@@ -98,7 +98,7 @@ def _drawn(kind: str, changes: ChangesConfig, size: tuple[float, float], rng: np
     if kind == "respawn":
         return {"rate": float(rng.uniform(*changes.respawn))}
     if kind == "move_stations":
-        recycling, dump = random_stations(size, rng)
+        recycling, dump = random_stations(2, size, rng)
         return {"recycling": recycling, "dump": dump}
     return {"reach": float(rng.uniform(*changes.reach)), "loss": float(rng.uniform(*changes.loss))}
 
@@ -108,12 +108,13 @@ def random_spots(number: int, size: tuple[float, float], rng: np.random.Generato
     return tuple((x, y) for x, y in (rng.uniform(size=(number, 2)) * size).tolist())
 
 
-def random_stations(size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, Point]:
-    """Return places of recycling and dump on the torus `size` [m], STATION_GAP or more apart where there is room."""
-    gap = min(STATION_GAP, 0.3 * min(size))
+def random_stations(number: int, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
+    """Return places of stations on the torus `size` [m], STATION_GAP or more apart where there is room."""
+    gap = min(STATION_GAP, 0.3 * min(size), 0.5 * min(size) / np.sqrt(number))
     extent = np.array(size)
-    recycling = rng.uniform(size=2) * extent
-    while True:
-        dump = rng.uniform(size=2) * extent
-        if nearest_distance(dump, recycling[None], extent) >= gap:
-            return (float(recycling[0]), float(recycling[1])), (float(dump[0]), float(dump[1]))
+    places: list[Point] = []
+    while len(places) < number:
+        place = rng.uniform(size=2) * extent
+        if nearest_distance(place, np.array(places).reshape(-1, 2), extent) >= gap:
+            places.append((float(place[0]), float(place[1])))
+    return tuple(places)

@@ -1,8 +1,8 @@
 """Frames: the parts of a mission that all worlds of one batch share.
 
-Worlds of one batch share the torus, the bodies, the network, the patrol and the numbers of rows; stations, events,
-garbage, delivery, prices and the time limit may differ. Rows that a mission does not use are absent, so that missions
-of different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
+Worlds of one batch share the torus, the bodies, the network, the patrol, the numbers of rows and of stations; places of
+stations, events, garbage, delivery, prices and the time limit may differ. Rows that a mission does not use are absent,
+so that missions of different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,8 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
     garbage = mission.garbage.model_copy(
         update={"count": 0, "respawn": 0.0, "capacity": mission.item_rows, "spots": (), "spot_radius": 1.0}
     )
-    stations = mission.stations.model_copy(update={"recycling": NOWHERE, "dump": NOWHERE})
+    further = {key: (NOWHERE,) * len(getattr(mission.stations, key)) for key in ("further_recycling", "further_dumps")}
+    stations = mission.stations.model_copy(update={"recycling": NOWHERE, "dump": NOWHERE, **further})
     ideal = {"reach": EVERYWHERE, "loss": 0.0, "own_contents": mission.own_contents}
     delivery = mission.delivery.model_copy(update=ideal)
     return mission.model_copy(

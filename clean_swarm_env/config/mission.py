@@ -147,7 +147,7 @@ class MissionConfig(Closed):
     garbage: GarbageConfig = GarbageConfig()
     """The items."""
     stations: StationsConfig = StationsConfig()
-    """The recycling and the dump station."""
+    """The recycling and the dump stations."""
     patrol: PatrolConfig = PatrolConfig()
     """The patrol."""
     network: NetworkConfig = NetworkConfig()
@@ -188,6 +188,8 @@ class MissionConfig(Closed):
     def _possible(self) -> Self:
         world, robots, stations = self.world, self.robots, self.stations
         places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
+        for key in ("further_recycling", "further_dumps"):
+            places |= {f"stations.{key}.{k}": place for k, place in enumerate(getattr(stations, key))}
         places |= {f"garbage.spots.{k}": spot for k, spot in enumerate(self.garbage.spots)}
         for k, event in enumerate(self.events):
             if isinstance(event, MoveSpots):

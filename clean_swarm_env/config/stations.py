@@ -1,15 +1,33 @@
-"""Typed configuration of the recycling station and the dump."""
+"""Typed configuration of the stations: where garbage is recycled, and where what is left of it is dumped."""
 
-from clean_swarm_env.config.types import Point
+from clean_swarm_env.config.types import FurtherStations, Point
 from selector.documents.fields import Closed, Positive
+
+RECYCLING, DUMP = range(2)
+"""Kinds of stations."""
 
 
 class StationsConfig(Closed):
-    """The two stations that each item passes."""
+    """The stations; each item passes one of either kind."""
 
     recycling: Point = (2.75, 5.5)
     """Position of the recycling station [m]."""
     dump: Point = (8.25, 5.5)
     """Position of the dump station [m]."""
+    further_recycling: FurtherStations = ()
+    """Positions of further recycling stations [m]."""
+    further_dumps: FurtherStations = ()
+    """Positions of further dump stations [m]."""
     reach: Positive = 0.5
     """Distance within which a robot is at a station [m]."""
+
+    @property
+    def places(self) -> tuple[Point, ...]:
+        """Positions of all S stations [m]: the first one of either kind, then the further ones."""
+        return (self.recycling, self.dump, *self.further_recycling, *self.further_dumps)
+
+    @property
+    def kinds(self) -> tuple[int, ...]:
+        """Kinds of all S stations, in the order of `places`."""
+        further = (RECYCLING,) * len(self.further_recycling) + (DUMP,) * len(self.further_dumps)
+        return (RECYCLING, DUMP, *further)

@@ -25,7 +25,7 @@ OPTION_COLOURS: Final = (
 )  # fmt: skip
 ITEM_COLOUR: Final = "#E69F00"
 STATIONS: Final = (("recycling", "#009E73"), ("dump", "#8C6BB1"))
-"""Names and colours of stations."""
+"""Names and colours of stations, by their kinds."""
 TRAIL_PITCH: Final = 0.1  # [m] of the raster on which the trail is drawn
 MOST_TRAIL_CELLS: Final = 1000  # on a side of this raster
 FRAMES_PER_SECOND: Final = 20
@@ -65,7 +65,8 @@ class Canvas:
     held: Ints | None = None  # (N,) which of them serves the goal in each robot; None: the first
     garbage: Floats = field(default_factory=no_places)  # (G, 2) [m] of items that lie
     leftover: Flags | None = None  # (G,) whether the item has been recycled; None: none has
-    stations: Floats = field(default_factory=no_places)  # (S, 2) [m], those of STATIONS in this order
+    stations: Floats = field(default_factory=no_places)  # (S, 2) [m]
+    station_kinds: tuple[int, ...] = (0, 1)  # (S,) numbers of STATIONS
     station_radius: float = 0.5  # [m] within which a robot is at a station
     areas: tuple[Area, ...] = ()  # what else lies in the world
     pheromones: Floats = field(default_factory=no_places)  # (M, 2) [m]

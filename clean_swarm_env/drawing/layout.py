@@ -126,8 +126,8 @@ class _Drawer:
                     Disc(right, down, self._pixels(radius), colour, 0.3),
                     Caption(right, down, name, centred=True),
                 ]
-        for place, (name, colour) in zip(canvas.stations, STATIONS, strict=False):
-            found += self._station(place, name, colour)
+        for place, kind in zip(canvas.stations, canvas.station_kinds, strict=False):
+            found += self._station(place, *STATIONS[kind])
         leftover = np.zeros(len(canvas.garbage), dtype=np.bool_) if canvas.leftover is None else canvas.leftover
         for place, small in zip(canvas.garbage, leftover.tolist(), strict=True):
             for x, y in self._at(place, 0.11):

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
 from clean_swarm_env.recording.channels import AnyArray
 from clean_swarm_env.recording.fields import traces_at
@@ -52,10 +53,6 @@ class _Robots(BaseModel):
     radius: Positive
 
 
-class _Stations(BaseModel):
-    reach: NonNegative
-
-
 class DrawnThing(BaseModel):
     """A gradient that is there from the start on, in a scene."""
 
@@ -70,7 +67,7 @@ class _Sizes(BaseModel):
     """What a picture takes from the mission in the head."""
 
     robots: _Robots
-    stations: _Stations = _Stations(reach=0.0)
+    stations: StationsConfig = StationsConfig()
 
 
 class _Shown(BaseModel):
@@ -161,6 +158,7 @@ class RecordedCourse:
             garbage=np.stack([now["item_x"], now["item_y"]], axis=1)[lying] if head["items"] else no_places(),
             leftover=now["item_leftover"][lying] == 1,
             stations=np.stack([now["station_x"], now["station_y"]], axis=1),
+            station_kinds=self._sizes.stations.kinds,
             station_radius=self._sizes.stations.reach,
             areas=self._areas,
             pheromones=traces.positions[trail] - self._corner,

@@ -38,6 +38,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
         garbage=garbage.positions[world][lying],
         leftover=garbage.leftover[world][lying] == 1,
         stations=worlds.stations[world].copy(),
+        station_kinds=mission.stations.kinds,
         station_radius=mission.stations.reach,
         pheromones=trail,
         pheromone_diffusions=diffusions,

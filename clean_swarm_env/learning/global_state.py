@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
@@ -17,16 +18,17 @@ from selforg.elementary import unit_vectors
 ROBOT = ("works", "x", "y", "heading_cos", "heading_sin", "carrying", "recycled")
 ITEM = ("lying", "carried", "done", "x", "y")
 STATION = ("x", "y")
+STATION_KINDS = ("recycling", "dump")
 
 
 class GlobalState:
     """The components of the global state of each world.
 
     `names` names them: `robot_K_NAME` (`ROBOT`, then `holds_OPTION` or with several goals `holds_GOAL_OPTION`),
-    `item_K_NAME` (`ITEM`), `recycling_x`, `recycling_y`, `dump_x`, `dump_y`, `time` and `garbage_done`. Places go from
-    -1 to 1 along each side of the torus; that of an item is where it lies or was picked. `time` is the share of the
-    time limit that has passed, `garbage_done` the share of the items dumped of those that arrived. The other
-    components are flags, except cosine and sine. What is not there is 0.
+    `item_K_NAME` (`ITEM`), `recycling_x`, `recycling_y`, `dump_x`, `dump_y`, then further stations as `recycling_2_x`,
+    `time` and `garbage_done`. Places go from -1 to 1 along each side of the torus; that of an item is where it lies or
+    was picked. `time` is the share of the time limit that has passed, `garbage_done` the share of the items dumped of
+    those that arrived. The other components are flags, except cosine and sine. What is not there is 0.
 
     Args:
         worlds: the worlds.
@@ -50,7 +52,7 @@ class GlobalState:
         ]
         robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in (*ROBOT, *holds)]
         items = [f"item_{k}_{name}" for k in range(worlds.garbage.stage.shape[1]) for name in ITEM]
-        stations = [f"{station}_{name}" for station in ("recycling", "dump") for name in STATION]
+        stations = [f"{station}_{name}" for station in station_names(worlds.mission.stations) for name in STATION]
         self.names = (*robots, *items, *stations, "time", "garbage_done")
         self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
 
@@ -104,3 +106,12 @@ def _flags(numbers: Ints, count: int) -> Floats:
     """Return `numbers` (R,) as rows of `count` flags, one of which is set."""
     flags: Floats = np.eye(count)[numbers]
     return flags
+
+
+def station_names(stations: StationsConfig) -> list[str]:
+    """Return the names (S,) of stations, which are numbered from the second one of a kind on."""
+    names: list[str] = []
+    for number, kind in enumerate(stations.kinds):
+        earlier = stations.kinds[:number].count(kind)
+        names.append(STATION_KINDS[kind] + (f"_{earlier + 1}" if earlier else ""))
+    return names

@@ -88,3 +88,18 @@ def distance(ax: float, ay: float, bx: float, by: float, extent: Floats) -> floa
     """Return the distance [m] of two points of the torus `extent` (2,) [m]."""
     x, y = nearest_image(bx - ax, extent[0]), nearest_image(by - ay, extent[1])
     return float(np.sqrt(x * x + y * y))
+
+
+@part
+def nearest_of_kind(x: float, y: float, kind: int, places: Floats, kinds: Ints, extent: Floats) -> tuple[int, float]:
+    """Return which of `places` (K, 2) of a kind is nearest to (x, y), the first among equals, and how far it is.
+
+    kinds: (K,). Lengths in [m]. Without any the answer is NOBODY.
+    """
+    best, shortest = NOBODY, np.inf
+    for place in range(places.shape[0]):
+        if kinds[place] == kind:
+            away = distance(x, y, places[place, 0], places[place, 1], extent)
+            if away < shortest:
+                best, shortest = place, away
+    return best, shortest

@@ -69,7 +69,8 @@ def floor_arrays(worlds: Worlds) -> Iterator[Sampled]:
     for axis, name, values, about in named:
         yield Sampled(whole_channel(name, axis, about), values)
     yield from points("item", (items,), garbage.positions, "where the item lies or was picked")
-    yield from points("station", (("station", 2),), worlds.stations, "recycling and dump")
+    stations = ("station", worlds.stations.shape[1])
+    yield from points("station", (stations,), worlds.stations, "recycling, dump, further recycling, further dumps")
 
 
 def points(

@@ -166,7 +166,7 @@ def suffer(
                 c.lost[count] = row
                 count += 1
         elif c.damage_after > 0 and c.collisions[row] >= c.damage_after:
-            for station in range(2):
+            for station in range(f.stations.shape[1]):
                 place = f.stations[world, station]
                 if distance(x, y, place[0], place[1], f.extent) <= f.at_station:
                     c.collisions[row] = 0

@@ -116,7 +116,8 @@ class Agenda:
         elif isinstance(event, MoveSpots):
             self._garbage = self._garbage.at(event.spots)
         elif isinstance(event, MoveStations):
-            floor.stations[world] = event.recycling, event.dump
+            floor.stations[world, :2] = event.recycling, event.dump
+            minds.show_stations(world, floor.stations[world], clock.now)
         else:
             minds.reception.set(world, event.reach, event.loss)
 

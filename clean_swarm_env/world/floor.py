@@ -40,7 +40,7 @@ class Floor:
         collisions: counts of robots that are too close to each other.
         consequences: what collisions have done to the robots.
         garbage: the items, and which robot carries which.
-        stations: (W, 2, 2) places of recycling and dump [m].
+        stations: (W, K, 2) places of the stations [m], in the order of `StationsConfig.places`.
         packed: the record that compiled code takes.
 
     """
@@ -73,7 +73,7 @@ class Floor:
         self.collisions = CollisionCounter(worlds, mission.rows, world.width, world.height, mission.collision_distances)
         self.consequences = Consequences(mission, worlds * mission.rows)
         self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
-        self.stations: Floats = np.tile([mission.stations.recycling, mission.stations.dump], (worlds, 1, 1))
+        self.stations: Floats = np.tile(mission.stations.places, (worlds, 1, 1))
         sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
         cells = cells_along(mission.item_rows, max(sight, garbage.at_distance, garbage.pick_distance), self.extent)
         self._substeps = mission.world.physics_steps_per_tick
@@ -82,6 +82,7 @@ class Floor:
                 robots=self.physics.positions,
                 extent=self.extent,
                 stations=self.stations,
+                kinds=np.array(mission.stations.kinds, dtype=np.int64),
                 items=self.garbage.positions,
                 stage=self.garbage.stage,
                 leftover=self.garbage.leftover,
@@ -123,7 +124,7 @@ class Floor:
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
         """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""
-        self.stations[world] = mission.stations.recycling, mission.stations.dump
+        self.stations[world] = mission.stations.places
         self.garbage.place(world, items % self.extent)
         self.collisions.reset(world)
 

@@ -6,6 +6,7 @@ Rows are robots, R = W * N. Bodies, items and stations are on the `floor`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -37,6 +38,10 @@ ITEMS: Final = "garbage"
 """Channel of the items."""
 PHEROMONES: Final = "pheromone"
 """Channel of the pheromones that patrolling robots deposit."""
+STATION_CHANNELS: Final = ("recycling", "dump")
+"""Channels of the stations, by their kinds."""
+RECYCLED: Final = "recycled"
+"""Name under which configurations may expect to know whether the cargo has been recycled."""
 
 
 class Inner(Protocol):
@@ -71,7 +76,7 @@ class Minds:
         poses: the pose gradients of the robots.
         reception: the delivery of messages.
         items, pheromones, gradients: the buffers: garbage, traces of the patrol, everything else; `buffers` has them
-            by name.
+            by name, and that of the stations.
         directions: random directions, one stream a row.
         network: the robots' behaviour networks.
         coordinators: (C,) one for each goal that the robot's document coordinates, in its order.
@@ -93,6 +98,7 @@ class Minds:
     ) -> None:
         self.rows = worlds * mission.rows
         self._garbage = mission.garbage
+        self._station_kinds: Ints = np.array(mission.stations.kinds, dtype=np.int64)
         self._build_buffers(mission, worlds)
         self._build_network(mission, models, directories, explained)
         self.commands = Commands.none(self.rows, 2)
@@ -134,6 +140,7 @@ class Minds:
         self.pheromones = SoBuffer(strongest, space, self.poses, self.reception.delivery())
         self.gradients = SoBuffer(BufferSettings(), space, self.poses)
         self.buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
+        self.buffers["stations"] = SoBuffer(replace(newest, view_distance=np.inf), space, self.poses)
         self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
         self.patrol = Patrol(
             self.pheromones,
@@ -153,8 +160,11 @@ class Minds:
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
+        self._told = self._memory[RECYCLED] if RECYCLED in self._memory.kinds else None
         host = Host(self.poses, self.buffers, self.directions, self._chances, self._memory)
-        self.coordinators = tuple(Coordinator(m, self.network, host, explained=explained) for m in models)
+        self.coordinators = tuple(
+            Coordinator(m, self.network, host, during=robot.during.get(m.goal, ()), explained=explained) for m in models
+        )
         self.nested = inner_networks(robot, self.network, host, explained=explained)
         self._movers = {
             name: mechanism
@@ -222,6 +232,13 @@ class Minds:
         """Delete the gradients of items that lay at `positions` (M, 2) [m] of `worlds` (M,)."""
         self.items.extinguish(worlds, ITEMS, positions, now)
 
+    def show_stations(self, world: int, places: Floats, now: float) -> None:
+        """Store the gradients of the stations, which are at `places` (K, 2) [m], in place of those stored before."""
+        buffer = self.buffers["stations"]
+        buffer.clear(world)
+        for kind, channel in enumerate(STATION_CHANNELS):
+            buffer.store_static(world, channel, places[self._station_kinds == kind], now)
+
     def spread_poses(self, positions: Floats, headings: Floats, now: float) -> None:
         """Spread the poses that robots at positions (R, 2) [m] with headings (R,) [rad] take for their own."""
         self.poses.update(self._localisation.believed(positions), headings, now)
@@ -234,6 +251,8 @@ class Minds:
 
     def sense(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
+        if self._told is not None:
+            self._told.values[:] = floor.record.recycled
         for inner in self._inner:
             inner.sense(now)
         self.sense_floor(floor)

@@ -1,6 +1,7 @@
 """The two records of a tick: the floor with bodies, items and stations, and what the robots know and decide.
 
-Shapes: W worlds, N robots a world, R = W * N rows, M items a world, S sensors, B behaviours of the robots' network.
+Shapes: W worlds, N robots a world, R = W * N rows, M items and K stations a world, S sensors, B behaviours of the
+robots' network.
 """
 
 from typing import Annotated, NamedTuple
@@ -14,7 +15,8 @@ class FloorRecord(NamedTuple):
 
     robots: Annotated[Floats, "R 2"]  # positions [m]
     extent: Annotated[Floats, "2"]  # of the torus [m]
-    stations: Annotated[Floats, "W 2 2"]  # recycling and dump [m]
+    stations: Annotated[Floats, "W K 2"]  # [m]
+    kinds: Annotated[Ints, "K"]  # RECYCLING or DUMP
     items: Annotated[Floats, "W M 2"]  # where each item lies or was picked [m]
     stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
     leftover: Annotated[Ints, "W M"]  # 1 where what lies has been recycled already
@@ -39,7 +41,7 @@ class MindsRecord(NamedTuple):
     readings: Annotated[Floats, "R S"]  # of the network
     marks: Annotated[Ints, "R LAYERS B"]  # of the network
     handling: Annotated[Ints, "3"]  # behaviours that pick, recycle and dump
-    transport: Annotated[Ints, "2"]  # behaviours that go to the stations
+    transport: Annotated[Ints, "2"]  # behaviours that go to stations of kind RECYCLING and DUMP
     movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism by themselves
     starting: Annotated[Flags, "R 3"]  # robots that pick, recycle and dump in this tick
     running: Annotated[Ints, "L R"]  # rows in which each mover runs, the first `counts` of them

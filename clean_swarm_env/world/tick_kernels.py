@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.physics.cells import distance, fill_cells, nearest_point
+from clean_swarm_env.config.stations import DUMP as DUMP_STATION
+from clean_swarm_env.config.stations import RECYCLING as RECYCLING_STATION
+from clean_swarm_env.physics.cells import distance, fill_cells, nearest_of_kind, nearest_point
 from clean_swarm_env.world.cleaning_robot import (
     AT_DUMP,
     AT_RECYCLING,
@@ -38,7 +40,7 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
     worlds, items = f.stage.shape
     per_world, sight = f.robots.shape[0] // worlds, max(f.sight, f.at_item, f.pick_distance)
     for world in range(worlds):
-        recycling, dump = f.stations[world, 0], f.stations[world, 1]
+        stations = f.stations[world]
         list_lying(world, floor)
         for row in range(world * per_world, (world + 1) * per_world):
             x, y = f.robots[row, 0], f.robots[row, 1]
@@ -46,8 +48,8 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
             if items > 0:
                 f.nearest[row], near = nearest_point(x, y, sight, f.items[world], f.lying, f.extent, f.cells, f.links)
             carrying = f.cargo[row] != NOTHING
-            to_recycling = distance(x, y, recycling[0], recycling[1], f.extent)
-            to_dump = distance(x, y, dump[0], dump[1], f.extent)
+            _, to_recycling = nearest_of_kind(x, y, RECYCLING_STATION, stations, f.kinds, f.extent)
+            _, to_dump = nearest_of_kind(x, y, DUMP_STATION, stations, f.kinds, f.extent)
             readings[row, GARBAGE_SEEN] = 1.0 if near <= f.sight else 0.0
             readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item else 0.0
             readings[row, GARBAGE_FOUND] = 1.0 if near <= f.sight or carrying else 0.0
@@ -129,7 +131,7 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
 
 @lean_kernel
 def begin_commands(floor: Words[FloorRecord], minds: Words[MindsRecord], commands: Words[Commanded]) -> None:
-    """Clear the last commands, command the ways to stations, and list the rows in which each mover runs."""
+    """Clear the last commands, command the ways to the nearest stations, and list the rows in which each mover runs."""
     f, m, given = open_floor(floor), open_minds(minds), open_commanded(commands)
     per_world = f.robots.shape[0] // f.stations.shape[0]
     for mover in range(m.movers.shape[0]):
@@ -138,9 +140,10 @@ def begin_commands(floor: Words[FloorRecord], minds: Words[MindsRecord], command
         given.commanded[row] = given.in_place[row] = False
         for k in range(m.transport.shape[0]):
             if m.marks[row, st.EXECUTING, m.transport[k]]:
-                station = f.stations[row // per_world, k]
-                x = nearest_image(station[0] - f.robots[row, 0], f.extent[0])
-                y = nearest_image(station[1] - f.robots[row, 1], f.extent[1])
+                stations, place = f.stations[row // per_world], f.robots[row]
+                station, _ = nearest_of_kind(place[0], place[1], k, stations, f.kinds, f.extent)
+                x = nearest_image(stations[station, 0] - place[0], f.extent[0])
+                y = nearest_image(stations[station, 1] - place[1], f.extent[1])
                 length = np.sqrt(x * x + y * y)
                 given.vectors[row, 0] = x / length if length > 0.0 else 0.0
                 given.vectors[row, 1] = y / length if length > 0.0 else 0.0

@@ -112,6 +112,7 @@ class Worlds:
         self.floor.reset(world, mission, items)
         self.minds.reset(world, mission, self.rows_of(world), stream)
         self.minds.show_items(world, items, self.now)
+        self.minds.show_stations(world, self.stations[world], self.now)
         self.team.begin(world, np.array(start.robots))
         self._agendas.begin(world, mission, stream)
 

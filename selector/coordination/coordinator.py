@@ -26,6 +26,7 @@ class Coordinator:
     """A coordinator in R rows of the network `parent`; each row holds one option of its `CoordinatorModel`.
 
     Call in every control period `sense`, the step of the parent, `act`, and `leave` when all movements are known.
+    Options that only steer do so all the time, or while one of the behaviours `during` of the parent runs, if given.
 
     Attributes:
         held: (R,) the option that each row holds; `hold` changes it.
@@ -36,7 +37,13 @@ class Coordinator:
     """
 
     def __init__(
-        self, model: CoordinatorModel, parent: BehaviourNetwork, host: Host, *, explained: bool = False
+        self,
+        model: CoordinatorModel,
+        parent: BehaviourNetwork,
+        host: Host,
+        *,
+        during: Sequence[str] = (),
+        explained: bool = False,
     ) -> None:
         self.model = model
         self.parent = parent
@@ -54,6 +61,10 @@ class Coordinator:
             )
         self.beside: Ints = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
         self._some_beside = bool(self.beside.any())
+        beside = [parent.model.behaviour_index[name] for name in during]
+        self._turn_of: list[Ints] = [
+            np.array(beside if spec.steers else [self.index], dtype=np.int64) for spec in model.configurations
+        ]  # (O,) the behaviours of the parent with which each option acts, none: always
         self._poses = host.poses
         own = host.poses.radii[0].tolist()
         self._radii = [own_radii(spec.pose, own) for spec in model.configurations] if model.sets_pose else []
@@ -133,13 +144,13 @@ class Coordinator:
     def act(self, now: float, commands: Commands) -> None:
         """Step the held configurations where the parent runs the coordinator; movements go into `commands`.
 
-        Those that only steer are stepped everywhere.
+        Those that only steer are stepped everywhere, or while the behaviours run during which they steer.
         """
         for k, count in self._in_use:
             content, rows = self.contents[k], self._members[k, :count]
             network, outer = content.network, self.parent.state.mark_table
             number, stale = take_turns(
-                rows, outer, self.index, network.state.mark_table, self.beside[k], self._stale, self._turns
+                rows, outer, self._turn_of[k], network.state.mark_table, self._stale, self._turns
             )
             if not number:
                 continue
@@ -218,18 +229,21 @@ def take_up(
 
 @lean_kernel
 def take_turns(
-    rows: Ints, outer_marks: Ints, behaviour: int, inner_marks: Ints, beside: int, stale: Ints, turns: Ints
+    rows: Ints, outer_marks: Ints, behaviours: Ints, inner_marks: Ints, stale: Ints, turns: Ints
 ) -> tuple[int, int]:
-    """List in `turns` (2, R) those of `rows` (K,) in which a behaviour runs, and those of them that are `stale` (R,).
+    """List in `turns` (2, R) those of `rows` (K,) that act, and those of them that are `stale` (R,).
 
-    With `beside`, all rows are listed.
-
-    The listed rows are then no longer stale. Where the behaviour has just started, all behaviours inside are stopped.
+    A row acts where one of the `behaviours` (B,) outside runs; without any, all rows act. The listed rows are then no
+    longer stale. Where such a behaviour has just started, all behaviours inside are stopped.
     Returns the lengths of both lists. The marks are the mark tables of the outer and the inner network.
     """
     acting, renewed = 0, 0
     for row in rows:
-        if not beside and not outer_marks[row, st.EXECUTING, behaviour]:
+        runs, starts = behaviours.shape[0] == 0, False
+        for behaviour in behaviours:
+            runs = runs or outer_marks[row, st.EXECUTING, behaviour] != 0
+            starts = starts or outer_marks[row, st.STARTED, behaviour] != 0
+        if not runs:
             continue
         turns[0, acting] = row
         acting += 1
@@ -237,7 +251,7 @@ def take_turns(
             stale[row] = 0
             turns[1, renewed] = row
             renewed += 1
-        if outer_marks[row, st.STARTED, behaviour]:
+        if starts:
             for b in range(inner_marks.shape[2]):
                 inner_marks[row, st.EXECUTING, b] = 0
                 inner_marks[row, st.EXECUTION_TIME, b] = -1

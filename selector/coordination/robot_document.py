@@ -20,7 +20,8 @@
 The name of an entry of `conditions` may be given in place of a condition. A network knows the named conditions of the
 networks around it, and must not give their names another meaning. An inner network decides and acts while the
 behaviour that holds it runs; behaviours of an inner network may hold further networks. In the root network, a behaviour
-`G: {type: Coordinator, goal: G}` holds the configuration that serves the goal G now and adds its sensors.
+`G: {type: Coordinator, goal: G}` holds the configuration that serves the goal G now and adds its sensors; with
+`during: [A, B]` its options only steer what the behaviours A and B command.
 `$reach` in place of a value stands for the parameter of that name, which the reader of the file may override.
 """
 
@@ -130,12 +131,13 @@ class _Nesting:
         held = {b: self.of(other, named, (*path, name)) for b, other in inner.items()}
         try:
             if isinstance(spec, NetworkSpec):
-                return RobotNetwork(spec.build(self.coordinators, self.settings), held)
+                model = spec.build(self.coordinators, self.settings)
+                return RobotNetwork(model, held, during=spec.during)
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
         model = RunningConfiguration(spec, trial_host(spec), where).network.model
         try:
-            return RobotNetwork(model, held, frozenset(spec.own_sensors), spec)
+            return RobotNetwork(model, held, frozenset(spec.own_sensors), spec=spec)
         except ValueError as error:
             raise DocumentError(f"{where}: {error}") from error
 

@@ -18,11 +18,13 @@ class RobotNetwork(NestedModel):
 
     Attributes:
         inner: the networks inside, by behaviour.
+        during: goals of coordinators that steer only while certain behaviours run, and these behaviours.
         spec: components of a network inside; None for the root, whose behaviours the host of the robot carries out.
 
     """
 
     inner: Mapping[str, RobotNetwork] = field(default_factory=dict)
+    during: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     spec: InnerNetworkSpec | None = None
 
     def all_specs(self) -> Iterator[InnerNetworkSpec]:

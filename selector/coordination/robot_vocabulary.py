@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec
+from selector.configurations.acting_network import ActingBehaviourSpec, ActingNetworkSpec, must_know
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name, Share
@@ -27,6 +27,8 @@ class HoldingBehaviourSpec(BehaviourSpec):
     """Kind; preconditions and effects of a coordinator add to those of the configuration that it holds."""
     goal: Name | None = None
     """Of a coordinator: the self-organisation goal that it serves, which is also its name."""
+    during: tuple[Name, ...] = ()
+    """Of a coordinator whose options only steer: the behaviours while which they do; always unless given."""
     network: Name | None = None
     """Of a behaviour: name of the network inside, which decides while the behaviour runs."""
 
@@ -34,7 +36,7 @@ class HoldingBehaviourSpec(BehaviourSpec):
     def _holds_one_thing(self) -> Self:
         if self.type == "Coordinator" and (self.goal is None or self.network is not None):
             raise ValueError("expected a coordinator with a goal and without a network")
-        if self.type == "Behaviour" and self.goal is not None:
+        if self.type == "Behaviour" and (self.goal is not None or self.during):
             raise ValueError("expected a goal for a coordinator only (type: Coordinator)")
         return self
 
@@ -48,7 +50,11 @@ class HoldingBehaviourSpec(BehaviourSpec):
             raise DocumentError(f"{where}: {unknown('coordinated goal', self.goal, sorted(coordinators))}")
         if self.goal != name:
             raise DocumentError(f"{where}: expected the name of the coordinator, got {self.goal!r}")
-        return coordinators[self.goal].behaviour(plain)
+        model = coordinators[self.goal]
+        for option, configuration in zip(model.options, model.configurations, strict=True):
+            if self.during and not configuration.steers:
+                raise DocumentError(f"behaviours.{name}.during: expected options that only steer, got {option}")
+        return model.behaviour(plain)
 
 
 class ReachableGoalSpec(GoalSpec):
@@ -76,8 +82,16 @@ class NetworkSpec(Closed):
     settings: SettingsSpec = SettingsSpec()
     """How it decides."""
 
+    @property
+    def during(self) -> dict[str, tuple[str, ...]]:
+        """The coordinators that steer only while certain behaviours run, and these behaviours."""
+        return {name: spec.during for name, spec in self.behaviours.items() if spec.during}
+
     def build(self, coordinators: Coordinators, settings: NetworkSettings | None) -> NetworkModel:
         """Return the model, with `settings` if given; the sensors of coordinators come after those of the network."""
+        for coordinator, names in self.during.items():
+            for name in names:
+                must_know("behaviour", name, self.behaviours, f"behaviours.{coordinator}.during")
         behaviours = [spec.build_with(name, coordinators) for name, spec in self.behaviours.items()]
         held = [spec.goal for spec in self.behaviours.values() if spec.goal is not None]
         sensors = [

@@ -50,7 +50,10 @@ class CoordinatedRobots:
         self.host = host
         robot = network or RobotNetwork(network_of(listed))
         self.network = BehaviourNetwork(robot.model, host.rows, planner, explained)
-        self.coordinators = tuple(Coordinator(model, self.network, host, explained=explained) for model in listed)
+        self.coordinators = tuple(
+            Coordinator(model, self.network, host, during=robot.during.get(model.goal, ()), explained=explained)
+            for model in listed
+        )
         self.inner = inner_networks(robot, self.network, host, explained=explained)
         self._inside: tuple[Coordinator | InnerNetwork, ...] = (*self.coordinators, *self.inner)
         self._commands = Commands.none(host.rows, host.poses.space.dim)

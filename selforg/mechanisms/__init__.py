@@ -32,6 +32,7 @@ from selforg.mechanisms.repulsion import RepulsionGradient as RepulsionGradient
 from selforg.mechanisms.spreading import Carried as Carried
 from selforg.mechanisms.spreading import SpreadGradient as SpreadGradient
 from selforg.mechanisms.steering import ORCA as ORCA
+from selforg.mechanisms.steering import ApproachLeastBusy as ApproachLeastBusy
 from selforg.mechanisms.steering import PredictiveSteering as PredictiveSteering
 from selforg.mechanisms.steering import SteeringMechanism as SteeringMechanism
 from selforg.registry import import_modules

@@ -59,6 +59,7 @@ PATTERNS = (
             "FollowMin",
             "FollowMinReach",
             "FollowMaxReach",
+            "ApproachLeastBusy",
         ),
     ),
     Pattern("Flocking", Purpose.MOVEMENT, ("Gradients", "Repulsion"), ("Flocking", "FlockingReynolds")),

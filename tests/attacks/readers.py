@@ -35,7 +35,7 @@ def read_configuration(path: Path) -> None:
 
 
 def read_robot(path: Path) -> None:
-    known, library = load_knowledge("cleaning-patrol"), library_of()
+    known, library = load_knowledge("transport"), library_of()
     goals = [goal for goal in coordinated_goals(path) if goal in known.goals]
     load_network(path, {goal: CoordinatorModel(goal, known, library) for goal in goals})
 

@@ -13,6 +13,7 @@ MISSIONS = {
     "crowd": CROWD,
     "pass through": mission(world={"contacts": "pass_through"}),
     "two goals": mission("cleaning-patrol"),
+    "stations": mission("transport"),
     "own contents": mission(delivery={"reach": 4.0, "loss": 0.3, "own_contents": True, "pose_memory": 1.0}),
     "late and noisy": mission(delivery={"delay": 0.6, "loss": 0.2}, robots={"pose_noise": 0.1}),
     "many": mission(robots={"count": 45}, world={"width": 12.0, "height": 12.0}),

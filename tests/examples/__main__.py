@@ -19,7 +19,7 @@ def made(directory: Path, name: str) -> Path:
     python = directory / name / "bin" / "python"
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", directory / name], check=True)
-    packages = ("torch", *ENVIRONMENTS[name][1:], "pytest", "-e", ".")
+    packages = ("torch", *ENVIRONMENTS[name][1:], "pytest", "hypothesis", "-e", ".")
     subprocess.run([python, "-m", "pip", "install", "-q", "-c", "constraints.txt", *packages], cwd=ROOT, check=True)
     return python
 

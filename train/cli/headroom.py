@@ -1,4 +1,4 @@
-"""`clean-swarm headroom` and `look-ahead`: what choosing brings on a family, by the situation or by looking ahead."""
+"""`clean-swarm headroom`, `look-ahead` and `periods`: what choosing brings on a family, and how often to choose."""
 
 from typing import Annotated
 
@@ -35,7 +35,7 @@ def headroom_command(
     if not names and not spots:
         raise ConfigurationError("--situations: expected components of the observation, got none")
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
-    from train.evaluation.headroom import HeadroomRequest, headroom_of, headroom_table
+    from train.evaluation.choosing.headroom import HeadroomRequest, headroom_of, headroom_table
     from train.reports.text_table import on_terminal
 
     directories = tuple(configs or ())
@@ -63,10 +63,40 @@ def look_ahead_command(
         if not 0.0 < time <= MOST_TIME:
             raise ConfigurationError(f"{name}: expected more than 0 s and at most {MOST_TIME:g} s, got {time:g}")
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
-    from train.evaluation.look_ahead import LookAheadRequest, look_ahead_table
+    from train.evaluation.choosing.look_ahead import LookAheadRequest, look_ahead_table
     from train.reports.text_table import on_terminal
 
     directories = tuple(configs or ())
     known = load_family(family, directories).with_knowledge(knowledge)
     request = LookAheadRequest(known, base, seed, scenarios, copies, hold, horizon, goal, directories)
     wide_console().print(on_terminal(look_ahead_table(request)))
+
+
+def periods_command(
+    family: Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")],
+    strategy: Annotated[list[str], typer.Option(help="As that of `evaluate`; can be repeated.")],
+    period: Annotated[
+        list[float],
+        typer.Option(help="Seconds between two decisions; can be repeated. The others are compared with the first."),
+    ],
+    scenarios: Annotated[int, typer.Option(help="Test scenarios.")] = 20,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
+    goal: Annotated[
+        str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
+    ] = None,
+    configs: Configs = None,
+) -> None:
+    """Compare strategies that decide more or less often, and hold their options meanwhile."""
+    check_whole({"--scenarios": (scenarios, 2, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
+    if len(set(period)) < max(len(period), 2):
+        raise ConfigurationError(f"--period: expected at least two different ones, got {period}")
+    from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
+    from train.evaluation.choosing.periods import PeriodsRequest, periods_table
+    from train.evaluation.family import FamilyRequest
+    from train.reports.text_table import on_terminal
+
+    directories = tuple(configs or ())
+    known = load_family(family, directories).with_knowledge(knowledge)
+    request = FamilyRequest(family, tuple(strategy), seed, scenarios, goal=goal, directories=directories)
+    wide_console().print(on_terminal(periods_table(PeriodsRequest(known, request, tuple(period)))))

@@ -1,7 +1,7 @@
 """What is around the robots: the record that all observation terms read.
 
-Shapes: W worlds, N robots a world, R = W * N rows, M items a world, K neighbour ranges, C coordinated goals, S sensors,
-B behaviours of the robots' network.
+Shapes: W worlds, N robots a world, R = W * N rows, M items and L stations a world, K neighbour ranges, C coordinated
+goals, S sensors, B behaviours of the robots' network.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ class Around(NamedTuple):
     stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
     done: Annotated[Ints, "W"]  # items dumped
     arrived: Annotated[Ints, "W"]  # items that have come into the world
-    stations: Annotated[Floats, "W 2 2"]  # recycling and dump [m]
+    stations: Annotated[Floats, "W L 2"]  # [m]
+    station_kinds: Annotated[Ints, "L"]  # RECYCLING or DUMP
     readings: Annotated[Floats, "R S"]  # of the robots' network
     marks: Annotated[Ints, "R LAYERS B"]  # of the robots' network, see `network.state`
     limits: Annotated[Ints, "W"]  # ticks after which each mission is over
@@ -59,7 +60,7 @@ class Around(NamedTuple):
     team: Annotated[Ints, "W"]  # number of robots present
     item: Annotated[Ints, "R"]  # nearest item in sight, -1 without one
     phases: Annotated[Ints, "R"]  # numbers of `PHASES`
-    station_distances: Annotated[Floats, "R 2"]  # to recycling and dump [m]
+    station_distances: Annotated[Floats, "R 2"]  # to the nearest recycling station and dump [m]
     station_ways: Annotated[Floats, "R 2 3"]  # the ways to them, see `write_way`, by `longest`
     neighbour: Annotated[Ints, "R"]  # row of the nearest other robot within the largest range, -1 without one
     within: Annotated[Ints, "R K"]  # number of other robots within each range

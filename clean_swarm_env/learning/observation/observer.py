@@ -92,6 +92,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         done=garbage.done,
         arrived=garbage.arrived,
         stations=worlds.stations,
+        station_kinds=worlds.floor.packed.record.kinds,
         readings=network.readings,
         marks=network.state.mark_table,
         limits=progress.limits,

@@ -8,7 +8,15 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around, open_around, write_way
 from clean_swarm_env.learning.phases import APPROACH, PATROL, TO_DUMP, TO_RECYCLING
-from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells, nearest_point
+from clean_swarm_env.physics.cells import (
+    NOBODY,
+    cell_at,
+    cell_beside,
+    cells_along,
+    fill_cells,
+    nearest_of_kind,
+    nearest_point,
+)
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel, part
@@ -76,12 +84,14 @@ def find_items(around: Words[Around], rows: Ints) -> None:
 
 @part
 def find_stations(around: Words[Around], rows: Ints) -> None:
-    """Find the distances and the ways of `rows` (P,) to both stations."""
+    """Find the distances and the ways of `rows` (P,) to the nearest stations of both kinds."""
     a = open_around(around)
     for row in rows:
-        for station in range(2):
-            place = a.stations[row // a.robots, station]
-            a.station_distances[row, station] = write_way(a, row, place, a.longest, a.station_ways[row, station])
+        x, y, stations = a.positions[row, 0], a.positions[row, 1], a.stations[row // a.robots]
+        for kind in range(2):
+            station, _ = nearest_of_kind(x, y, kind, stations, a.station_kinds, a.extent)
+            way = a.station_ways[row, kind]
+            a.station_distances[row, kind] = write_way(a, row, stations[station], a.longest, way)
 
 
 @kernel

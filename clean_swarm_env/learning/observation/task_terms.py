@@ -55,7 +55,7 @@ class PhaseTerm(CompiledTerm):
 
 @TERMS.register
 class SituationTerm(CompiledTerm):
-    """One flag: without or with cargo, far from both stations or within `station_range` of one."""
+    """One flag: without or with cargo, far from all stations or within `station_range` of one."""
 
     name = "situation"
     components = ("free_far", "free_near", "carrying_far", "carrying_near")
@@ -69,7 +69,7 @@ class SituationTerm(CompiledTerm):
 
 @TERMS.register
 class RecyclingTerm(CompiledTerm):
-    """The way to the recycling station, by half the torus' diagonal."""
+    """The way to the nearest recycling station, by half the torus' diagonal."""
 
     name = "recycling"
     components = ("recycling_distance", "recycling_ahead", "recycling_left")
@@ -82,7 +82,7 @@ class RecyclingTerm(CompiledTerm):
 
 @TERMS.register
 class DumpTerm(CompiledTerm):
-    """The way to the dump, by half the torus' diagonal."""
+    """The way to the nearest dump, by half the torus' diagonal."""
 
     name = "dump"
     components = ("dump_distance", "dump_ahead", "dump_left")
@@ -95,7 +95,7 @@ class DumpTerm(CompiledTerm):
 
 @TERMS.register
 class NearnessTerm(CompiledTerm):
-    """How near the stations are: 1 at a station, 0 from `station_range` on."""
+    """How near the nearest stations are: 1 at a station, 0 from `station_range` on."""
 
     name = "nearness"
     components = ("recycling_near", "dump_near")
@@ -109,7 +109,7 @@ class NearnessTerm(CompiledTerm):
 
 @TERMS.register
 class TargetTerm(CompiledTerm):
-    """The way to the station that the cargo has to go to, by half the torus' diagonal."""
+    """The way to the nearest station that the cargo has to go to, by half the torus' diagonal."""
 
     name = "target"
     components = ("target_distance", "target_ahead", "target_left")

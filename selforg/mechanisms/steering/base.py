@@ -16,7 +16,7 @@ class SteeringMechanism(Mechanism):
     """Blueprint of a mechanism that changes the commands of robots in the plane.
 
     It looks at the poses of the team: those whose gradients reach within `view_distance` [m] of the robot, as far as
-    the robot received them. Subclasses implement `steer`.
+    the robot received them; some also look at gradients of the buffer. Subclasses implement `steer`.
 
     Example:
         >>> mechanism = PredictiveSteering(poses, view_distance=1.0)

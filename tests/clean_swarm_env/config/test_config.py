@@ -85,6 +85,11 @@ MISTAKES = [
     ("stations: {dump: [12, 3]}", "", "mission.stations.dump: expected a point on the torus 11 m x 11 m, got [12, 3]"),
     ("stations: {recycling: [1, -0.1]}", "", "mission.stations.recycling: expected a point on the torus"),
     ("world: {width: 8}", "", "mission.stations.dump: expected a point on the torus 8 m x 11 m"),
+    (
+        "stations: {further_dumps: [[1, 1], [1, 12]]}",
+        "",
+        "mission.stations.further_dumps.1: expected a point on the torus",
+    ),
     ("stations: {dump: [12]}", "", "mission.stations.dump.1: missing value"),
     ("world: {control_rate: 3}", "", "mission.world.control_rate: expected a rate that divides physics_rate 20 Hz"),
     ("decision_period: 0.3", "", "mission.decision_period: expected a whole multiple of the control period 0.2 s"),

@@ -9,7 +9,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import SPLITS, FamilyConfig, place_of, seed_of
 from clean_swarm_env.config.frames import check_frame, grouped
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.config.starts import for_start
+from clean_swarm_env.config.starts import for_start, nearest_distance
 from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import DocumentError
@@ -152,6 +152,19 @@ def test_scenarios_of_every_family_run_and_say_what_they_cost(name):
     assert result.items_per_min == pytest.approx(60.0 * result.garbage_done / (result.ticks * 0.2))
     assert np.isfinite(result.cost_s)
     assert result.cost_s > 0.0
+
+
+def test_families_draw_places_for_as_many_stations_as_the_mission_has():
+    base = load_family("random").model_dump()
+    base["mission"]["stations"] |= {"further_recycling": [[1.0, 1.0]], "further_dumps": [[2.0, 2.0]] * 3}
+    family = FamilyConfig.model_validate(base | {"stations": "random"})
+    size, drawn = family.tori[0], [family.scenario(1, k, "test").mission.stations for k in range(20)]
+    assert len({stations.places for stations in drawn}) == 20
+    for stations in drawn:
+        assert stations.kinds == (0, 1, 0, 1, 1, 1)
+        places = np.array(stations.places)
+        apart = [nearest_distance(p, np.delete(places, k, axis=0), np.array(size)) for k, p in enumerate(places)]
+        assert min(apart) >= 2.0
 
 
 @pytest.mark.parametrize(

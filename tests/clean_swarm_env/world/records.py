@@ -11,7 +11,8 @@ def floor_record(garbage, robots, extent, **fields):
     """Return the record of a floor with items and robots at places (R, 2) [m]; what is not given is 0."""
     worlds, items, rows = *garbage.stage.shape, len(robots)
     blank = {
-        "stations": np.zeros((worlds, 2, 2)), "standing": np.zeros(rows, np.int64), "nearest": np.zeros(rows, np.int64),
+        "stations": np.zeros((worlds, 2, 2)), "kinds": np.arange(2),
+        "standing": np.zeros(rows, np.int64), "nearest": np.zeros(rows, np.int64),
         "picked": np.zeros((rows, 2), np.int64), "sight": 0.0, "at_item": 0.0, "at_station": 0.0, "pick_distance": 0.0,
         "lying": np.zeros(items, np.bool_), "cells": np.empty((0, 0), np.int64), "links": np.empty(items, np.int64),
     }  # fmt: skip

@@ -134,7 +134,7 @@ def test_a_mistake_in_a_file_shows_at_once(tmp_path, content, message):
 
 
 def test_unknown_configurations_list_the_known():
-    with pytest.raises(DocumentError, match=r"unknown configuration 'Repulsion' \(known: Barycenter, .*SpreadOut; did"):
+    with pytest.raises(DocumentError, match=r"unknown configuration 'Repulsion' \(known: Barycenter, .*ToStation; did"):
         Library().configuration("Repulsion")
 
 

@@ -93,6 +93,15 @@ def test_a_coordinator_may_have_conditions_and_a_priority_of_its_own(coordinator
         ),
         (behaviour("Rest", type="Coordinator"), "expected a coordinator with a goal and without a network"),
         (behaviour("Rest", goal=GOAL), "expected a goal for a coordinator only"),
+        (behaviour("Rest", during=["Dump"]), "expected a goal for a coordinator only"),
+        (
+            behaviour(GOAL, type="Coordinator", goal=GOAL, during=["Dump"]),
+            "behaviours.AvoidCollision.during: expected options that only steer, got RepulsionFernandez",
+        ),
+        (
+            behaviour(GOAL, type="Coordinator", goal=GOAL, during=["Dance"]),
+            "behaviours.AvoidCollision.during: unknown behaviour 'Dance' (known: AvoidCollision, ",
+        ),
         (behaviour("Rest", type="Coordinater"), "behaviours.Rest.type: expected 'Behaviour' or 'Coordinator', got 'C"),
         (behaviour(GOAL, preconditions=["no garbage"]), "goal 'AvoidCollision': unknown sensor 'rep_bool'"),
         (

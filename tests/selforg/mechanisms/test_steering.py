@@ -9,7 +9,9 @@ from scipy.optimize import minimize
 
 from selforg.commands import Commands
 from selforg.compiler.decorators import kernel
+from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import PoseDelivery
+from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, ORCA, PredictiveSteering, SteeringMechanism
 from selforg.mechanisms.kernels.others import OTHER_COLUMNS, note_others
 from selforg.space import Torus
@@ -191,6 +193,13 @@ def build(name, poses):
     return MECHANISMS.create(name, poses, view_distance=1.0, **MECHANISMS.find(name).example())
 
 
+def beside_a_goal(poses):
+    """Return a buffer of the robots with a gradient that attracts them."""
+    buffer = SoBuffer(BufferSettings(), poses.space, poses)
+    buffer.store_static(0, "goal", [[2.5, 1.0]], DT)
+    return buffer
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_that_nobody_is_near_to_or_that_do_not_move_keep_their_commands(name):
     poses, *_ = moving(rows=6, teams=[0, 1, 2, 3, 3, 3], side=1.0)
@@ -208,14 +217,14 @@ def test_steering_keeps_to_the_speed_and_only_to_its_rows(name):
     poses, *_ = moving(side=2.0)
     commands = wishes(8)
     before = commands.vectors.copy()
-    build(name, poses).steer(DT, np.array([6, 1, 3]), commands.packed.words)
+    build(name, beside_a_goal(poses)).steer(DT, np.array([6, 1, 3]), commands.packed.words)
     np.testing.assert_array_equal(np.delete(commands.vectors, [1, 3, 6], axis=0), np.delete(before, [1, 3, 6], axis=0))
     assert (commands.vectors[[1, 3, 6]] != before[[1, 3, 6]]).any()
     speeds = np.linalg.norm(commands.vectors, axis=1)
     assert (speeds <= np.linalg.norm(before, axis=1) + 1e-9).all()
     again = wishes(8)
     for row in (3, 6, 1):
-        build(name, moving(side=2.0)[0]).steer(DT, np.array([row]), again.packed.words)
+        build(name, beside_a_goal(moving(side=2.0)[0])).steer(DT, np.array([row]), again.packed.words)
     np.testing.assert_array_equal(again.vectors, commands.vectors)
 
 

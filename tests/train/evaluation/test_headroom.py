@@ -9,7 +9,7 @@ from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
 from train.evaluation import headroom
-from train.evaluation.headroom import (
+from train.evaluation.choosing.headroom import (
     RULE_FOUND,
     SINGLE,
     HeadroomRequest,

@@ -6,8 +6,8 @@ import yaml
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
 from train import cli
+from train.evaluation.choosing.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
 from train.evaluation.entrants import member_pilot
-from train.evaluation.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
 from train.running.trials import TrialSettings, run_trials
 
 GOOD = {"configuration": "PredictiveSteering"}

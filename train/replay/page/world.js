@@ -163,10 +163,11 @@ export class WorldView {
   /** @param {CanvasRenderingContext2D} c @param {number} frame */
   drawStations(c, frame) {
     if (!this.run.tracks.has("station_x")) return;
-    const reach = this.run.head.mission.stations.reach, s = this.scale;
+    const { reach, further_recycling = [], further_dumps = [] } = this.run.head.mission.stations, s = this.scale;
     /** @type {[string, string][]} */
     const kinds = [["R", "#009E73"], ["D", "#8C6BB1"]];
-    kinds.forEach(([letter, colour], k) => {
+    const stations = [...kinds, ...further_recycling.map(() => kinds[0]), ...further_dumps.map(() => kinds[1])];
+    stations.forEach(([letter, colour], k) => {
       this.images(valueAt(this.run, "station_x", frame, k), valueAt(this.run, "station_y", frame, k), reach, (x, y) => {
         c.strokeStyle = colour;
         c.fillStyle = `${colour}22`;

@@ -1,0 +1,1 @@
+"""What choosing brings on a family: by the situation, by looking ahead, and by how often."""
