@@ -155,7 +155,9 @@ def find_shared(worlds: Ints, places: Floats, positions: Floats, stages: Ints, e
     """Set `shared` (K,) where an item lies at `places` (K, 2) of `worlds` (K,); positions (W, M, 2), stages (W, M)."""
     for place, world in enumerate(worlds):
         for item in range(positions.shape[1]):
-            dx = nearest_image(positions[world, item, 0] - places[place, 0], extent[0])
-            dy = nearest_image(positions[world, item, 1] - places[place, 1], extent[1])
-            if stages[world, item] == LYING and abs(dx) < SAME_PLACE and abs(dy) < SAME_PLACE:
-                shared[place] = True
+            if stages[world, item] == LYING:
+                dx = nearest_image(positions[world, item, 0] - places[place, 0], extent[0])
+                if abs(dx) < SAME_PLACE:
+                    dy = nearest_image(positions[world, item, 1] - places[place, 1], extent[1])
+                    if abs(dy) < SAME_PLACE:
+                        shared[place] = True

@@ -1,10 +1,11 @@
-"""A headless Chromium for the tests of pages, and missions that take no time for the tests of commands."""
+"""A headless Chromium for the tests of pages, a Dask cluster, and missions that take no time for those of commands."""
 
 import shutil
 
 import pytest
 
 from tests.train import fake_mission
+from tests.train.cluster.loopback import loopback_cluster
 from train.evaluation import pipeline
 from train.running import runs
 
@@ -14,6 +15,14 @@ def fake_missions(monkeypatch):
     """Let missions of experiments take no time."""
     monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
     monkeypatch.setattr(pipeline, "compiled_before", lambda: True)  # a warm-up would be one more fake mission
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A cluster on loopback, or skip."""
+    pytest.importorskip("distributed", reason="Dask is not installed (extra `cluster`)")
+    with loopback_cluster(tmp_path) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,10 @@ PLACE = re.compile(r"(tcp://.+:\d+)|slurm:([1-9]\d{0,3})")
 PACKAGES = {"distributed": "distributed", "dask_jobqueue": "dask-jobqueue"}
 PATIENCE = 10.0
 """Time in which a scheduler has to answer [s]."""
-SILENCE = {"logging": {"distributed": "critical", "distributed.client": "critical"}}
+SETTINGS = {
+    "logging": {"distributed": "critical", "distributed.client": "critical"},
+    "distributed": {"admin": {"tick": {"interval": "1s"}}},  # it looks 50 times a second whether it is late
+}
 _one_task = threading.Lock()
 """Held by the task of this process: workers may have several threads, missions share memory of their process."""
 
@@ -57,7 +60,7 @@ class DaskEngine:
         """Yield a function that does tasks; see `Engine`."""
         import dask
 
-        dask.config.set(SILENCE)  # before the import of distributed, which reads this
+        dask.config.set(SETTINGS)  # before the import of distributed, which reads this
         from distributed import Client
 
         try:

@@ -1,63 +1,17 @@
 """Dask: equal runs also where workers are killed; a scheduler that is dead or dies costs no finished run."""
 
 import json
-import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from tests.paths import ROOT
+from tests.train.cluster.loopback import ENVIRONMENT, QUIET, until
 from train.cluster import dask_engine
 from train.cluster.bits import WorkerBits
 from train.cluster.dask_engine import DaskEngine
-
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.3"}
-QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-
-
-@dataclass
-class Cluster:
-    """A scheduler and two workers, each with its nanny."""
-
-    address: str
-    scheduler: subprocess.Popen[bytes]
-    nannies: list[subprocess.Popen[bytes]]
-
-
-def until(what: Callable[[], object]) -> None:
-    """Wait until something is so."""
-    end = time.monotonic() + 180.0
-    while not what():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-@pytest.fixture
-def cluster(tmp_path) -> Iterator[Cluster]:
-    """A cluster on loopback."""
-    pytest.importorskip("distributed", reason="Dask is not installed (extra `cluster`)")
-    file = tmp_path / "scheduler.json"
-    words = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file))
-    with ExitStack() as stack:
-
-        def start(program: str, *more: str) -> subprocess.Popen[bytes]:
-            command = [sys.executable, "-m", f"distributed.cli.{program}", *words, *more]
-            process = subprocess.Popen(command, cwd=tmp_path, env=ENVIRONMENT, **QUIET)
-            stack.enter_context(process)
-            stack.callback(process.terminate)
-            return process
-
-        scheduler = start("dask_scheduler", "--port", "0")
-        until(lambda: file.exists() and file.read_text().endswith("}"))
-        nannies = [start("dask_worker", "--nthreads", "1") for _ in range(2)]
-        yield Cluster(json.loads(file.read_text())["address"], scheduler, nannies)
 
 
 def evaluate(folder: Path, *words: str) -> subprocess.Popen[str]:
