@@ -21,7 +21,7 @@ from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionRun, run_mission
 from selector.strategies.registry import StrategySpec
-from train.evaluation.family import TrialTask
+from train.evaluation.trial_task import TrialTask
 
 OPTION = "RepulsionGradient-from0.25"
 MANY = 1000

@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 from clean_swarm_env.config.events import Event, Join, Land, Respawn
 from clean_swarm_env.config.family_events import (
     ChangesConfig,
+    PlaceCount,
     Span,
     SpotCount,
     draw_events,
@@ -82,6 +83,8 @@ class FamilyConfig(Closed):
     """Least and largest number of spots of garbage, at random places; those of the mission unless given."""
     stations: Literal["given", "random"] = "given"
     """Whether the stations are where the mission has them, or as many of them at random places."""
+    station_places: tuple[PlaceCount, PlaceCount] | None = None
+    """Least and largest number of random places at which the stations of each kind stand; a place each unless given."""
     changes: ChangesConfig = ChangesConfig()
     """The events that are drawn."""
     starts: tuple[StartConfiguration, ...] = ()
@@ -93,7 +96,9 @@ class FamilyConfig(Closed):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        for name in ("robots", "items", "respawn", "spots"):
+        if self.station_places is not None and self.stations == "given":
+            raise impossible("station_places", "stations: random", "stations: given")
+        for name in ("robots", "items", "respawn", "spots", "station_places"):
             least, most = getattr(self, name) or (0, 0)
             if least > most:
                 raise impossible(name, "the least before the largest", f"[{least:g}, {most:g}]")
@@ -169,7 +174,7 @@ class FamilyConfig(Closed):
         respawn = float(rng.uniform(*self.respawn))
         places = base.stations.places
         if self.stations == "random":
-            places = random_stations(len(places), (width, height), rng)
+            places = self._random_places((width, height), rng)
         spots = base.garbage.spots
         if self.spots is not None:
             spots = random_spots(int(rng.integers(self.spots[0], self.spots[1] + 1)), (width, height), rng)
@@ -177,6 +182,16 @@ class FamilyConfig(Closed):
         garbage = {"count": items, "respawn": respawn, "spots": spots}
         events = [event.model_dump() for event in base.events] or drawn
         return self._made((width, height), robots, garbage, places, events)
+
+    def _random_places(self, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
+        """Return the places of all stations on a torus of a `size` [m], in the order of `StationsConfig.places`."""
+        kinds = self.mission.stations.kinds
+        if self.station_places is None:
+            return random_stations(len(kinds), size, rng)
+        number = int(rng.integers(self.station_places[0], self.station_places[1] + 1))
+        drawn = random_stations(2 * number, size, rng)  # recycling and dump in turn
+        earlier = [kinds[:k].count(kind) for k, kind in enumerate(kinds)]
+        return tuple(drawn[2 * (k % number) + kind] for k, kind in zip(earlier, kinds, strict=True))
 
     def _made(
         self,

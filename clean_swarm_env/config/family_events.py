@@ -16,6 +16,8 @@ Changes = Annotated[int, Field(strict=True, ge=0, le=1000)]
 """Events of a scenario; more of them would hardly differ in time."""
 SpotCount = Annotated[int, Field(strict=True, ge=0, le=100)]
 """Spots of garbage; see `types.Spots`."""
+PlaceCount = Annotated[int, Field(strict=True, ge=1, le=100)]
+"""Places of the stations of a kind; see `types.FurtherStations`."""
 QUIET = 0.1
 """Share of the mission at its beginning and its end in which nothing changes [-]."""
 STATION_GAP = 2.0

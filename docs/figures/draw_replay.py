@@ -20,8 +20,9 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from train.cli.options import wide_console
-from train.evaluation.family import FamilyEvaluation, FamilyRequest, TrialTask
+from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.evaluation.pipeline import Execution, evaluate
+from train.evaluation.trial_task import TrialTask
 from train.replay.page_file import write_page
 from train.report_page.page import report_of_results
 from train.report_page.results import results_in

@@ -23,16 +23,16 @@ def headroom_command(
     goal: Annotated[
         str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
     ] = None,
-    spots: Annotated[
-        bool, typer.Option("--spots", help="Choose by the scenario's number of spots of garbage, not by situations.")
+    kinds: Annotated[
+        bool, typer.Option("--kinds", help="Choose by a scenario's numbers of spots and stations, not by situations.")
     ] = False,
     configs: Configs = None,
 ) -> None:
     """Search for the best option of each case, and compare it with the best single option, Off and Random."""
     check_whole({"--searched": (searched, 1, MOST_SCENARIOS), "--judged": (judged, 2, MOST_SCENARIOS)})
     check_whole({"--seed": (seed, 0, MOST_SEED)})
-    names = () if spots else tuple(name.strip() for name in situations.split(",") if name.strip())
-    if not names and not spots:
+    names = () if kinds else tuple(name.strip() for name in situations.split(",") if name.strip())
+    if not names and not kinds:
         raise ConfigurationError("--situations: expected components of the observation, got none")
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
     from train.evaluation.choosing.headroom import HeadroomRequest, headroom_of, headroom_table

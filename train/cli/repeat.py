@@ -46,8 +46,7 @@ def record_command(
     minds: Annotated[bool, typer.Option(help="Record what the robots' networks decide, too.")] = True,
 ) -> None:
     """Repeat a run and record it: docs/recordings.md describes the file."""
-    from train.evaluation.record_run import record_run  # imports Numba
-    from train.evaluation.repeat import task_of
+    from train.evaluation.repeat import record_run, task_of  # imports Numba
 
     task = task_of(run, scenario, condition)
     with repeating(run):
@@ -66,7 +65,7 @@ def replay_command(
     ] = None,
 ) -> None:
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
-    from train.evaluation.record_run import recording_of  # imports Numba
+    from train.evaluation.repeat import recording_of  # imports Numba
     from train.replay.page_file import write_page
 
     conditions: list[str | None] = [*condition] if condition else [None]

@@ -6,6 +6,9 @@ from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
+from clean_swarm_env.recording.file import SUFFIX
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun, period_of, result_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import shown, validated, within
@@ -13,10 +16,10 @@ from selector.documents.fields import Closed, Number
 from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
 from selforg.registry import unknown
-from train.evaluation.family import TrialTask
 from train.evaluation.repeat_trial import evaluation_seed, family_tasks, trial_steps
+from train.evaluation.trial_task import TrialTask
 from train.running.provenance import fingerprints, versions
-from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, read_manifest
+from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, RECORDINGS, read_manifest
 from train.running.runs import RunTask, tasks_of
 
 Repeated = RunTask | TrialTask
@@ -143,3 +146,40 @@ def _check_same_files(held: object, directories: Sequence[Path], path: Path) -> 
     of_then = held if isinstance(held, dict) else {}
     name = next(name for name in sorted(now.keys() | of_then.keys()) if now.get(name) != of_then.get(name))
     raise ConfigurationError(f"{path}: {name} is no longer what the evaluation ran with; its runs cannot be repeated")
+
+
+def record_run(task: Repeated, output: Path, *, minds: bool = True) -> RecordedMission:
+    """Repeat a whole run and write it to a new file; return the recording.
+
+    Raises:
+        ConfigurationError: the file exists or cannot be written, or the mission has nothing to do.
+
+    """
+    if output.suffix != SUFFIX:
+        raise ConfigurationError(f"{output}: expected a name that ends with {SUFFIX}")
+    if output.exists():
+        raise ConfigurationError(f"{output}: exists already; expected a new file")
+    if not output.parent.is_dir():
+        raise ConfigurationError(f"{output}: cannot be written (no such directory)")
+    task.recorded(RecordSettings(output.parent, minds, name=output.name)).run()
+    return RecordedMission(output)
+
+
+def recording_of(
+    run: Path, scenario: str | None, condition: str | None, folder: Path, *, minds: bool = True
+) -> RecordedMission:
+    """Return a recording: that of a file, or one of a run in a directory of results, with minds if they are asked for.
+
+    A run that was recorded so is read. Others are repeated, and recorded in `folder`.
+    """
+    if not run.is_dir():
+        return RecordedMission(run)
+    task = task_of(run, scenario, condition)
+    for path in sorted((run / RECORDINGS).glob(f"*{SUFFIX}")):
+        recording = RecordedMission(path)
+        about = recording.head["about"]
+        same = (about.get("scenario"), about.get("condition")) == (task.scenario, task.condition)
+        if same and recording.result is not None and recording.head["minds"] >= minds:
+            return recording
+    number = len(list(folder.iterdir())) + 1
+    return record_run(task, folder / f"{number}{SUFFIX}", minds=minds)

@@ -16,7 +16,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated, within
 from selector.documents.plain import short
 from train.evaluation.entrants import Entrant, identified
-from train.evaluation.family import TrialTask
+from train.evaluation.trial_task import TrialTask
 from train.running.decided_goal import DecidedGoal
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST

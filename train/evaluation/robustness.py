@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from clean_swarm_env.config.families import RobustnessConfig
 from train.analysis.robustness_report import RobustnessReport, RobustnessRuns, robustness_summary_json
-from train.evaluation.family import FamilyEvaluation, FamilyRequest, TrialTask
+from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.trial_task import TrialTask
 from train.reports.robustness_figure import draw_robustness
 from train.reports.robustness_tables import robustness_tables
 from train.reports.write_report import Publication

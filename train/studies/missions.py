@@ -19,7 +19,7 @@ from selector.documents.reading import as_yaml
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.evaluation.entrants import member_pilot
-from train.evaluation.family import TASK_SCENARIOS, TrialTask
+from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.running.engine import Round
 from train.running.pilots import Pilot, columns_of
 from train.running.run_folder import RunFolder

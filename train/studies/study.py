@@ -18,8 +18,8 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
 from train.cluster.bits import WorkerBits
-from train.evaluation.family import TASK_SCENARIOS
 from train.evaluation.pipeline import chosen_engine
+from train.evaluation.trial_task import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
 from train.reports.write_report import Publication, publish
 from train.running.decided_goal import DecidedGoal

@@ -10,12 +10,7 @@ from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.mechanisms.kernels.others import (
-    OTHER_X,
-    OTHER_Y,
-    note_others,
-    speed_to_change,
-)
+from selforg.mechanisms.kernels.others import OTHER_X, OTHER_Y, note_others, speed_to_change
 from selforg.space import nearest_image, wrapped
 
 CHOSEN_AT, WAITING_SINCE = 0, 1  # columns of `Approaching.times`

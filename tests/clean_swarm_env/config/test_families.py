@@ -22,7 +22,8 @@ FAMILIES = list(files_of("families"))
 def test_all_families_are_shipped():
     alike = ["continuous", "crowded", "random", "shifting", "sparse", "unseen"]
     exploring = ["clustered", "crowded-exploring", "hotspots", "rare", "unseen-exploring"]
-    assert sorted(FAMILIES) == sorted(["careful", "table1", *exploring, *alike, *(f"{name}-bumpers" for name in alike)])
+    others = ["careful", "table1", "yards", *exploring]
+    assert sorted(FAMILIES) == sorted([*others, *alike, *(f"{name}-bumpers" for name in alike)])
 
 
 @pytest.mark.parametrize("name", ["continuous", "crowded", "random", "shifting", "sparse", "unseen"])
@@ -167,9 +168,24 @@ def test_families_draw_places_for_as_many_stations_as_the_mission_has():
         assert min(apart) >= 2.0
 
 
+def test_the_stations_of_a_kind_stand_at_as_many_places_as_are_drawn():
+    numbers = []
+    for index in range(40):
+        stations = load_family("yards").scenario(1, index, "test").mission.stations
+        recycling = {stations.recycling, *stations.further_recycling}
+        dumps = {stations.dump, *stations.further_dumps}
+        assert len(recycling) == len(dumps)
+        assert not recycling & dumps
+        numbers.append(len(dumps))
+    assert sorted(set(numbers)) == [1, 2, 3]
+    assert min(numbers.count(number) for number in (1, 2, 3)) > 5
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("station_places: [1, 2]", "station_places: expected stations: random, got stations: given"),
+        ("station_places: [2, 1]\nstations: random", "station_places: expected the least before the largest"),
         ("spots: [2, 1]", "spots: expected the least before the largest, got [2, 1]"),
         ("robots: [5, 4]", "robots: expected the least before the largest, got [5, 4]"),
         ("changes: {number: [1, 2]}", "changes.kinds: expected at least one kind of event, got none"),

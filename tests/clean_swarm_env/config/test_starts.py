@@ -11,6 +11,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_experiment, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import Places, for_start, load_starts, nearest_distance, random_start, run_seed
+from selector.documents.errors import shown
 
 
 def _mission(count: int = 5, contacts: str = "solid", items: int = 10, **world: float) -> MissionConfig:
@@ -160,7 +161,7 @@ def test_a_malformed_file_of_starts_is_one_line(tmp_path, content, expected):
     with pytest.raises(ConfigurationError) as caught:
         load_starts(path)
     assert expected in str(caught.value)
-    assert str(caught.value).startswith(f"{path}: ")
+    assert str(caught.value).startswith(f"{shown(path)}: ")
     assert "\n" not in str(caught.value)
 
 

@@ -132,3 +132,18 @@ def test_finds_are_none_apart_or_together():
         expected = [0.0, 0.0, 1.0] if near[:-1].sum() >= 0.5 * (len(told) - 1) else [0.0, 1.0, 0.0]
         assert (flags == expected).all(), told
         now = batch.worlds.now
+
+
+def test_yards_tell_whether_stations_of_the_kind_wanted_next_stand_together():
+    stations = {"recycling": [0.5, 3.0], "further_recycling": [[10.5, 3.0]], "dump": [8.0, 8.0]}
+    stations |= {"further_dumps": [[8.0, 5.9]]}
+    nothing = mission(stations=stations, garbage={"count": 1}, robots={"count": 2})
+    batch = Batch(nothing, observation=ObservationConfig(terms=["yards"]))
+    batch.reset([1])
+    batch.worlds.garbage.recycled[1] = 1
+    seen = np.zeros((2, 2), dtype=np.float32)
+    batch.observer.observe(seen)
+    assert seen.tolist() == [[1.0, 0.0], [0.0, 1.0]]
+    batch.worlds.stations[0, 1] = 8.0, 7.8
+    batch.observer.observe(seen)
+    assert seen.tolist() == [[1.0, 0.0], [1.0, 0.0]]

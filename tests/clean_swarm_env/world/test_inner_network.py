@@ -12,7 +12,7 @@ from selector.coordination.selection import BY_SCORE
 from selector.documents.find import SHIPPED
 from tests.clean_swarm_env.courses import mission
 from train.evaluation.explain import as_json, explained
-from train.evaluation.record_run import record_run
+from train.evaluation.repeat import record_run
 from train.running.runs import RunTask
 
 PATROL = {"channels": ["pheromone"], "pheromone": {"channel": "pheromone", "attraction": -1}, "min_speed": 0.5}

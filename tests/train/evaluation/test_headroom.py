@@ -16,7 +16,7 @@ from train.evaluation.choosing.headroom import (
     RuleSearch,
     headroom_of,
     headroom_table,
-    spots_of,
+    scenario_kinds,
 )
 
 SITUATIONS = ("free_far", "free_near", "carrying_far", "carrying_near")
@@ -58,24 +58,25 @@ def test_what_was_found_is_judged_on_test_scenarios(monkeypatch):
     assert found.excesses[RULE_FOUND] / found.excesses[SINGLE] == pytest.approx(found.claims[0].ratio)
 
 
-def test_the_best_choice_for_each_number_of_spots_is_found_and_judged(monkeypatch):
+def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged(monkeypatch):
     family = load_family("clustered")
     asked = HeadroomRequest(family, (), 0, searched=8, judged=12, goal="AvoidCollision+ExplorationPatrol")
-    planted = {0: "ORCA+Patrol", 1: "PredictiveSteering+Finds"}
+    planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 1 stations 2": "PredictiveSteering+Finds"}
     options = RuleSearch(asked).problem.options
 
     def excess(self, scenarios, rules):
-        wanted = [options.index(planted[number]) for number in spots_of(scenarios).tolist()]
+        wanted = [options.index(planted[kind]) for kind in scenario_kinds(scenarios)]
         return np.array([10.0 + abs(option - best) for (option,), best in zip(rules, wanted, strict=True)])
 
     monkeypatch.setattr(RuleSearch, "excess", excess)
     monkeypatch.setattr(RuleSearch, "excess_of", lambda self, scenarios, member: np.full(len(scenarios), 99.0))
     found = headroom_of(asked)
-    assert found.rule == {f"spots {number}": option for number, option in planted.items()}
+    assert found.rule == planted
     assert found.excesses[RULE_FOUND] == 10.0 < found.excesses[SINGLE]
     assert found.excesses["fixed:Off"] == found.excesses["Random"] == 99.0
     assert found.missions == 8 * len(options)
-    assert "spots 0 ORCA+Patrol, spots 1 PredictiveSteering+Finds" in str(headroom_table(found, family.name))
+    told = "spots 0 stations 2 ORCA+Patrol, spots 1 stations 2 PredictiveSteering+Finds"
+    assert told in str(headroom_table(found, family.name))
 
 
 def test_unknown_situations_are_one_line(capsys):

@@ -50,7 +50,7 @@ def check_times(course: "RecordedCourse", times: dict[str, float]) -> None:
 def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterator["RecordedCourse"]:
     """Give the course of a recording, or of a run in a directory of results, which is repeated if need be."""
     from clean_swarm_env.drawing.recorded_picture import RecordedCourse
-    from train.evaluation.record_run import recording_of
+    from train.evaluation.repeat import recording_of
 
     with TemporaryDirectory() as folder:
         with repeating(run) if run.is_dir() else nullcontext():

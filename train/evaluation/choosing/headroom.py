@@ -1,9 +1,10 @@
 """The headroom of a family: what the best choice of an option for each case saves beside the best single choice.
 
-A case is the situation of a robot, or the kind of a scenario: its number of spots of garbage. Both choices are searched
-on scenarios of the split "train" and judged on those of "test", so that luck in the search does not count. The search
-begins with the best single option. For situations it then tries every option in one after the other, and keeps what
-lowers the mean excess cost, until a whole round changes nothing. For kinds it takes the best option of each.
+A case is the situation of a robot, or the kind of a scenario: its numbers of spots of garbage and of places of
+stations. Both choices are searched on scenarios of the split "train" and judged on those of "test", so that luck in the
+search does not count. The search begins with the best single option. For situations it then tries every option in one
+after the other, and keeps what lowers the mean excess cost, until a whole round changes nothing. For kinds it takes the
+best option of each.
 
 Shapes: S situations, 1 without any; O options, Q rules, T scenarios of the search, K scenarios of the test.
 """
@@ -91,10 +92,10 @@ class RuleSearch:
         """Return the best single option."""
         return int(self._means(self._singles).argmin())
 
-    def of_spots(self) -> dict[int, int]:
-        """Return the best single option for each number of spots of garbage."""
-        excesses, spots = self._excesses(self._singles), spots_of(self._scenarios)
-        return {number: int(excesses[:, spots == number].mean(axis=1).argmin()) for number in np.unique(spots).tolist()}
+    def of_kinds(self) -> dict[str, int]:
+        """Return the best single option for each kind of scenario."""
+        excesses, kinds = self._excesses(self._singles), np.array(scenario_kinds(self._scenarios))
+        return {kind: int(excesses[:, kinds == kind].mean(axis=1).argmin()) for kind in np.unique(kinds).tolist()}
 
     def rule(self) -> Ints:
         """Return the best rule (S,)."""
@@ -154,9 +155,8 @@ def headroom_of(request: HeadroomRequest) -> Headroom:
         rule = search.rule()
         rules, named = np.tile(rule, (len(scenarios), 1)), dict(zip(request.situations, rule.tolist(), strict=True))
     else:
-        best = search.of_spots()
-        rules = np.array([[best.get(number, single)] for number in spots_of(scenarios).tolist()])
-        named = {f"spots {number}": option for number, option in best.items()}
+        named = search.of_kinds()
+        rules = np.array([[named.get(kind, single)] for kind in scenario_kinds(scenarios)])
     excesses = {
         SINGLE: search.excess(scenarios, np.full_like(rules, single)),
         RULE_FOUND: search.excess(scenarios, rules),
@@ -190,9 +190,12 @@ def headroom_table(found: Headroom, family: str) -> Grid:
     return replace(grid, notes=notes)
 
 
-def spots_of(scenarios: Sequence[Scenario]) -> Ints:
-    """Return the number of spots of garbage (T,) of each scenario."""
-    return np.array([len(scenario.mission.garbage.spots) for scenario in scenarios])
+def scenario_kinds(scenarios: Sequence[Scenario]) -> list[str]:
+    """Return the kind (T,) of each scenario."""
+    return [
+        f"spots {len(mission.garbage.spots)} stations {len(set(mission.stations.places))}"
+        for mission in (scenario.mission for scenario in scenarios)
+    ]
 
 
 def _excess(results: Sequence[MissionResult]) -> Floats:
