@@ -8,7 +8,7 @@ import pytest
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
-from train.evaluation import headroom
+from train.evaluation.choosing import headroom
 from train.evaluation.choosing.headroom import (
     RULE_FOUND,
     SINGLE,
