@@ -30,7 +30,7 @@ PATIENCE = 10.0
 """Time in which a scheduler has to answer [s]."""
 SETTINGS = {
     "logging": {"distributed": "critical", "distributed.client": "critical"},
-    "distributed": {"admin": {"tick": {"interval": "1s"}}},  # it looks 50 times a second whether it is late
+    "distributed.admin.tick.interval": "1s",  # it looks 50 times a second whether it is late; other settings stay
 }
 _one_task = threading.Lock()
 """Held by the task of this process: workers may have several threads, missions share memory of their process."""
