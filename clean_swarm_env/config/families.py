@@ -185,12 +185,11 @@ class FamilyConfig(Closed):
 
     def _random_places(self, size: tuple[float, float], rng: np.random.Generator) -> tuple[Point, ...]:
         """Return the places of all stations on a torus of a `size` [m], in the order of `StationsConfig.places`."""
-        kinds = self.mission.stations.kinds
+        kinds, earlier = self.mission.stations.kinds, self.mission.stations.earlier
         if self.station_places is None:
             return random_stations(len(kinds), size, rng)
         number = int(rng.integers(self.station_places[0], self.station_places[1] + 1))
         drawn = random_stations(2 * number, size, rng)  # recycling and dump in turn
-        earlier = [kinds[:k].count(kind) for k, kind in enumerate(kinds)]
         return tuple(drawn[2 * (k % number) + kind] for k, kind in zip(earlier, kinds, strict=True))
 
     def _made(
@@ -203,17 +202,11 @@ class FamilyConfig(Closed):
     ) -> MissionConfig:
         """Return the mission on a torus of a `size` [m] with stations at `places` [m]; DocumentError if impossible."""
         base = self.mission
-        dumps_from = 2 + len(base.stations.further_recycling)
         parts: dict[str, dict[str, Any]] = {
             "world": {"width": size[0], "height": size[1]},
             "robots": {"count": robots, "capacity": self._rows},
             "garbage": {**garbage, "capacity": self._item_rows},
-            "stations": {
-                "recycling": places[0],
-                "dump": places[1],
-                "further_recycling": places[2:dumps_from],
-                "further_dumps": places[dumps_from:],
-            },
+            "stations": base.stations.at(places).model_dump(),
         }
         merged = {name: {**getattr(base, name).model_dump(), **change} for name, change in parts.items()}
         own_contents = base.own_contents or "deliver" in self.changes.kinds

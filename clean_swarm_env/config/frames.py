@@ -20,8 +20,7 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
     garbage = mission.garbage.model_copy(
         update={"count": 0, "respawn": 0.0, "capacity": mission.item_rows, "spots": (), "spot_radius": 1.0}
     )
-    further = {key: (NOWHERE,) * len(getattr(mission.stations, key)) for key in ("further_recycling", "further_dumps")}
-    stations = mission.stations.model_copy(update={"recycling": NOWHERE, "dump": NOWHERE, **further})
+    stations = mission.stations.at((NOWHERE,) * len(mission.stations.places))
     ideal = {"reach": EVERYWHERE, "loss": 0.0, "own_contents": mission.own_contents}
     delivery = mission.delivery.model_copy(update=ideal)
     return mission.model_copy(

@@ -1,5 +1,7 @@
 """Typed configuration of the stations: where garbage is recycled, and where what is left of it is dumped."""
 
+from collections.abc import Sequence
+
 from clean_swarm_env.config.types import FurtherStations, Point
 from selector.documents.fields import Closed, Positive
 
@@ -31,3 +33,14 @@ class StationsConfig(Closed):
         """Kinds of all S stations, in the order of `places`."""
         further = (RECYCLING,) * len(self.further_recycling) + (DUMP,) * len(self.further_dumps)
         return (RECYCLING, DUMP, *further)
+
+    @property
+    def earlier(self) -> tuple[int, ...]:
+        """How many stations of the same kind come before each of the S stations."""
+        return tuple(self.kinds[:number].count(kind) for number, kind in enumerate(self.kinds))
+
+    def at(self, places: Sequence[Point]) -> "StationsConfig":
+        """Return the same stations at other `places` (S,) [m]."""
+        dumps = 2 + len(self.further_recycling)
+        further = {"further_recycling": tuple(places[2:dumps]), "further_dumps": tuple(places[dumps:])}
+        return self.model_copy(update={"recycling": places[0], "dump": places[1], **further})

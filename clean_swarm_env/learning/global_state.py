@@ -110,8 +110,5 @@ def _flags(numbers: Ints, count: int) -> Floats:
 
 def station_names(stations: StationsConfig) -> list[str]:
     """Return the names (S,) of stations, which are numbered from the second one of a kind on."""
-    names: list[str] = []
-    for number, kind in enumerate(stations.kinds):
-        earlier = stations.kinds[:number].count(kind)
-        names.append(STATION_KINDS[kind] + (f"_{earlier + 1}" if earlier else ""))
-    return names
+    numbered = zip(stations.kinds, stations.earlier, strict=True)
+    return [STATION_KINDS[kind] + (f"_{earlier + 1}" if earlier else "") for kind, earlier in numbered]

@@ -145,7 +145,7 @@ def any_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[
     kind, _, name = member.partition(":")
     if kind == VELOCITY:
         return VectorPilot.of_file(Path(name), len(problem.features))
-    if mode_of(member, directories) != "option":
+    if kind == POLICY and Path(name).suffix not in LOADERS:
         return policy_pilot(load_policy(find_policy(name, directories)), problem)
     return member_pilot(member, problem, teams, directories)
 

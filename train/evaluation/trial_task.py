@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +19,7 @@ from selector.documents.errors import DocumentError
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
-from train.evaluation.entrants import (
-    FIXED,
-    any_pilot,
-    mode_of,
-)
+from train.evaluation.entrants import FIXED, any_pilot, mode_of
 from train.running.finished_runs import natural_order
 from train.running.pilots import AnyPilot
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
@@ -130,7 +127,7 @@ class TrialTask:
         limit = min(scenario.mission.time_limit, self.time_limit)
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
-    @property
+    @cached_property
     def action(self) -> ActionConfig:
         """What the member gives: options, movement vectors or both."""
         return ActionConfig(mode=mode_of(self.member, self.directories))
