@@ -4,17 +4,8 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import Configs, Force, OnPlace, check_whole
-from train.cli.tune import (
-    GivenStore,
-    Output,
-    Resume,
-    Seed,
-    Storage,
-    Workers,
-    check_numbers,
-    run_given,
-)
+from train.cli.options import Configs, Force, OnPlace, OtherKnowledge, Output, Resume, Seed, Workers, check_whole
+from train.cli.tune import GivenStore, Storage, check_numbers, run_given
 
 MOST_TRIALS = 100_000
 
@@ -22,7 +13,7 @@ MOST_TRIALS = 100_000
 def configure_command(
     option: Annotated[str, typer.Argument(help="Name of an option of the expert knowledge.", metavar="OPTION")],
     family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],
-    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
+    knowledge: OtherKnowledge = None,
     method: Annotated[str, typer.Option(help="random, TPE, CMA-ES, NSGA-II or MAP-Elites.")] = "TPE",
     trials: Annotated[int, typer.Option(help="Candidates of each method.")] = 60,
     seed: Seed = 0,
@@ -44,4 +35,16 @@ def configure_command(
     study = configured_study(option, family, knowledge, {"method": method, "trials": trials}, directories)
     command = ["configure", option, "--family", family, "--method", method, "--trials", str(trials)]
     command += ["--knowledge", knowledge] if knowledge is not None else []
-    run_given(study, tuple(command), seed, output, resume, workers, storage, store, force, on, directories)
+    run_given(
+        study,
+        tuple(command),
+        directories,
+        seed=seed,
+        output=output,
+        resume=resume,
+        workers=workers,
+        storage=storage,
+        store=store,
+        force=force,
+        place=on,
+    )

@@ -7,15 +7,23 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, OnPlace, check_whole, wide_console
+from train.cli.options import (
+    MOST_SEED,
+    MOST_WORKERS,
+    Configs,
+    Force,
+    OnPlace,
+    Output,
+    Resume,
+    Seed,
+    Workers,
+    check_whole,
+    wide_console,
+)
 
 if TYPE_CHECKING:  # imports pydantic, NumPy and Numba
     from train.studies.config import StudyConfig
 
-Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
-Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")]
-Resume = Annotated[bool, typer.Option("--resume", help="Do only the missions that the directory lacks.")]
-Workers = Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")]
 Storage = Annotated[
     str | None,
     typer.Option(
@@ -48,15 +56,15 @@ def tune_command(
     run_given(
         load_study(study, configs or ()),
         ("tune", study),
-        seed,
-        output,
-        resume,
-        workers,
-        storage,
-        store,
-        force,
-        on,
         tuple(configs or ()),
+        seed=seed,
+        output=output,
+        resume=resume,
+        workers=workers,
+        storage=storage,
+        store=store,
+        force=force,
+        place=on,
     )
 
 
@@ -71,6 +79,8 @@ def check_numbers(seed: int, workers: int | None) -> None:
 def run_given(
     study: StudyConfig,
     command: tuple[str, ...],
+    directories: tuple[Path, ...],
+    *,
     seed: int,
     output: Path | None,
     resume: bool,
@@ -79,7 +89,6 @@ def run_given(
     store: str | None,
     force: bool,
     place: str | None,
-    directories: tuple[Path, ...],
 ) -> None:
     """Run a study and exit with its code; `command` are the words that lead to the study."""
     from train.knowledge_store import StoreRequest  # these import SQLAlchemy, optuna and Numba
