@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import Configs, Force, OnPlace, check_whole
+from train.cli.options import AnyBits, Configs, Force, OnPlace, check_whole
 from train.cli.tune import (
     GivenStore,
     Output,
@@ -33,15 +33,19 @@ def configure_command(
     store: GivenStore = None,
     force: Force = False,
     on: OnPlace = None,
+    any_bits: AnyBits = False,
     configs: Configs = None,
 ) -> None:
     """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
     check_numbers(seed, workers)
     check_whole({"--trials": (trials, 2, MOST_TRIALS)})
+    from train.running.needs import Machine
+    from train.running.runs import usable_cpus
     from train.studies.configured import configured_study
 
     directories = tuple(configs or ())
     study = configured_study(option, family, knowledge, {"method": method, "trials": trials}, directories)
     command = ["configure", option, "--family", family, "--method", method, "--trials", str(trials)]
     command += ["--knowledge", knowledge] if knowledge is not None else []
-    run_given(study, tuple(command), seed, output, resume, workers, storage, store, force, on, directories)
+    machine = Machine(workers or usable_cpus(), force, on)
+    run_given(study, tuple(command), seed, output, resume, storage, store, machine, any_bits, directories)
