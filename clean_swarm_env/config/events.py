@@ -115,6 +115,16 @@ def in_order(events: tuple[Event, ...]) -> list[tuple[int, Event]]:
     return sorted(enumerate(events), key=lambda numbered: numbered[1].at)
 
 
+def join_time(events: tuple[Event, ...], robots: int, robot: int) -> float | None:
+    """Return when a robot joins a team of `robots` at the start, or later if its place is not free [s]; None: never."""
+    for _, event in in_order(events):
+        if isinstance(event, Join):
+            robots += event.robots
+            if robot < robots:
+                return event.at
+    return None
+
+
 def check_team(events: tuple[Event, ...], robots: int, fitting: int, room: str) -> None:
     """Raise the error for the first event that is impossible for a team of `robots` at the start.
 

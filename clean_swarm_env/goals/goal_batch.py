@@ -22,7 +22,7 @@ from clean_swarm_env.goals.settings import GoalAction, GoalObservation, GoalRewa
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions
 from clean_swarm_env.learning.batch import whole_mission
 from clean_swarm_env.learning.given import config_from, directories_from, seeds_from, whole_number
-from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended, FigureColumns
+from clean_swarm_env.learning.interface import NO_JUMPS, AnyBatch, BatchStep, Ended, FigureColumns
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.learning.reward import OwnRewards, own_rewards
 from clean_swarm_env.learning.warm_up import compile_once
@@ -98,6 +98,7 @@ class GoalBatch(AnyBatch):
         self.setting = setting_of(self._kind, settings)
         self.action = config_from(GoalAction, action, "action")
         self.begin_anew = settings.get("begin_anew", True)
+        self._record = settings.get("record")
         directories, knowledge = directories_from(settings.get("directories")), settings.get("knowledge")
         self._expert = expertise(goal, None, directories, str(knowledge or KNOWLEDGE))
         self.options: Mapping[str, tuple[str, ...]] = {goal: self._expert.model.options}
@@ -109,13 +110,14 @@ class GoalBatch(AnyBatch):
         self.robots = self.setting.robots
         self.rows = self.count * self.robots
         seen = config_from(GoalObservation, observation, "observation")
-        self.observer = GoalObserver(seen if self.action.mode != "velocity" else steered(seen), self.play)
+        self.observer = GoalObserver(seen if self.action.mode != "velocity" else seen.steered(), self.play)
         self.observations: Observations = np.zeros((self.rows, len(self.observer.names)), dtype=np.float32)
         self._final, self._gained = np.zeros_like(self.observations), np.zeros(self.rows)
         self.took_part: Flags = np.ones(self.rows, dtype=np.bool_)
         self._collisions: Ints = np.zeros(self.rows, dtype=np.int64)  # of the last period
         self._series: list[tuple[int, int] | None] = [None] * self.count  # seed and number of the next episode
         self._finished: list[GoalEnd] = []
+        self._seeds: list[int] = []  # of the episode under way
         self._begun = self._ran = False
         self._before = self._measured()  # at the beginning of the period
 
@@ -159,6 +161,8 @@ class GoalBatch(AnyBatch):
         scene = self.play.scene
         self.play.act(actions, self.choices)
         self._ran, self._before, self._collisions = not scene.over, self._measured(), -scene.arena.entered
+        if self._record is not None and self._ran:
+            self.play.record(self._record, self._seeds)
         for _ in range(TICKS_PER_STEP):
             if not scene.over:
                 self.play.tick()
@@ -180,6 +184,7 @@ class GoalBatch(AnyBatch):
 
     def _end(self) -> None:
         """Keep the figures and the last observations of the episode, and begin the next one if that is wanted."""
+        self.close()
         self.observer.observe(self.play, self._final)
         columns = self.team_figures()
         self._finished += [
@@ -189,23 +194,27 @@ class GoalBatch(AnyBatch):
         if self.begin_anew:
             self._begin()
 
+    def close(self) -> None:
+        """End the recording of an episode, also of one that is still going on."""
+        self.play.close()
+
     def _begin(self) -> None:
-        seeds = []
+        self.close()
+        self._seeds = []
         for world, following in enumerate(self._series):
             assert following is not None
             seed, number = following
-            seeds.append(run_seed(seed, f"episode {number}") if number else seed)
+            self._seeds.append(run_seed(seed, f"episode {number}") if number else seed)
             self._series[world] = (seed, number + 1)
-        self.play, self._begun = self._played(seeds), True
+        self.play, self._begun = self._played(self._seeds), True
 
     def _played(self, seeds: Sequence[int]) -> Play:
         """Return a new episode in worlds with these seeds."""
         try:
-            return Play(self._kind(self.setting, seeds), self._expert, self.action.mode)
+            explained = self._record is not None and self._record.minds
+            return Play(self._kind(self.setting, seeds), self._expert, self.action.mode, explained=explained)
         except ConfigurationError as error:
-            raise ConfigurationError(
-                str(error).removeprefix("--")
-            ) from error  # scenes name options of the command line
+            raise ConfigurationError(str(error).removeprefix("--")) from error  # options of the command line
 
     def _measured(self) -> Floats:
         """Return the measures (K, W) as they stand."""
@@ -233,6 +242,8 @@ class GoalBatch(AnyBatch):
 
         The further course has the same bits; what the last period counted is no part of a state.
         """
+        if self._record is not None:
+            raise ValueError(NO_JUMPS)
         self._check_all(worlds)
         likeness, play, series, observations, begun = from_bytes(state)
         if likeness != self._likeness():
@@ -289,10 +300,3 @@ class GoalBatch(AnyBatch):
     def global_state(self) -> GoalState:
         """Return what tells the global state of the worlds."""
         return GoalState(self, options=self.action.mode != "velocity")
-
-
-def steered(seen: GoalObservation) -> GoalObservation:
-    """Return the observation of robots that are steered by vectors: they hold no options."""
-    if "holds" in seen.terms and "terms" in seen.model_fields_set:
-        raise ConfigurationError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
-    return seen.model_copy(update={"terms": tuple(term for term in seen.terms if term != "holds")})

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.actions import Mode, OptionActions, checked_vectors, parted, turn_to_world
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.recording.scene_recording import SceneRecorder
 from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import Expertise, ServedTeam
 from selforg.arrays import Floats
 from selforg.commands import Commands
+
+LEARNER: Final = "learner"
+"""Who serves the goal, in the names of recordings, unless their settings have a name."""
 
 
 class Play:
@@ -35,7 +41,20 @@ class Play:
         scene.begin(lambda _: self.team)
         self.asked: Floats = np.zeros((scene.arena.rows, 2))
         self._vectors: Floats = np.zeros((scene.arena.rows, 2))
+        self._recorder: SceneRecorder | None = None
         self.facts = tuple(name for name, kind in self.team.memory.kinds.items() if kind == "fact")
+
+    def record(self, settings: RecordSettings, seeds: Sequence[int]) -> None:
+        """Record the episode from here on, if it is not recorded yet; `seeds` are those of the worlds."""
+        if self._recorder is None:
+            name = settings.name or LEARNER
+            self._recorder = SceneRecorder(self.scene, name, settings.directory, seeds, settings.about)
+
+    def close(self) -> None:
+        """End the recording, if there is one."""
+        if self._recorder is not None:
+            self._recorder.close()
+            self._recorder = None
 
     def act(self, actions: NDArray[Any], choices: OptionActions) -> None:
         """Take the actions of a period: options (R,), vectors (R, 2), or both (R, 3), the option first."""
@@ -51,6 +70,8 @@ class Play:
     def tick(self) -> None:
         """Run one control period."""
         self.scene.advance(self._change)
+        if self._recorder is not None:
+            self._recorder.take()
 
     def _change(self, commands: Commands) -> None:
         """Note what the mechanisms ask for, and write what the learner makes of it."""

@@ -9,9 +9,11 @@ from typing import Annotated, Any, Literal, TypedDict, get_args
 import numpy as np
 from pydantic import Field, create_model
 
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.types import Robots, Seconds
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.given import Named, config_from
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.scenes.ground import GroundKind
 from clean_swarm_env.scenes.scene import Scene, Setting
 from selector.documents.fields import Closed, NonNegative, Number, Positive
@@ -40,6 +42,12 @@ class GoalObservation(Closed):
     neighbour_range: Positive = 2.5
     """Centre distance within which robots are neighbours [m]."""
 
+    def steered(self) -> GoalObservation:
+        """Return the observation of robots that are steered by vectors: they hold no options."""
+        if "holds" in self.terms and "terms" in self.model_fields_set:
+            raise ConfigurationError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
+        return self.model_copy(update={"terms": tuple(term for term in self.terms if term != "holds")})
+
 
 class SceneChanges(Closed):
     """Changes of the scene's own setting; what is None stays."""
@@ -67,6 +75,8 @@ class GoalSettings(TypedDict, total=False):
     """The user's own configurations and knowledge, searched before the shipped ones."""
     begin_anew: bool
     """Whether all worlds begin their next episode at the end of the period that ends one, by default yes."""
+    record: RecordSettings | None
+    """Where the episodes are recorded; they are not unless given."""
 
 
 def setting_of(scene: type[Scene], settings: GoalSettings) -> Setting:

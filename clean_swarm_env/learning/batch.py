@@ -23,7 +23,7 @@ from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Seri
 from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
 from clean_swarm_env.learning.global_state import GlobalState
-from clean_swarm_env.learning.interface import AnyBatch, BatchStep, FigureColumns, Finished
+from clean_swarm_env.learning.interface import NO_JUMPS, AnyBatch, BatchStep, FigureColumns, Finished
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
@@ -174,7 +174,7 @@ class Batch(AnyBatch):
         no part of a state. ValueError says what does not fit.
         """
         if self.recorder is not None:
-            raise ValueError("set_state: expected a batch that records nothing, because a recording has no jumps")
+            raise ValueError(NO_JUMPS)
         chosen = self._states.set(state, worlds)
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
         self._finished.clear()

@@ -18,6 +18,8 @@ from selforg.arrays import Flags, Floats, Ints
 
 FigureColumns = dict[str, list[Any]]
 """Key of an info -> values of all worlds or of all rows."""
+NO_JUMPS = "set_state: expected a batch that records nothing, because a recording has no jumps"
+"""What `set_state` says in a batch that records."""
 
 
 class BatchStep(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.channels import Channel, packed_bytes, unpacked_frames
-from clean_swarm_env.recording.file import HEAD, PART, blocks_of
+from clean_swarm_env.recording.file import HEAD, PART, SUFFIX, blocks_of
 from clean_swarm_env.recording.head import MOST_NUMBERS, Directory, Head
 from clean_swarm_env.recording.stepping import WholeNumbers
 from selector.documents.errors import validated
@@ -21,6 +22,10 @@ from selector.documents.plain import short
 from selector.documents.reading import json_value
 from selforg.arrays import Floats
 from selforg.registry import unknown
+
+
+class NoFrames(ConfigurationError):
+    """A run was stopped before its first frames were written."""
 
 
 class RecordedParts(Iterator[list[WholeNumbers]]):
@@ -117,7 +122,7 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
         parts = RecordedParts(blocks_of(path), str(path))
         read = list(parts)
         if not read:
-            raise ConfigurationError(f"{path}: holds no frame: the run was stopped before the first ones were written")
+            raise NoFrames(f"{path}: holds no frame: the run was stopped before the first ones were written")
         self.head, self.channels, self.notes = parts.head, parts.channels, parts.notes
         self.by_hand, self.result, self.frames = parts.by_hand, parts.result, parts.frames
         joined = (np.concatenate(frames) for frames in zip(*read, strict=True))
@@ -157,6 +162,13 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
         if name not in self.channels:
             raise KeyError(unknown("channel", name, list(self.channels)))
         return name
+
+
+def recordings_in(folder: Path) -> Iterator[RecordedMission]:
+    """Yield the recordings below a directory in the order of their names, but for those without a frame."""
+    for path in sorted(folder.rglob(f"*{SUFFIX}")):
+        with suppress(NoFrames):
+            yield RecordedMission(path)
 
 
 def _object(content: bytes, where: str) -> dict[str, Any]:

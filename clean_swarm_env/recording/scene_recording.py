@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn, SupportsIndex
 
 import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel, whole_channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile
 from clean_swarm_env.recording.messages import DepositLog
+from clean_swarm_env.recording.recorder import NO_COPY
 from clean_swarm_env.recording.sampled import Thinking, mind_arrays, networks_of, points
 from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
@@ -139,21 +140,29 @@ class SceneRecorder:
         scene, option: as `SceneFrames` has them.
         directory: where the files go; made if it is missing.
         seeds: of the worlds.
+        about: plain data for the heads of all files.
 
     Attributes:
         paths: the files.
 
     """
 
-    def __init__(self, scene: Scene, option: str, directory: Path, seeds: Sequence[int]) -> None:
-        self._frames_of, self._written = SceneFrames(scene, option), 0
+    def __init__(
+        self, scene: Scene, option: str, directory: Path, seeds: Sequence[int], about: Mapping[str, Any] | None = None
+    ) -> None:
+        self._scene, self._frames_of, self._written = scene, SceneFrames(scene, option), 0
         self._frames = self._frames_of.frames
         self.paths = [directory / f"{scene.goal}-{option}-seed{seed}{SUFFIX}" for seed in seeds]
         heads = (
-            self._frames_of.head(world, {"scenario": f"seed {seed}", "seed": seed}) for world, seed in enumerate(seeds)
+            self._frames_of.head(world, {"scenario": f"seed {seed}", "seed": seed, **(about or {})})
+            for world, seed in enumerate(seeds)
         )
         channels = self._frames.channels
         self._files = [RecordingFile(path, head, channels) for path, head in zip(self.paths, heads, strict=True)]
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        """Raise TypeError: two recorders would write one file."""
+        raise TypeError(NO_COPY)
 
     def take(self) -> None:
         """Record the control period that has just been run."""
@@ -162,11 +171,11 @@ class SceneRecorder:
             self._write()
 
     def close(self) -> None:
-        """End the files, with the measures as they stand."""
+        """End the files, with the measures of a run that is over."""
         self._write()
         self._frames_of.close()
         for world, file in enumerate(self._files):
-            file.close(self._frames_of.result(world))
+            file.close(self._frames_of.result(world) if self._scene.over else None)
 
     def _write(self) -> None:
         """Write the frames that are in no file yet."""

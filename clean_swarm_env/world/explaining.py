@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.events import join_time
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import InnerNetwork, at_any_depth
@@ -46,6 +48,8 @@ class RobotStep:
     """Number of the control period, from 0 on."""
     time_s: float
     """Its beginning [s]."""
+    state: str
+    """`at work`, `failed` or `taken away`; a robot that is not at work decides nothing."""
     stopped_s: float
     """How long a collision still stops the robot, this step included [s]."""
     damaged: bool
@@ -70,7 +74,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
     """Return what the robot of a row decided in the last control period.
 
     Raises:
-        ValueError: the worlds note no reasons, or have not begun.
+        ValueError: the worlds note no reasons, or have not begun, or the robot has not joined yet.
 
     """
     if not worlds.network.state.explained:
@@ -79,10 +83,17 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
     step, consequences = int(worlds.ticks[world]) - 1, worlds.floor.consequences
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
+    robot, time = row % worlds.robots, round(step * worlds.period, 9)
+    if robot >= worlds.team.joined[world]:
+        mission = worlds.missions[world]
+        joins = join_time(mission.events, mission.robots.count, robot)
+        when = "never joins" if joins is None else f"joins at {joins:g} s, or later if its place is not free"
+        raise ConfigurationError(f"robot {robot}: expected a robot that is in the team at {time:g} s; it {when}")
     return RobotStep(
-        row % worlds.robots,
+        robot,
         step,
-        round(step * worlds.period, 9),
+        time,
+        "at work" if worlds.team.working[row] else "failed" if worlds.physics.present[row] else "taken away",
         round(int(consequences.standing[row]) * worlds.period, 9),
         bool(consequences.damaged[row]),
         {c.model.goal: c.model.options[c.held[row]] for c in worlds.coordinators},

@@ -79,7 +79,7 @@ class MissionRun:
         """Run the mission up to the control period in which `time` [s] lies; return what a robot decided then, and why.
 
         Raises:
-            ValueError: no such robot, or a time at which the mission does not run.
+            ValueError: no such robot, one that has not joined by then, or a time at which the mission does not run.
 
         """
         course = self._explained(robot)
@@ -94,6 +94,8 @@ class MissionRun:
     def explanations(self, robot: int) -> Iterator[RobotStep]:
         """Run the mission, and yield what a robot decides in each control period, and why, as soon as it has decided.
 
+        The first control period is that in which the robot joins, if it is not in the team from the start on.
+
         Raises:
             ValueError: no such robot.
 
@@ -101,7 +103,8 @@ class MissionRun:
         course = self._explained(robot)
         while course.in_progress:
             course.tick()
-            yield explain_robot(course.worlds, robot)
+            if robot < course.worlds.team.joined[0]:
+                yield explain_robot(course.worlds, robot)
 
     def _explained(self, robot: int) -> Course:
         """Return the mission at its beginning, for one who asks why."""

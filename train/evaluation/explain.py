@@ -24,6 +24,8 @@ from train.evaluation.repeat import Repeated, steps_until
 
 HEADS = {"goal_inhibition": "inhib.", "predecessors": "pred.", "successors": "succ.", "conflictors": "confl."}
 """Short heads of columns, so that the table fits."""
+STATES: Final = {"failed": "it has failed: its body stands", "taken away": "it has been taken away"}
+"""What is said of a robot that is not at work."""
 STILL: Final = 0.1
 """Distance within which a robot stays where it is, as in `mind.js` of the replay page [m]."""
 SHORTEST_STAY: Final = 1.0
@@ -43,16 +45,20 @@ class Before:
 
 def explained(task: Repeated, robot: int, time: float) -> tuple[dict[str, Any], RobotStep, Before]:
     """Repeat a run up to `time` [s]; return what run it is, what the robot decided then, and what led to it."""
-    count = task.mission.robots.count
+    count = task.mission.rows
     if not 0 <= robot < count:
         raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
     names = {"experiment": task.experiment, "scenario": task.scenario, "condition": task.condition, "seed": task.seed}
-    places, running = [np.array(task.start.robots[robot][:2])], []
+    places, running = [np.array(place[:2]) for place in task.start.robots[robot : robot + 1]], []
     for worlds in steps_until(task, time):
+        if robot >= worlds.team.joined[0]:
+            continue
+        if not places:  # it has just joined
+            places.append(worlds.minds.poses.positions[robot].copy())
         places.append(worlds.physics.positions[robot].copy())
         running.append(worlds.network.executing[robot] == 1)
     step, period = explain_robot(worlds, robot), worlds.period
-    ways = Torus(*worlds.extent).offsets(places[step.step], np.array(places[:-1]))
+    ways = Torus(*worlds.extent).offsets(places[-2], np.array(places[:-1]))
     stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1
     ran = {
         behaviour.name: round(_latest(np.array(running)[:, b]) * period, 9)
@@ -83,8 +89,9 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: Before) -> 
     stopped = "a collision stops it for {stopped_s:g} s, this step included" if situation["stopped_s"] else ""
     damaged = "collisions have damaged it" if situation["damaged"] else ""
     stayed = f"it has stayed within {STILL:g} m for {before.stayed_s:g} s" if before.stayed_s >= SHORTEST_STAY else ""
+    where = STATES.get(step.state, stayed)
     ran = [f"{name} has run for {seconds:g} s" for name, seconds in before.running_s.items()]
-    told = [stayed, "; ".join(ran), stopped.format(**situation), damaged, *header(explanation), due]
+    told = [where, "; ".join(ran), stopped.format(**situation), damaged, *header(explanation), due]
     facts = Text(f"{title}\n\n" + "\n".join(filter(None, told)))
     trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
     inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]

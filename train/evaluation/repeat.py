@@ -1,13 +1,14 @@
 """Repetition of runs of an evaluation; a run depends on the manifest only, so that a repetition is the same run."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
-from clean_swarm_env.recording.file import SUFFIX
-from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.file import SUFFIX, blocks_of
+from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import Course, MissionRun, period_of, result_of
 from clean_swarm_env.world.worlds import Worlds
@@ -24,6 +25,11 @@ from train.running.runs import RunTask, tasks_of
 
 Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
+NOT_REPEATED = {
+    "learner": "a training: replay files below its recordings/, or evaluate what it learned",
+    "study": "a study: evaluate what it found",
+}
+"""Key of the identity of results whose missions are not run again -> what they are of, and what to do."""
 LISTED = 8
 """Largest number of scenarios in an error."""
 
@@ -44,12 +50,15 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     The runs of an experiment are those of its configuration, the runs of a family those that were finished.
 
     Raises:
-        ConfigurationError: there are no results, no such scenario or condition, or the files of mechanisms, knowledge
-            robots, policies or strategies have changed since.
+        ConfigurationError: there are no results of an evaluation, no such scenario or condition, or the files of
+            mechanisms, knowledge, robots, policies or strategies have changed since.
 
     """
     manifest = read_manifest(directory)
     path, identity = directory / MANIFEST, manifest["identity"]
+    for key, kind in NOT_REPEATED.items():
+        if key in identity:
+            raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
     listed = identity.get("directories", manifest.get("directories", []))
     if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
         raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
@@ -176,10 +185,12 @@ def recording_of(
         return RecordedMission(run)
     task = task_of(run, scenario, condition)
     for path in sorted((run / RECORDINGS).glob(f"*{SUFFIX}")):
-        recording = RecordedMission(path)
-        about = recording.head["about"]
-        same = (about.get("scenario"), about.get("condition")) == (task.scenario, task.condition)
-        if same and recording.result is not None and recording.head["minds"] >= minds:
-            return recording
+        head = RecordedParts(blocks_of(path), str(path)).head
+        own = (head["about"].get("scenario"), head["about"].get("condition")) == (task.scenario, task.condition)
+        if own and head["minds"] >= minds:
+            with suppress(NoFrames):
+                recording = RecordedMission(path)
+                if recording.result is not None:
+                    return recording
     number = len(list(folder.iterdir())) + 1
     return record_run(task, folder / f"{number}{SUFFIX}", minds=minds)

@@ -77,9 +77,7 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
     yield "<h2>Scenarios</h2>"
     yield _note("Cost [s] of every run; darker: dearer than the lowest of the scenario, ten times at the darkest.")
     yield scenario_map(costs, conditions, scenarios, links)
-    yield "<h2>Selection</h2>"
-    recordings = [recording for held in results for recording in held.recordings]
-    yield from _selection(recordings)
+    yield from _selection(results, "evaluate")
 
 
 def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
@@ -93,15 +91,18 @@ def _together(results: Sequence[HeldResults]) -> list[RunRecord]:
     ]
 
 
-def _selection(recordings: Sequence[RecordedMission]) -> Iterator[str]:
+def _selection(results: Sequence[HeldResults], command: str) -> Iterator[str]:
+    yield "<h2>Selection</h2>"
     groups: dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]] = {}
-    for recording in recordings:
-        for goal, options in recording.head["options"].items():
-            if {f"held/{goal}", *SELECTION_CHANNELS} <= set(recording):
-                condition = str(recording.head["about"].get("condition", ""))
-                groups.setdefault((condition, goal, tuple(options)), []).append(recording)
+    for held in results:
+        label = f"{held.path.name}: " if len(results) > 1 else ""
+        for recording in held.recordings:
+            for goal, options in recording.head["options"].items():
+                if {f"held/{goal}", *SELECTION_CHANNELS} <= set(recording):
+                    condition = f"{label}{recording.head['about'].get('condition', '')}"
+                    groups.setdefault((condition, goal, tuple(options)), []).append(recording)
     if not groups:
-        yield _note("No run was recorded: evaluate with --record, and make the report again.")
+        yield _note(f"No run was recorded: {command} with --record, and make the report again.")
     for (condition, goal, _), own in groups.items():
         yield f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
         yield selection_over_time(own, goal) + selection_by_situation(own, goal)
@@ -117,6 +118,7 @@ def _training(results: Sequence[HeldResults]) -> Iterator[str]:
         lines = [_line(columns), _line(["---"] * len(columns))]
         lines += [_line([_cell(entry.get(name)) for name in columns]) for entry in held.history]
         yield f"<h2>Checkpoints of {escape(label)}</h2>" + html_of_markdown("\n".join(lines))
+    yield from _selection(results, "train")
 
 
 def html_of_markdown(text: str) -> str:

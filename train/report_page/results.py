@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.recording.file import SUFFIX
-from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.reader import RecordedMission, recordings_in
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from train.running.finished_runs import JOURNAL, natural_order, runs_of
@@ -33,6 +32,7 @@ class HeldResults:
     tables: str
     """The tables of the evaluation, as Markdown."""
     recordings: Sequence[RecordedMission]
+    """Those of an evaluation, or of the last recorded checkpoint of a training."""
 
     @property
     def name(self) -> str:
@@ -66,7 +66,8 @@ def results_in(path: Path) -> HeldResults:
     if not records and not history:
         raise ConfigurationError(f"{path}: holds neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
     tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
-    recordings = [RecordedMission(file) for file in sorted((path / RECORDINGS).glob(f"*{SUFFIX}"))]
+    checkpoints = sorted((path / RECORDINGS).glob("checkpoint-*"), key=lambda folder: natural_order(folder.name))
+    recordings = list(recordings_in(checkpoints[-1] if checkpoints else path / RECORDINGS))
     return HeldResults(path, manifest, records, history, tables, recordings)
 
 

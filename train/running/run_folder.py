@@ -141,7 +141,8 @@ def read_manifest(directory: Path) -> Json:
 
     """
     if not directory.is_dir():
-        raise ConfigurationError(f"{directory}: no such directory")
+        found = "expected a directory of results, got a file" if directory.exists() else "no such directory"
+        raise ConfigurationError(f"{directory}: {found}")
     path = directory / MANIFEST
     if not path.exists():
         raise ConfigurationError(f"{directory}: holds no {MANIFEST}; expected the results of an evaluation")

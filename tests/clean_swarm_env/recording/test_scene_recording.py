@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.recording.scene_recording import SceneRecorder
 from clean_swarm_env.scenes import Setting, find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
@@ -82,3 +85,52 @@ def test_the_minds_and_the_contacts_of_a_scene_are_recorded(tmp_path):
     while not scene.over:
         scene.advance()
     assert recording["contact"].sum() == scene.arena.entered[:12].sum() > 0
+
+
+def test_episodes_of_a_batch_are_recorded_and_take_the_same_course(tmp_path):
+    settings = RecordSettings(tmp_path, minds=True, about={"experiment": "mine"})
+    recorded = GoalBatch("ReachGoal", worlds=2, seconds=10.0, record=settings)
+    plain = GoalBatch("ReachGoal", worlds=2, seconds=10.0)
+    for batch in (recorded, plain):
+        batch.reset([5, 6])
+    for period in range(13):  # an episode, and three seconds of the next one
+        actions = np.arange(recorded.rows) % 2
+        steps = recorded.step(actions), plain.step(actions)
+        assert steps[0].rewards.tolist() == steps[1].rewards.tolist()
+        if period == 9:
+            ends = recorded.finished
+    assert len(ends) == 2
+    with pytest.raises(ValueError, match="set_state: expected a batch that records nothing"):
+        recorded.set_state(plain.get_state())
+    with pytest.raises(TypeError, match="a batch that records its missions cannot be copied"):
+        recorded.get_state()
+    recorded.close()
+    assert len(list(tmp_path.iterdir())) == 4
+    for world, seed in enumerate((5, 6)):
+        recording = RecordedMission(tmp_path / f"ReachGoal-learner-seed{seed}.swarm")
+        assert recording.head["about"] == {
+            "experiment": "mine",
+            "condition": "learner",
+            "scenario": f"seed {seed}",
+            "seed": seed,
+        }
+        assert recording.frames == round(10.0 / CONTROL_PERIOD)
+        assert recording.result["completed"] == ends[world].figures["completed"]
+        held = recording["held/ReachGoal"][0]
+        assert held.tolist() == (np.arange(len(held)) % 2).tolist()
+        assert (recording["robot/running"] == 1).any()
+    others = [
+        RecordedMission(path) for path in tmp_path.iterdir() if "seed5." not in path.name and "seed6." not in path.name
+    ]
+    assert [other.frames for other in others] == [round(3.0 / CONTROL_PERIOD)] * 2
+    assert [other.result for other in others] == [None, None]
+
+
+def test_the_environment_of_a_goal_is_recorded(tmp_path):
+    env = parallel_env(goal="Foraging", record=RecordSettings(tmp_path, name="mine"))
+    env.reset(seed=3)
+    assert list(tmp_path.iterdir()) == []
+    env.step(dict.fromkeys(env.agents, 0))
+    env.close()
+    recording = RecordedMission(tmp_path / "Foraging-mine-seed3.swarm")
+    assert (recording.frames, recording.result, recording.head["minds"]) == (5, None, False)

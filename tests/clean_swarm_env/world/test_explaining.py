@@ -43,6 +43,18 @@ def test_the_stream_tells_of_every_period_what_is_told_of_one():
     assert steps[31] == mission_run().explain(3, 6.2)
 
 
+def test_a_robot_that_joins_is_told_of_from_then_on():
+    joining = mission(time_limit=4.0, events=({"at": 2.0, "do": "join"},))
+    joined = MissionRun(joining, random_start(joining, 3, 0), 17, {})
+    assert [step.time_s for step in joined.explanations(5)] == pytest.approx(np.arange(10, 20) * 0.2)
+    assert joined.explain(5, 2.0).robot == 5
+    with pytest.raises(ValueError, match=r"robot 5: expected a robot that is in the team at 1.8 s; it joins at 2 s"):
+        joined.explain(5, 1.8)
+    spare = mission(time_limit=4.0, robots={"count": 5, "capacity": 6})
+    with pytest.raises(ValueError, match=r"robot 5: .* it never joins"):
+        MissionRun(spare, random_start(spare, 3, 0), 17, {}).explain(5, 1.0)
+
+
 def test_accounts_and_arrays_agree_in_every_robot():
     course = Course(mission_run(), explained=True)
     for _ in range(30):

@@ -30,6 +30,24 @@ def evaluated(tmp_path_factory) -> Path:
     return directory / "run"
 
 
+@pytest.fixture(scope="module")
+def changing(tmp_path_factory) -> Path:
+    """Results of a short mission in which robot 5 joins, robot 1 fails and robot 2 is taken away."""
+    directory = tmp_path_factory.mktemp("changing")
+    events = [
+        {"at": 2.0, "do": "join", "places": [[5.0, 1.0, 0.5]]},
+        {"at": 3.0, "do": "fail", "robots": [1]},
+        {"at": 4.0, "do": "remove", "robots": [2]},
+    ]
+    mission = {"base": "table1", "events": events, "time_limit": 8.0}
+    (directory / "short.yaml").write_text(
+        json.dumps({"name": "short", "mission": mission, "conditions": CONDITIONS[:1]})
+    )
+    words = ["evaluate", directory / "short.yaml", "--scenarios", 1, "--workers", 1]
+    assert run(*words, "--output", directory / "run") == 0
+    return directory / "run"
+
+
 @pytest.fixture
 def told(capsys, monkeypatch):
     """Run the command line: code, output, errors."""
@@ -87,6 +105,43 @@ def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, to
         for name, seconds in shown["running_s"].items():
             began = max([-1, *(k for k in range(step + 1) if not runs[k][robot, names.index(name)])]) + 1
             assert seconds == pytest.approx((step - began + 1) * 0.2)
+
+
+def test_robots_that_join_are_explained_from_then_on(changing, told):
+    code, out, err = told("explain", changing, "--robot", 5, "--time", 1.8)
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: robot 5: expected a robot that is in the team at 1.8 s; "
+        "it joins at 2 s, or later if its place is not free\n"
+    )
+    code, out, err = told("explain", changing, "--robot", 6, "--time", 1.0)
+    assert (code, err) == (2, "error: --robot: expected a number from 0 to 5, got 6\n")
+    path = changing.parent / "run.swarm"
+    assert told("record", changing, "--output", path)[0] == 0
+    places = np.stack([RecordedMission(path)["x"][:, 5], RecordedMission(path)["y"][:, 5]], axis=1)
+    for frame in (10, 11, 20, 39):
+        code, out, err = told("explain", changing, "--robot", 5, "--time", frame * 0.2, "--json")
+        assert code == 0, err
+        step = json.loads(out)
+        near = np.linalg.norm(places[10:frame] - places[frame], axis=1) < 0.1
+        since = max([-1, *np.flatnonzero(~near)]) + 1
+        assert (step["robot"], step["state"]) == (5, "at work")
+        assert step["stayed_s"] == pytest.approx((frame - 10 - since) * 0.2)
+        assert all(0.2 <= seconds <= (frame - 9) * 0.2 + 1e-9 for seconds in step["running_s"].values())
+
+
+def test_robots_that_are_not_at_work_are_said_to_be(changing, told):
+    for robot, time, state, said in (
+        (1, 2.8, "at work", ""),
+        (1, 3.0, "failed", "it has failed: its body stands"),
+        (2, 3.8, "at work", ""),
+        (2, 4.0, "taken away", "it has been taken away"),
+    ):
+        words = ("explain", changing, "--robot", robot, "--time", time)
+        assert json.loads(told(*words, "--json")[1])["state"] == state
+        lines = told(*words)[1].splitlines()
+        assert not said or said in lines
+        assert not said or not any("has run for" in line or "has stayed" in line for line in lines)
 
 
 def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
@@ -175,10 +230,15 @@ def test_directories_without_results_are_refused(tmp_path, told):
     code, _, err = told("explain", tmp_path, *words)
     assert code == 2
     assert "holds no manifest.json; expected the results of an evaluation" in err
+    (tmp_path / "run.swarm").write_bytes(b"")
+    code, _, err = told("explain", tmp_path / "run.swarm", *words)
+    assert (code, err) == (2, f"error: {tmp_path / 'run.swarm'}: expected a directory of results, got a file\n")
     cases = {
         "{": "manifest.json: line 1: ",
         "[]": "manifest.json: expected a mapping of keys, got list",
         "{}": "expected the manifest of an evaluation",
+        '{"identity": {"learner": "ppo"}}': "expected the results of an evaluation, got those of a training",
+        '{"identity": {"study": {}, "family": {}}}': "expected the results of an evaluation, got those of a study",
     }
     for content, expected in cases.items():
         (tmp_path / "manifest.json").write_text(content)

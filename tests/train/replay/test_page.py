@@ -141,6 +141,33 @@ def test_a_robot_that_is_clicked_is_chosen_where_it_is(opened, recordings):
         assert page.text_content("[data-held]") == held
 
 
+def test_fingers_choose_move_and_zoom(watched, results, recordings):
+    page, said, _ = watched(has_touch=True)
+    page.goto((results / "both.html").as_uri() + "#t=15")
+    page.wait_for_selector("body[data-ready]")
+    recording, box = recordings[0], page.locator(".world >> nth=0").bounding_box()
+    place = recording["x"][75, 4] / 11.0 * box["width"], (1.0 - recording["y"][75, 4] / 11.0) * box["height"]
+    page.touchscreen.tap(box["x"] + place[0], box["y"] + place[1])
+    assert page.text_content("#panel h2") == "Robot 4"
+    fingers = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *shares: tuple[float, float]) -> None:
+        points = [{"x": box["x"] + x * box["width"], "y": box["y"] + y * box["height"]} for x, y in shares]
+        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    touch("touchStart", (0.4, 0.5), (0.6, 0.5))
+    touch("touchMove", (0.3, 0.5), (0.7, 0.5))
+    touch("touchEnd")
+    assert page.evaluate("replay.page.shown[0].view.zoom") == pytest.approx(2.0, rel=0.02)
+    assert page.text_content("#panel h2") == "Robot 4"
+    touch("touchStart", (0.5, 0.5))
+    touch("touchMove", (0.25, 0.5))
+    touch("touchEnd")
+    x, y = page.evaluate("replay.page.shown[0].view.centre")
+    assert (x, y) == pytest.approx((5.5 + 0.25 * 11.0 / 2.0, 5.5), abs=0.1)
+    assert said == []
+
+
 def test_a_robot_that_stands_still_says_for_how_long(opened, recordings):
     page, recording = opened(), recordings[0]
     places = np.stack([recording["x"], recording["y"]], axis=-1)
@@ -158,12 +185,23 @@ def test_a_robot_that_stands_still_says_for_how_long(opened, recordings):
     assert len(said) > 2
 
 
+def test_a_robot_that_joins_begins_where_it_joins(opened, recordings):
+    page, there = opened(), recordings[0]["present"]
+    robot = 8
+    frame = int(np.flatnonzero(there[:, robot])[0])
+    assert frame > 0
+    page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose(0, {robot})")
+    assert page.text_content("[data-movement]") == "It begins here."
+
+
 def test_any_robot_at_any_time_is_explained_as_by_the_command(opened, results, recordings, capsys):
     rng = np.random.default_rng(16)
     page = opened()
     for _ in range(20):
         k = int(rng.integers(2))
-        robot, frame = int(rng.integers(8)), int(rng.integers(recordings[k].frames))
+        frame = int(rng.integers(recordings[k].frames))
+        there = recordings[k]["present"][: frame + 1].any(axis=0)
+        robot = int(rng.choice(np.flatnonzero(there)))  # also one that has joined
         page.evaluate(f"replay.page.go({frame * 0.2}); replay.page.choose({k}, {robot})")
         capsys.readouterr()
         words = ("--condition", CONDITIONS[k], "--robot", robot, "--time", frame * 0.2, "--json")

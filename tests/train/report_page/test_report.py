@@ -106,9 +106,11 @@ def test_two_directories_are_compared_on_the_same_scenarios(results, tmp_path):
     for (scenario, condition), value in costs.items():
         assert f"{scenario}: {value - 1.0:+.4g}" in text.found["title"], condition
     assert {"run: Random", "other: Random"} <= set(text.found["text"])
+    for name in ("run", "other"):  # not taken together
+        assert f"{name}: Random: AvoidCollision, 3 recorded runs" in text.found["h3"]
 
 
-def test_a_training_has_its_curves_and_checkpoints(tmp_path):
+def test_a_training_has_its_curves_and_checkpoints(results, tmp_path, capsys):
     for name in ("first", "second"):
         folder = tmp_path / name
         folder.mkdir()
@@ -118,6 +120,15 @@ def test_a_training_has_its_curves_and_checkpoints(tmp_path):
     text = Text((tmp_path / "first" / "report.html").read_text())
     assert {"crowded: 50 at 100", "crowded: 40.5 at 200"} <= set(text.found["title"])
     assert {"200", "40.5"} <= set(text.found["td"])
+    assert "No run was recorded: train with --record, and make the report again." in text.found["p"]
+    for number in (2, 10):
+        shutil.copytree(results / "recordings", tmp_path / "first" / "recordings" / f"checkpoint-{number}" / "small")
+    next((tmp_path / "first" / "recordings" / "checkpoint-10" / "small").glob("*Random*")).unlink()
+    assert run("report", tmp_path / "first") == 0
+    text = Text((tmp_path / "first" / "report.html").read_text())
+    assert "Random: AvoidCollision, 2 recorded runs" in text.found["h3"]  # those of the last checkpoint
+    assert run("report", tmp_path / "first", "--replays") == 2
+    assert "--replays: expected an evaluation, got a training" in capsys.readouterr().err
     assert run("report", tmp_path / "first", tmp_path / "second", "--output", tmp_path / "both.html") == 0
     titles = Text((tmp_path / "both.html").read_text()).found["title"]
     assert {"first: crowded: 50 at 100", "second: crowded: 50 at 100"} <= set(titles)
@@ -161,6 +172,17 @@ def test_damaged_foreign_and_unlike_results_are_one_line(results, tmp_path, caps
         assert error.startswith(f"error: {message}")
         assert error.count("\n") == 1
     assert not (tmp_path / "page.html").exists()
+
+
+def test_recordings_that_were_stopped_stop_neither_report_nor_replay(results, tmp_path):
+    killed = shutil.copytree(results, tmp_path / "killed")
+    recording = killed / "recordings" / "test-1-Random.swarm"
+    data = recording.read_bytes()
+    recording.write_bytes(data[: 12 + 12 + int.from_bytes(data[16:20], "little")])  # the head alone
+    assert run("report", killed) == 0
+    assert "Random: AvoidCollision, 2 recorded runs" in Text((killed / "report.html").read_text()).found["h3"]
+    for condition in ("Random", "fixed:Off"):  # that which was stopped is run again
+        assert run("replay", killed, "--condition", condition, "--html", tmp_path / "page.html") == 0
 
 
 @pytest.mark.page

@@ -18,7 +18,8 @@ def report_command(
         Path | None, typer.Option(help="Page to write, one that exists is replaced; DIR/report.html unless given.")
     ] = None,
     replays: Annotated[
-        bool, typer.Option("--replays", help="Write a page for each recorded run beside it, and link them.")
+        bool,
+        typer.Option("--replays", help="Write a page for each recorded run of an evaluation, and link it."),
     ] = False,
 ) -> None:
     """Write results as one page without network: tables, distributions, differences, curves, selection, scenarios."""
@@ -30,6 +31,8 @@ def report_command(
     if len(directories) > 2:
         raise ConfigurationError(f"report: expected one or two directories, got {len(directories)}")
     results = [results_in(directory) for directory in directories]
+    if replays and not results[0].records:
+        raise ConfigurationError("--replays: expected an evaluation, got a training; `replay` shows one recording")
     page = output or directories[0] / "report.html"
     folder = page.with_name(f"{page.stem}-replays")
     links: dict[str, str] = {}

@@ -77,7 +77,7 @@ export function movementOf(run, frame, robot) {
   let since = frame;
   while (since > 0 && valueAt(run, "present", since - 1, robot) && away(since - 1) < STILL) since--;
   const still = (frame - since) * period;
-  if (!frame) return "It begins here.";
+  if (!frame || !valueAt(run, "present", frame - 1, robot)) return "It begins here.";
   if (still >= 1) return `It has stayed within ${STILL} m for ${fixed(still, 1)} s.`;
   return `It moves at ${fixed(away(frame - 1) / period)} m/s.`;
 }

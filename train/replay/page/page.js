@@ -95,21 +95,34 @@ export class Page {
     return line;
   }
 
-  /** Listen to what is done on a world: click, drag, wheel. @param {HTMLCanvasElement} canvas @param {WorldView} view @param {number} k */
+  /** Listen to what is done on a world: click, drag, wheel, two fingers. @param {HTMLCanvasElement} canvas @param {WorldView} view @param {number} k */
   listen(canvas, view, k) {
     /** @type {{x: number, y: number, moved: boolean} | null} */
     let drag = null;
+    /** Where the mouse or fingers are down. @type {Map<number, [number, number]>} */
+    const down = new Map();
+    const apart = () => {
+      const [[ax, ay], [bx, by]] = [...down.values()];
+      return Math.max(1, Math.hypot(ax - bx, ay - by));
+    };
     /** @param {PointerEvent} e @returns {[number, number]} */
     const shares = (e) => {
       const box = canvas.getBoundingClientRect();
       return [(e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height];
     };
     canvas.addEventListener("pointerdown", (e) => {
-      drag = { x: e.clientX, y: e.clientY, moved: false };
+      down.set(e.pointerId, [e.clientX, e.clientY]);
       canvas.setPointerCapture(e.pointerId);
-      this.grab(view, ...shares(e));
+      drag = down.size > 1 ? null : { x: e.clientX, y: e.clientY, moved: false };
+      if (drag) this.grab(view, ...shares(e));
     });
     canvas.addEventListener("pointermove", (e) => {
+      if (down.size > 1) {
+        const before = apart();
+        down.set(e.pointerId, [e.clientX, e.clientY]);
+        this.zoomBy(view, apart() / before);
+        return;
+      }
       if (!drag || (!drag.moved && Math.hypot(e.clientX - drag.x, e.clientY - drag.y) < 6)) return;
       if (this.drag(view, ...shares(e))) { drag.moved = true; return; }
       const box = canvas.getBoundingClientRect(), metre = (box.width / view.run.head.width) * view.zoom;
@@ -122,14 +135,22 @@ export class Page {
     canvas.addEventListener("pointerup", (e) => {
       if (drag && !drag.moved) this.click(k, view, ...shares(e));
       else if (drag) this.drop(view, ...shares(e));
+    });
+    canvas.addEventListener("lostpointercapture", (e) => { // after every end of a press, also one that is cancelled
+      down.delete(e.pointerId);
       drag = null;
     });
     canvas.addEventListener("wheel", (e) => {
       e.preventDefault();
-      view.zoom = Math.max(1, Math.min(12, view.zoom * (e.deltaY < 0 ? 1.2 : 1 / 1.2)));
-      if (view.zoom === 1) view.centre = [view.run.head.width / 2, view.run.head.height / 2];
-      this.draw();
+      this.zoomBy(view, e.deltaY < 0 ? 1.2 : 1 / 1.2);
     }, { passive: false });
+  }
+
+  /** Zoom a world about its centre. @param {WorldView} view @param {number} factor */
+  zoomBy(view, factor) {
+    view.zoom = Math.max(1, Math.min(12, view.zoom * factor));
+    if (view.zoom === 1) view.centre = [view.run.head.width / 2, view.run.head.height / 2];
+    this.draw();
   }
 
   /** Take what is at a place on the canvas [shares of its size]: nothing, in a recording. @param {WorldView} _view @param {number} _px @param {number} _py */
