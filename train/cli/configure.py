@@ -4,7 +4,18 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import Configs, Force, OnPlace, OtherKnowledge, Output, Resume, Seed, Workers, check_whole
+from train.cli.options import (
+    AnyBits,
+    Configs,
+    Force,
+    OnPlace,
+    OtherKnowledge,
+    Output,
+    Resume,
+    Seed,
+    Workers,
+    check_whole,
+)
 from train.cli.tune import GivenStore, Storage, check_numbers, run_given
 
 MOST_TRIALS = 100_000
@@ -24,11 +35,14 @@ def configure_command(
     store: GivenStore = None,
     force: Force = False,
     on: OnPlace = None,
+    any_bits: AnyBits = False,
     configs: Configs = None,
 ) -> None:
     """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
     check_numbers(seed, workers)
     check_whole({"--trials": (trials, 2, MOST_TRIALS)})
+    from train.running.needs import Machine
+    from train.running.runs import usable_cpus
     from train.studies.configured import configured_study
 
     directories = tuple(configs or ())
@@ -42,9 +56,8 @@ def configure_command(
         seed=seed,
         output=output,
         resume=resume,
-        workers=workers,
         storage=storage,
         store=store,
-        force=force,
-        place=on,
+        machine=Machine(workers or usable_cpus(), force, on),
+        any_bits=any_bits,
     )

@@ -10,6 +10,7 @@ import typer
 from train.cli.options import (
     MOST_SEED,
     MOST_WORKERS,
+    AnyBits,
     Configs,
     Force,
     OnPlace,
@@ -22,6 +23,7 @@ from train.cli.options import (
 )
 
 if TYPE_CHECKING:  # imports pydantic, NumPy and Numba
+    from train.running.needs import Machine
     from train.studies.config import StudyConfig
 
 Storage = Annotated[
@@ -47,10 +49,13 @@ def tune_command(
     store: GivenStore = None,
     force: Force = False,
     on: OnPlace = None,
+    any_bits: AnyBits = False,
     configs: Configs = None,
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""
     check_numbers(seed, workers)
+    from train.running.needs import Machine
+    from train.running.runs import usable_cpus
     from train.studies.config import load_study
 
     run_given(
@@ -60,11 +65,10 @@ def tune_command(
         seed=seed,
         output=output,
         resume=resume,
-        workers=workers,
         storage=storage,
         store=store,
-        force=force,
-        place=on,
+        machine=Machine(workers or usable_cpus(), force, on),
+        any_bits=any_bits,
     )
 
 
@@ -84,16 +88,14 @@ def run_given(
     seed: int,
     output: Path | None,
     resume: bool,
-    workers: int | None,
     storage: str | None,
     store: str | None,
-    force: bool,
-    place: str | None,
+    machine: Machine,
+    any_bits: bool,
 ) -> None:
     """Run a study and exit with its code; `command` are the words that lead to the study."""
-    from train.knowledge_store import StoreRequest  # these import SQLAlchemy, optuna and Numba
-    from train.running.needs import Machine
-    from train.running.runs import usable_cpus
+    from train.cluster.bits import WorkerBits  # these import Numba, SQLAlchemy and optuna
+    from train.knowledge_store import StoreRequest
     from train.studies.study import StudyRequest, run_study
 
     request = StudyRequest(
@@ -105,6 +107,7 @@ def run_given(
         storage,
         StoreRequest(store, learn=store is not None),
         directories,
-        Machine(workers or usable_cpus(), force, place),
+        machine,
+        WorkerBits(mixed=any_bits),
     )
     raise typer.Exit(run_study(request, wide_console()))
