@@ -80,9 +80,9 @@ def circles(root: Path = ROOT) -> list[list[str]]:
     return found
 
 
-def modules_in_folders(root: Path = ROOT) -> Counter[str]:
+def modules_in_folders(root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> Counter[str]:
     """Return how many modules lie directly in each folder, `__init__` not counted."""
-    files = (path for package in PACKAGES for path in (root / package).rglob("*.py") if path.name != "__init__.py")
+    files = (path for package in packages for path in (root / package).rglob("*.py") if path.name != "__init__.py")
     return Counter(path.parent.relative_to(root).as_posix() for path in files)
 
 
@@ -115,7 +115,7 @@ def long_signatures(root: Path = ROOT) -> list[tuple[str, int]]:
     """Return the functions with more arguments than a reader keeps in mind, longest first.
 
     Arguments that can only be given by name cannot be mixed up: all of them count as one. Commands of the command line
-    are left out, their arguments are the user's options.
+    (`_command`, or with a decorator) are left out, their arguments are the user's options.
     """
     found = []
     for module, tree in sources(root).items():
@@ -127,7 +127,8 @@ def long_signatures(root: Path = ROOT) -> list[tuple[str, int]]:
                 leaf.id for node in function.decorator_list for leaf in ast.walk(node) if isinstance(leaf, ast.Name)
             }
             most = MOST_COMPILED if decorators & COMPILED else MOST_PLAIN
-            if count > most and not module.startswith("train.cli."):
+            chosen_by_users = function.name.endswith("_command") or decorators
+            if count > most and not (module.startswith("train.cli.") and chosen_by_users):
                 found.append((".".join(filter(None, (module, owner, function.name))), count))
     return sorted(found, key=lambda pair: -pair[1])
 

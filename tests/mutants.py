@@ -43,7 +43,7 @@ ENDINGS, SEARCH = (
 OF_POTENTIALS, OF_SPACE, OF_PLANS = (
     ("tests/selforg/test_potentials.py",),
     ("tests/selforg/test_space.py",),
-    ("tests/selforg/network/test_planner.py",),
+    ("tests/selforg/network/planning/test_planner.py",),
 )
 MUTANTS = (
     Mutant(

@@ -166,8 +166,7 @@ class FamilyConfig(Closed):
         return tuple(dict.fromkeys(self.sizes or ((self.mission.world.width, self.mission.world.height),)))
 
     def _mission(self, rng: np.random.Generator) -> MissionConfig:
-        base = self.mission
-        sizes = self.sizes or self.tori
+        base, sizes = self.mission, self.sizes or self.tori
         width, height = sizes[int(rng.integers(len(sizes)))]
         robots = int(rng.integers(self.robots[0], self.robots[1] + 1))
         items = int(rng.integers(self.items[0], self.items[1] + 1))

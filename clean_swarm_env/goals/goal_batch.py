@@ -20,12 +20,11 @@ from clean_swarm_env.goals.observer import GoalObserver
 from clean_swarm_env.goals.play import Play
 from clean_swarm_env.goals.settings import GoalAction, GoalObservation, GoalRewards, GoalSettings, key_of, setting_of
 from clean_swarm_env.learning.actions import ActionConfig, OptionActions
-from clean_swarm_env.learning.batch import whole_mission
-from clean_swarm_env.learning.given import config_from, directories_from, seeds_from, whole_number
+from clean_swarm_env.learning.batch import compile_missions
+from clean_swarm_env.learning.given import check_settings, config_from, directories_from, seeds_from, whole_number
 from clean_swarm_env.learning.interface import NO_JUMPS, AnyBatch, BatchStep, Ended, FigureColumns
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.learning.reward import OwnRewards, own_rewards
-from clean_swarm_env.learning.warm_up import compile_once
 from clean_swarm_env.scenes import find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
 from clean_swarm_env.scenes.scene import Scene
@@ -90,9 +89,7 @@ class GoalBatch(AnyBatch):
         action: GoalAction | Mapping[str, Any] | None = None,
         **settings: Unpack[GoalSettings],
     ) -> None:
-        unknown = settings.keys() - GoalSettings.__optional_keys__
-        if unknown:
-            raise TypeError(f"goal {goal}: unexpected settings {sorted(unknown)}")
+        check_settings(settings, GoalSettings, f"goal {goal}")
         self.mission, self.period, self.decision_period = None, CONTROL_PERIOD, TICKS_PER_STEP * CONTROL_PERIOD
         self.count, self._kind = whole_number(worlds, "worlds", 1), find(goal)
         self.setting = setting_of(self._kind, settings)
@@ -105,7 +102,7 @@ class GoalBatch(AnyBatch):
         self.choices = OptionActions([self._expert.model], ActionConfig())
         self._own_rewards = own_rewards(reward)
         self._rewards = GoalRewards(self._kind, None if self._own_rewards else reward)  # type: ignore[arg-type]
-        compile_once(whole_mission)
+        compile_missions()
         self.play = self._played([0] * self.count)  # until `reset`, for names and sizes
         self.robots = self.setting.robots
         self.rows = self.count * self.robots
@@ -221,16 +218,10 @@ class GoalBatch(AnyBatch):
         values = self.play.scene.measured()
         return np.stack([values[measure.name] for measure in self._kind.measures])
 
-    def masks(self) -> Flags:
-        """Return which options (R, O) can serve in the coming period: all of them.
-
-        Raises:
-            ValueError: actions are vectors.
-
-        """
-        if self.action.mode == "velocity":
-            raise ValueError("masks: expected options as actions, got mode 'velocity'")
-        return self.choices.masks(np.zeros(self.rows, dtype=np.int64))
+    @property
+    def phases(self) -> Ints:
+        """(R,) phases of the robots: one for all, in which every option can serve."""
+        return np.zeros(self.rows, dtype=np.int64)
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the state of all worlds as bytes that say their version; they cannot be taken one by one."""

@@ -97,24 +97,35 @@ class OptionActions:
         return table
 
 
-class VelocityActions:
-    """Movement vectors as actions: ahead and left in the robot's frame, in shares of the largest speed.
+class Controls:
+    """Gives the actions of a learner to worlds: options, movement vectors, or both.
 
-    The vector keeps its direction in the world through the decision period. The drive follows the vector in place of
-    those of behaviours. The robot's network decides nothing. The robot picks, recycles and dumps wherever it can.
-    Corrections are added to the vectors of behaviours instead, and the network decides as ever.
+    Vectors are ahead and left in the robot's frame, in shares of the largest speed. The vector keeps its direction in
+    the world through the decision period. The drive follows the vector in place of those of behaviours. The robot's
+    network decides nothing. The robot picks, recycles and dumps wherever it can. Corrections are added to the vectors
+    of behaviours instead, and the network decides as ever.
     """
 
-    def __init__(self, worlds: Worlds, *, corrections: bool) -> None:
-        self._worlds, self._corrections = worlds, corrections
+    def __init__(self, worlds: Worlds, choices: OptionActions, mode: Mode) -> None:
+        self._worlds, self._choices, self._mode = worlds, choices, mode
         self._vectors: Floats = np.zeros((worlds.rows, 2))
         self._max_speed = worlds.mission.robots.max_speed
 
-    def steer(self, actions: NDArray[Any]) -> None:
+    def take(self, actions: NDArray[Any], phases: Ints) -> None:
+        """Take the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
+        options = vectors = actions
+        if self._mode == "both":
+            options, vectors = parted(np.asarray(actions), self._worlds.rows, len(self._choices.counts))
+        if self._mode != "velocity":
+            self._worlds.hold(self._choices.able(self._choices.check(options, self._worlds.rows), phases))
+        if self._mode != "option":
+            self._steer(vectors)
+
+    def _steer(self, actions: NDArray[Any]) -> None:
         """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
         given = checked_vectors(actions, self._worlds.rows)
         turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
-        self._worlds.steer(self._vectors, added=self._corrections)
+        self._worlds.steer(self._vectors, added=self._mode == "both")
 
 
 def parted(actions: NDArray[Any], rows: int, goals: int) -> tuple[Ints, NDArray[Any]]:

@@ -17,18 +17,25 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
-from clean_swarm_env.learning.actions import ActionConfig, OptionActions, VelocityActions, parted
+from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
 from clean_swarm_env.learning.batch_state import BatchStates
 from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.figures import own_columns, team_columns
-from clean_swarm_env.learning.given import GivenMission, config_from, directories_from, seeds_from, whole_number
+from clean_swarm_env.learning.given import (
+    GivenMission,
+    check_settings,
+    config_from,
+    directories_from,
+    seeds_from,
+    whole_number,
+)
 from clean_swarm_env.learning.global_state import GlobalState
 from clean_swarm_env.learning.interface import NO_JUMPS, AnyBatch, BatchStep, FigureColumns, Finished
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards, own_rewards
-from clean_swarm_env.learning.warm_up import compile_once
+from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards
+from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import result_of
@@ -36,9 +43,6 @@ from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
 from selforg.arrays import Flags, Floats, Ints
-
-WARM_UP_TICKS = 1500
-"""Ticks within which a mission has called every kernel that missions call."""
 
 
 class Batch(AnyBatch):
@@ -55,13 +59,9 @@ class Batch(AnyBatch):
     Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
     on the torus of `size`).
 
-    Attributes:
-        options: coordinated goal -> names of its options.
-        observer: has the names of the components of an observation.
-        choices: the options as actions.
+    Attributes, beside those of `AnyBatch`:
         recorder: records the missions; None unless asked for.
         progress: what happened in the last period.
-        observations: (R, F) float32, the last ones, always the same array.
         doing: (W,) present or last scenario of each world; None where a source has given none yet.
 
     >>> batch = Batch("table1", worlds=2)
@@ -86,11 +86,9 @@ class Batch(AnyBatch):
         action: ActionConfig | Mapping[str, Any] | None = None,
         **settings: Unpack[BatchSettings],
     ) -> None:
-        unknown = settings.keys() - BatchSettings.__optional_keys__
-        if unknown:
-            raise TypeError(f"Batch: unexpected settings {sorted(unknown)}")
+        check_settings(settings, BatchSettings, "Batch")
         worlds = whole_number(worlds, "worlds", 1)
-        compile_once(whole_mission)
+        compile_missions()
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
@@ -107,13 +105,10 @@ class Batch(AnyBatch):
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(models, self.action)
-        self._steering = VelocityActions(self.worlds, corrections=self.action.mode == "both")
-        rate = self.mission.world.control_rate
-        self._ticks_per_step = round(self.mission.decision_period * rate)
+        self._controls = Controls(self.worlds, self.choices, self.action.mode)
+        self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
-        self._own_rewards = own_rewards(reward)
-        weights = config_from(RewardConfig, None if self._own_rewards else reward, "reward")  # type: ignore[arg-type]
-        self.rewards = Rewards(weights, self.worlds.period)
+        self.rewards = Rewards(reward, self.worlds.period)
         seen = config_from(ObservationConfig, observation, "observation")
         self.observer = Observer(self.worlds, self.progress, seen.steered() if self.action.mode == "velocity" else seen)
         self.width = self.observer.width
@@ -210,6 +205,11 @@ class Batch(AnyBatch):
         """(R,) whether the robot was at work in the last period."""
         return self.progress.took_part
 
+    @property
+    def phases(self) -> Ints:
+        """(R,) phases of the robots, which decide what options can serve."""
+        return self.observer.phases
+
     def team_figures(self) -> FigureColumns:
         """Return the infos that are the same for all robots of a world, of each world; see `figures.TEAM`."""
         return team_columns(self.worlds, self.progress)
@@ -241,17 +241,6 @@ class Batch(AnyBatch):
         if self.recorder is not None:
             self.recorder.begin(world, {"scenario": scenario.id, "seed": scenario.seed})
 
-    def masks(self) -> Flags:
-        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
-
-        Raises:
-            ValueError: actions are vectors.
-
-        """
-        if self.action.mode == "velocity":
-            raise ValueError("masks: expected options as actions, got mode 'velocity'")
-        return self.choices.masks(self.observer.phases)
-
     def close(self) -> None:
         """End the recordings of missions that are still going on."""
         if self.recorder is not None:
@@ -261,18 +250,11 @@ class Batch(AnyBatch):
         """Run one decision period, and yield the worlds after each control period.
 
         In a world whose mission ends the period ends early. `actions` are options (R, C), or (R,) for one goal, whole
-        numbers; vectors (R, 2), see `VelocityActions`; or both (R, C + 2), the options first.
+        numbers; vectors (R, 2), see `Controls`; or both (R, C + 2), the options first.
         """
         if not self._begun:
             raise RuntimeError("step: call reset first")
-        options = vectors = actions
-        if self.action.mode == "both":
-            options, vectors = parted(np.asarray(actions), self.rows, len(self.choices.counts))
-        if self.action.mode != "velocity":
-            checked = self.choices.check(options, self.rows)
-            self.worlds.hold(self.choices.able(checked, self.observer.phases))
-        if self.action.mode != "option":
-            self._steering.steer(vectors)
+        self._controls.take(actions, self.phases)
         self._finished.clear()
         progress = self.progress
         progress.begin_period()
@@ -290,10 +272,7 @@ class Batch(AnyBatch):
     def end_period(self) -> BatchStep:
         """Begin the next missions, and return what the period gave."""
         progress = self.progress
-        if self._own_rewards is None:
-            self.rewards.of(progress, self._gained)
-        else:
-            self._gained[:] = self._own_rewards(self)
+        self.rewards.of(self, self._gained)
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self._finished:
@@ -316,10 +295,6 @@ class Batch(AnyBatch):
             self._finished.append(Finished(world, scenario, result_of(worlds, world), events))
 
 
-def whole_mission() -> None:
-    """Run one mission, which calls the kernels that all missions call."""
-    batch = Batch()
-    batch.reset([0])
-    options = np.arange(batch.rows) % batch.choices.counts[0]
-    while not batch.step(options).terminated[0] and batch.progress.elapsed[0] < WARM_UP_TICKS:
-        pass
+def compile_missions() -> None:
+    """Compile what missions call, unless it is on the disk, by running one."""
+    compile_once(lambda: run_through(Batch()))

@@ -83,6 +83,13 @@ def _content(value: object) -> Any:  # noqa: ANN401  (what a file could hold)
     return tuple(_content(part) for part in value) if isinstance(value, tuple) else value
 
 
+def check_settings(given: Mapping[str, object], known: type[Any], where: str) -> None:
+    """Raise TypeError for settings that are no keys of the TypedDict `known`, which all are optional."""
+    unknown = given.keys() - known.__optional_keys__
+    if unknown:
+        raise TypeError(f"{where}: unexpected settings {sorted(unknown)}")
+
+
 def whole_number(given: object, where: str, least: int = 0) -> int:
     """Return a whole number of at least `least`, or raise ValueError; truth values are none."""
     if isinstance(given, bool) or not isinstance(given, Integral) or given < least:

@@ -170,9 +170,21 @@ class AnyBatch(ABC):
     def end_period(self) -> BatchStep:
         """Begin the next episodes, and return what the period gave."""
 
+    @property
     @abstractmethod
+    def phases(self) -> Ints:
+        """(R,) phases of the robots, which decide what options can serve."""
+
     def masks(self) -> Flags:
-        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period."""
+        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
+
+        Raises:
+            ValueError: actions are vectors.
+
+        """
+        if self.action.mode == "velocity":
+            raise ValueError("masks: expected options as actions, got mode 'velocity'")
+        return self.choices.masks(self.phases)
 
     @abstractmethod
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:

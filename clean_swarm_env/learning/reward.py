@@ -10,13 +10,14 @@ paid for picking could carry items about. Their weights are 0 unless given.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from reprlib import repr as brief
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from clean_swarm_env.learning.progress import EVENTS, MissionProgress, Period, open_period
+from clean_swarm_env.learning.given import config_from
+from clean_swarm_env.learning.progress import EVENTS, Period, open_period
 from clean_swarm_env.world.mission_end import COMPLETED
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported
@@ -92,16 +93,18 @@ open_prices = PRICES_RECORD.open
 
 
 class Rewards:
-    """Rewards (R,) of a batch of worlds, from what its progress counted in a period.
+    """Rewards (R,) of a batch of worlds: by weights from what its progress counted in a period, or the user's own.
 
     Attributes:
+        config: the weights.
         prices: the record `Prices`, with its words.
 
     """
 
-    def __init__(self, config: RewardConfig, period: float) -> None:
-        """Turn the weights into prices; `period` is the length of a tick [s]."""
-        self.config = config
+    def __init__(self, given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None, period: float) -> None:
+        """Turn the weights into prices, or check the function; `period` is the length of a tick [s]."""
+        self._own = own_rewards(given)
+        config = self.config = config_from(RewardConfig, None if self._own else given, "reward")  # type: ignore[arg-type]
         own = {
             "picked": config.own_picked,
             "recycled": config.own_recycled,
@@ -115,9 +118,12 @@ class Rewards:
             Prices(weights, config.cost, config.dumped, config.time * period, config.completed, config.shared)
         )
 
-    def of(self, progress: MissionProgress, rewards: Floats) -> None:
-        """Fill `rewards` (R,) with those of the period that `progress` counted; robots that took no part get none."""
-        pay(progress.period.words, self.prices.words, rewards)
+    def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
+        """Fill `rewards` (R,) with those of the last period of a batch; robots that took no part get none."""
+        if self._own is not None:
+            rewards[:] = self._own(batch)
+        else:
+            pay(batch.progress.period.words, self.prices.words, rewards)
 
 
 @lean_kernel

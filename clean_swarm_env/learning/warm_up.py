@@ -6,6 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
+from clean_swarm_env.learning.interface import AnyBatch
 from clean_swarm_env.world import tick_kernels
 from selforg.compiler.cache import cache_directory, folder_for
 from selforg.compiler.switches import COMPILED
@@ -15,6 +18,8 @@ try:
 except ImportError:  # Windows: processes that start side by side each compile
     fcntl = None  # type: ignore[assignment]
 
+WARM_UP_PERIODS = 300
+"""Decision periods within which a mission has called every kernel that missions call."""
 EVERY_MISSION = Path(tick_kernels.__file__)
 """File of kernels that every mission calls and nothing else does: checking a configuration does not compile them."""
 COMPILING = "compiling for this machine, once: about a minute"
@@ -35,6 +40,14 @@ def compile_once(work: Callable[[], object]) -> None:
         if not compiled_before():
             announce()
             work()
+
+
+def run_through(batch: AnyBatch) -> None:
+    """Run the first mission of a batch with all options, which calls the kernels that all missions call."""
+    batch.reset([0] * batch.count)
+    options = np.arange(batch.rows) % batch.choices.counts[0]
+    while not batch.step(options).terminated[0] and batch.steps(0) < WARM_UP_PERIODS:
+        pass
 
 
 def announce() -> None:

@@ -147,10 +147,7 @@ class _OfItem(Change):
             raise ValueError(f"item {self.item}: expected an item that lies")
         here, place = np.array([WORLD]), garbage.positions[WORLD, [self.item]]
         garbage.stage[WORLD, self.item] = ABSENT
-        worlds.minds.hide_items(here, place, worlds.now)
-        others = worlds.floor.left_at(here, place)  # their gradients were one
-        if len(others[0]):
-            worlds.minds.show_items(*others, worlds.now)
+        worlds.hide_items(here, place)
 
 
 class PutItem(_AtPlace, _OfItem):

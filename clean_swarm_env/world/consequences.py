@@ -102,7 +102,7 @@ class Consequences:
         if self.active:
             hold_back(commands.words, self._packed.words)
 
-    def follow(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
+    def apply(self, entered: Ints, working: Flags, present: Flags, floor: Packed[FloorRecord]) -> Ints:
         """Let the collisions of a tick have their consequences; return the rows (K,) whose cargo lies on the floor now.
 
         entered (R,): collisions of each robot in the tick; working (R,): robots that they matter to;
@@ -149,7 +149,7 @@ def turn_away(row: int, present: Flags, f: FloorRecord, c: Consequence) -> None:
 def suffer(
     entered: Ints, working: Flags, present: Flags, floor: Words[FloorRecord], consequence: Words[Consequence]
 ) -> int:
-    """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.follow`."""
+    """Note the collisions of a tick; return how many robots lost their cargo, see `Consequences.apply`."""
     f, c = open_floor(floor), open_consequence(consequence)
     count, per_world = 0, f.robots.shape[0] // f.stations.shape[0]
     for row in range(entered.shape[0]):

@@ -23,7 +23,7 @@ from selforg.arrays import Flags, Floats, Ints, Lasting, together
 from selforg.commands import Commanded
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
-from selforg.space import nearest_image
+from selforg.space import nearest_image, shorten
 
 SAME_PLACE = 1e-6
 """Distance below which the gradients of two items may have become one [m]; a buffer tells farther ones apart."""
@@ -139,10 +139,10 @@ class Floor:
         shared: Flags = np.zeros(len(worlds), dtype=bool)  # hardly ever; all offsets of a large world fill the memory
         find_shared(worlds, places, self.garbage.positions, self.garbage.stage, self.extent, shared)
         worlds, places = worlds[shared], places[shared]
-        apart = np.abs(self.garbage.positions[worlds] - places[:, None])  # (P, M, 2)
-        apart = np.minimum(apart, self.extent - apart)
+        apart = self.garbage.positions[worlds] - places[:, None]  # (P, M, 2)
+        shorten(apart.reshape(-1, 2), self.extent)
         lying = self.garbage.stage[worlds] == LYING
-        which, items = np.nonzero(lying & (apart.max(axis=2) < SAME_PLACE))
+        which, items = np.nonzero(lying & (np.abs(apart).max(axis=2) < SAME_PLACE))
         return worlds[which], self.garbage.positions[worlds[which], items]
 
     def move(self, commands: Packed[Commanded], now: float) -> None:

@@ -17,7 +17,8 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from selforg.arrays import Floats, Ints
 from selforg.gradients.delivery import Delivery
-from selforg.gradients.poses import OwnPoses, PoseDelivery
+from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.poses import OwnPoses
 
 LOSSES, ERRORS = 0xFFFFFFFD, 0xFFFFFFFC
 """Spawn keys of the streams of losses and of errors of poses in a world; other streams have other keys."""

@@ -151,12 +151,19 @@ class Worlds:
         """
         self._steered, self._correction = (None, vectors) if added else (vectors, None)
 
+    def hide_items(self, worlds: Ints, places: Floats) -> None:
+        """Delete the gradients of items that lay at `places` (K, 2) [m] of `worlds` (K,), unless others lie there."""
+        self.minds.hide_items(worlds, places, self._clock.now)
+        others = self.floor.left_at(worlds, places)  # their gradients were one
+        if len(others[0]):
+            self.minds.show_items(*others, self._clock.now)
+
     def tick(self) -> Ints:
         """Run one control period of all worlds.
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        floor, minds, now = self.floor, self.minds, self._clock.now
+        floor, minds, working, now = self.floor, self.minds, self.team.working, self._clock.now
         self._agendas.apply_due()
         able = floor.consequences.begin(self.team.at_work)
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
@@ -164,27 +171,29 @@ class Worlds:
         if self._steered is None:
             minds.sense(floor.packed, now)
             minds.decide(able)
-            picked = handle_cargo_as_decided(floor.packed.words, minds.packed.words)
-        else:
-            minds.sense_floor(floor.packed)
-            picked = handle_cargo_in_reach(floor.packed.words, minds.packed.words, self.team.working)
-        if picked:
-            minds.hide_items(*floor.picked(picked), now)
-            still_there = floor.left_at(*floor.picked(picked))
-            if len(still_there[0]):
-                minds.show_items(*still_there, now)
-        if self._steered is None:
+            self._hide(handle_cargo_as_decided(floor.packed.words, minds.packed.words))
             minds.act(floor.packed, now)
             if self._correction is not None:
-                minds.commands.add(self._correction * self.team.working[:, None])
+                minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
         else:
-            minds.follow(self._steered, self.team.working)
+            minds.sense_floor(floor.packed)
+            self._hide(handle_cargo_in_reach(floor.packed.words, minds.packed.words, working))
+            minds.follow(self._steered, working)
         floor.consequences.hold_back(minds.commands.packed)
         floor.move(minds.commands.packed, now)
         self._clock.advance()
-        entered = self.collisions.entered_in_tick
-        lost = floor.consequences.follow(entered, self.team.working, self.physics.present, floor.packed)
+        return self._bear_collisions()
+
+    def _hide(self, picked: int) -> None:
+        """Hide the first `picked` items picked in this tick."""
+        if picked:
+            self.hide_items(*self.floor.picked(picked))
+
+    def _bear_collisions(self) -> Ints:
+        """Let the collisions of the tick have their consequences, and return them (R,)."""
+        floor, entered = self.floor, self.collisions.entered_in_tick
+        lost = floor.consequences.apply(entered, self.team.working, self.physics.present, floor.packed)
         if len(lost):
-            minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
+            self.minds.show_items(lost // self.robots, self.physics.positions[lost], self._clock.now)
         return entered

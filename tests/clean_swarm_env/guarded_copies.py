@@ -12,7 +12,8 @@ import sys
 import numpy as np
 
 from clean_swarm_env.goals.goal_batch import GoalBatch
-from clean_swarm_env.learning.batch import Batch, whole_mission
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.warm_up import run_through
 from clean_swarm_env.scenes import goals
 from selforg.arrays import Floats
 from selforg.compiler.decorators import lean_kernel
@@ -58,7 +59,7 @@ def check(number: int, fault: str) -> None:
 def main(count: int, fault: str) -> None:
     """Compile without guards, then check `count` batches."""
     faulthandler.enable()
-    whole_mission()
+    run_through(Batch())
     array = np.zeros(3)
     write(array, 0)
     guard()

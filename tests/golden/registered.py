@@ -1,6 +1,7 @@
 """Which replayer takes which golden file: one line a file."""
 
-from tests.golden import buffer, conditions, decisions, gradients, monitoring, movement, network, selection
+from tests.golden import buffer, decisions, gradients, movement, selection
+from tests.golden.network import conditions, monitoring, traces
 from tests.golden.runner import REPLAYERS, replays
 
 replays("buffer.json", buffer.replay)
@@ -9,7 +10,7 @@ replays("decisions.json", decisions.replay)
 replays("gradients.json", gradients.replay)
 replays("monitoring.json", monitoring.replay)
 replays("movement.json", movement.replay)
-replays("network.json", network.replay)
+replays("network.json", traces.replay)
 replays("selection.json", selection.replay)
 
 FILES = tuple(REPLAYERS)

@@ -9,7 +9,7 @@ import pytest
 
 from selforg.commands import Commands
 from selforg.gradients.delivery import Delivery
-from selforg.gradients.poses import PoseDelivery
+from selforg.gradients.pose_delivery import PoseDelivery
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism

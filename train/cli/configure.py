@@ -4,17 +4,19 @@ from typing import Annotated
 
 import typer
 
-from train.cli.options import Configs, Force, OnPlace, check_whole
-from train.cli.tune import (
-    GivenStore,
+from train.cli.options import (
+    AnyBits,
+    Configs,
+    Force,
+    OnPlace,
+    OtherKnowledge,
     Output,
     Resume,
     Seed,
-    Storage,
     Workers,
-    check_numbers,
-    run_given,
+    check_whole,
 )
+from train.cli.tune import GivenStore, Storage, check_numbers, run_given
 
 MOST_TRIALS = 100_000
 
@@ -22,7 +24,7 @@ MOST_TRIALS = 100_000
 def configure_command(
     option: Annotated[str, typer.Argument(help="Name of an option of the expert knowledge.", metavar="OPTION")],
     family: Annotated[str, typer.Option(help="Family of scenarios, by name or by path.")],
-    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
+    knowledge: OtherKnowledge = None,
     method: Annotated[str, typer.Option(help="random, TPE, CMA-ES, NSGA-II or MAP-Elites.")] = "TPE",
     trials: Annotated[int, typer.Option(help="Candidates of each method.")] = 60,
     seed: Seed = 0,
@@ -33,15 +35,29 @@ def configure_command(
     store: GivenStore = None,
     force: Force = False,
     on: OnPlace = None,
+    any_bits: AnyBits = False,
     configs: Configs = None,
 ) -> None:
     """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
     check_numbers(seed, workers)
     check_whole({"--trials": (trials, 2, MOST_TRIALS)})
+    from train.running.needs import Machine
+    from train.running.runs import usable_cpus
     from train.studies.configured import configured_study
 
     directories = tuple(configs or ())
     study = configured_study(option, family, knowledge, {"method": method, "trials": trials}, directories)
     command = ["configure", option, "--family", family, "--method", method, "--trials", str(trials)]
     command += ["--knowledge", knowledge] if knowledge is not None else []
-    run_given(study, tuple(command), seed, output, resume, workers, storage, store, force, on, directories)
+    run_given(
+        study,
+        tuple(command),
+        directories,
+        seed=seed,
+        output=output,
+        resume=resume,
+        storage=storage,
+        store=store,
+        machine=Machine(workers or usable_cpus(), force, on),
+        any_bits=any_bits,
+    )

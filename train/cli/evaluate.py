@@ -17,8 +17,12 @@ from train.cli.options import (
     Force,
     Learn,
     OnPlace,
+    Output,
+    Resume,
     RunStore,
+    Seed,
     ShareText,
+    Workers,
     check_share,
     check_whole,
     error_console,
@@ -32,12 +36,10 @@ def evaluate_command(
     scenarios: Annotated[
         int | None, typer.Option(help="Run on this number of random start configurations drawn from the seed.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
-    workers: Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")] = None,
-    output: Annotated[
-        Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
-    ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    seed: Seed = 0,
+    workers: Workers = None,
+    output: Output = None,
+    resume: Resume = False,
     starts: Annotated[Path | None, typer.Option(help="JSON file of start configurations to run on.")] = None,
     condition: Annotated[list[str] | None, typer.Option(help="Run this condition only; can be repeated.")] = None,
     family: Annotated[

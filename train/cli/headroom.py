@@ -5,24 +5,32 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, check_whole, wide_console
+from train.cli.options import (
+    MOST_SCENARIOS,
+    MOST_SEED,
+    Configs,
+    DecidedGoal,
+    Family,
+    OtherKnowledge,
+    Seed,
+    check_whole,
+    wide_console,
+)
 
 MOST_COPIES, MOST_TIME = 1000, 1e6
 """Most copies of a world, and longest times [s]."""
 
 
 def headroom_command(
-    family: Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")],
+    family: Family,
     situations: Annotated[
         str, typer.Option(help="Components of the observation; the largest tells a robot's situation.")
     ] = "free_far,free_near,carrying_far,carrying_near",
     searched: Annotated[int, typer.Option(help="Training scenarios on which each rule is tried.")] = 16,
     judged: Annotated[int, typer.Option(help="Test scenarios on which the result is judged.")] = 50,
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
-    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
-    goal: Annotated[
-        str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
-    ] = None,
+    seed: Seed = 0,
+    knowledge: OtherKnowledge = None,
+    goal: DecidedGoal = None,
     kinds: Annotated[
         bool, typer.Option("--kinds", help="Choose by a scenario's numbers of spots and stations, not by situations.")
     ] = False,
@@ -45,14 +53,14 @@ def headroom_command(
 
 
 def look_ahead_command(
-    family: Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")],
+    family: Family,
     base: Annotated[str, typer.Option(help="Option that copies hold after the one that they try.")],
     scenarios: Annotated[int, typer.Option(help="Test scenarios.")] = 30,
     copies: Annotated[int, typer.Option(help="Copies of the world for each option.")] = 4,
     hold: Annotated[float, typer.Option(help="Seconds for which an option is held.")] = 5.0,
     horizon: Annotated[float, typer.Option(help="Seconds for which copies run.")] = 120.0,
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
-    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
+    seed: Seed = 0,
+    knowledge: OtherKnowledge = None,
     goal: Annotated[str | None, typer.Option(help="Goal to decide on; AvoidCollision unless given.")] = None,
     configs: Configs = None,
 ) -> None:
@@ -73,18 +81,16 @@ def look_ahead_command(
 
 
 def periods_command(
-    family: Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")],
+    family: Family,
     strategy: Annotated[list[str], typer.Option(help="As that of `evaluate`; can be repeated.")],
     period: Annotated[
         list[float],
         typer.Option(help="Seconds between two decisions; can be repeated. The others are compared with the first."),
     ],
     scenarios: Annotated[int, typer.Option(help="Test scenarios.")] = 20,
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
-    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")] = None,
-    goal: Annotated[
-        str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
-    ] = None,
+    seed: Seed = 0,
+    knowledge: OtherKnowledge = None,
+    goal: DecidedGoal = None,
     configs: Configs = None,
 ) -> None:
     """Compare strategies that decide more or less often, and hold their options meanwhile."""

@@ -22,12 +22,20 @@ Configs = Annotated[
     ),
 ]
 
-
 MOST_SEED = 2**63 - 1
 MOST_SCENARIOS = 10_000
 MOST_WORKERS = 1000
 MOST_WORLD_SEEDS = 100
 
+Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
+DecidedGoal = Annotated[
+    str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
+]
+OtherKnowledge = Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")]
+Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
+Workers = Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")]
+Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")]
 Force = Annotated[
     bool, typer.Option("--force", help="Start even what is estimated to need more memory than there is, or a week.")
 ]

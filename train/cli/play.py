@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, check_whole
+from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole
 
 MOST_PORT = 65_535
 MINDS_UP_TO = 30
@@ -32,7 +32,7 @@ def play_command(
         ),
     ] = None,
     scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    seed: Seed = 0,
     speed: Annotated[float, typer.Option(help="Seconds of the mission in a second; the page can change it.")] = 5.0,
     port: Annotated[int, typer.Option(help="Port on 127.0.0.1; any free one unless given.")] = 0,
     output: Annotated[

@@ -1,6 +1,5 @@
 """`clean-swarm score`: run the options of goals, and keep what they cost in a knowledge store."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -14,7 +13,11 @@ from train.cli.options import (
     Configs,
     Force,
     OnPlace,
+    Output,
+    Resume,
+    Seed,
     ShareText,
+    Workers,
     check_share,
     check_whole,
     wide_console,
@@ -38,15 +41,13 @@ def score_command(
     ] = None,
     scenarios: Annotated[int | None, typer.Option(help="Missions of each option; as in the file unless given.")] = None,
     runs: Annotated[int, typer.Option(help="Runs of each option of a goal in its scene.")] = 20,
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    seed: Seed = 0,
     knowledge: Annotated[
         str | None, typer.Option(help="Expert knowledge of a family or goal, in place of its own.")
     ] = None,
-    workers: Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")] = None,
-    output: Annotated[
-        Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")
-    ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Do only the runs that the directory lacks.")] = False,
+    workers: Workers = None,
+    output: Output = None,
+    resume: Resume = False,
     share: ShareText = None,
     on: OnPlace = None,
     any_bits: AnyBits = False,

@@ -9,19 +9,17 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, Learn, RunStore, check_whole
+from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, Learn, RunStore, Seed, Workers, check_whole
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
 Config = Annotated[str, typer.Option(help="Name of a training, or path to its YAML file.", metavar="NAME|FILE")]
 Output = Annotated[Path | None, typer.Option(help="Directory of the training; one below results/ unless given.")]
-Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the directory.")]
 
 RecordOption = Annotated[
     bool, typer.Option("--record", help="Record the missions of validations, for `clean-swarm replay`.")
 ]
-Workers = Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")]
 
 
 @app.command()

@@ -7,15 +7,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, OnPlace, check_whole, wide_console
+from train.cli.options import (
+    MOST_SEED,
+    MOST_WORKERS,
+    AnyBits,
+    Configs,
+    Force,
+    OnPlace,
+    Output,
+    Resume,
+    Seed,
+    Workers,
+    check_whole,
+    wide_console,
+)
 
 if TYPE_CHECKING:  # imports pydantic, NumPy and Numba
+    from train.running.needs import Machine
     from train.studies.config import StudyConfig
 
-Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
-Output = Annotated[Path | None, typer.Option(help="Directory for the results; a new one below results/ unless given.")]
-Resume = Annotated[bool, typer.Option("--resume", help="Do only the missions that the directory lacks.")]
-Workers = Annotated[int | None, typer.Option(help="Processes to run in; all usable CPUs unless given.")]
 Storage = Annotated[
     str | None,
     typer.Option(
@@ -39,24 +49,26 @@ def tune_command(
     store: GivenStore = None,
     force: Force = False,
     on: OnPlace = None,
+    any_bits: AnyBits = False,
     configs: Configs = None,
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""
     check_numbers(seed, workers)
+    from train.running.needs import Machine
+    from train.running.runs import usable_cpus
     from train.studies.config import load_study
 
     run_given(
         load_study(study, configs or ()),
         ("tune", study),
-        seed,
-        output,
-        resume,
-        workers,
-        storage,
-        store,
-        force,
-        on,
         tuple(configs or ()),
+        seed=seed,
+        output=output,
+        resume=resume,
+        storage=storage,
+        store=store,
+        machine=Machine(workers or usable_cpus(), force, on),
+        any_bits=any_bits,
     )
 
 
@@ -71,20 +83,19 @@ def check_numbers(seed: int, workers: int | None) -> None:
 def run_given(
     study: StudyConfig,
     command: tuple[str, ...],
+    directories: tuple[Path, ...],
+    *,
     seed: int,
     output: Path | None,
     resume: bool,
-    workers: int | None,
     storage: str | None,
     store: str | None,
-    force: bool,
-    place: str | None,
-    directories: tuple[Path, ...],
+    machine: Machine,
+    any_bits: bool,
 ) -> None:
     """Run a study and exit with its code; `command` are the words that lead to the study."""
-    from train.knowledge_store import StoreRequest  # these import SQLAlchemy, optuna and Numba
-    from train.running.needs import Machine
-    from train.running.runs import usable_cpus
+    from train.cluster.bits import WorkerBits  # these import Numba, SQLAlchemy and optuna
+    from train.knowledge_store import StoreRequest
     from train.studies.study import StudyRequest, run_study
 
     request = StudyRequest(
@@ -96,6 +107,7 @@ def run_given(
         storage,
         StoreRequest(store, learn=store is not None),
         directories,
-        Machine(workers or usable_cpus(), force, place),
+        machine,
+        WorkerBits(mixed=any_bits),
     )
     raise typer.Exit(run_study(request, wide_console()))

@@ -95,6 +95,8 @@ class DaskEngine:
         except KilledWorker as error:
             raise WorkerLost(task, int(error.allowed_failures) + 1) from error
         except (CancelledError, OSError) as error:
+            if future.status == "error":  # the task's own
+                raise
             kept = "finished runs are kept, and --resume goes on"
             raise ConfigurationError(f"{self._place}: the scheduler is gone; {kept}") from error
         self._bits.add(cpus)

@@ -12,8 +12,7 @@ import numpy as np
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.starts import nearest_distance
 from clean_swarm_env.goals.play import Play
-from clean_swarm_env.learning.batch import whole_mission
-from clean_swarm_env.learning.warm_up import compile_once
+from clean_swarm_env.learning.batch import compile_missions
 from clean_swarm_env.recording.by_hand import Change, FollowStrategy, HoldOption, PutRobot
 from clean_swarm_env.recording.file import RecordingFile
 from clean_swarm_env.recording.reader import RecordedMission
@@ -90,7 +89,7 @@ class GoalSession(Session):
     """
 
     def __init__(self, played: PlayedGoal, output: Path, *, minds: bool) -> None:
-        compile_once(whole_mission)
+        compile_missions()
         expert = expertise(played.name, played.option, played.directories)
         self.scene = find(played.name)(played.setting, (played.seed,))
         self._play = Play(self.scene, expert, "option", explained=minds)

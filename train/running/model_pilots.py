@@ -60,7 +60,7 @@ class ModelPilot:
 
 
 class VectorPilot:
-    """A model whose answers are movement vectors (R, 2), see `VelocityActions`."""
+    """A model whose answers are movement vectors (R, 2), see `Controls`."""
 
     def __init__(self, model: Model) -> None:
         self.choose = model

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
@@ -17,7 +17,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
-from train.cluster.bits import WorkerBits
+from train.cluster.bits import WorkerBits, noted_bits
 from train.evaluation.pipeline import chosen_engine
 from train.evaluation.trial_task import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
@@ -27,7 +27,7 @@ from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints
-from train.running.run_folder import RunFolder, default_directory
+from train.running.run_folder import WORKERS, RunFolder, default_directory
 from train.running.warm_up import compile_first
 from train.studies.conclusion import UNCHANGED, conclude
 from train.studies.config import StudyConfig
@@ -61,6 +61,8 @@ class StudyRequest:
     """The user's own directories of configurations, searched before the shipped one."""
     machine: Machine = ALONE
     """What the study may use."""
+    bits: WorkerBits = field(default_factory=WorkerBits)
+    """The CPUs that take part elsewhere."""
 
     @property
     def words(self) -> list[str]:
@@ -91,17 +93,35 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
         "files": fingerprints(directories),
     }
     directory = request.output or default_directory(f"{study.name}-seed{request.seed}", resume=request.resume)
+    request.bits.add(noted_bits(directory))
     folder = RunFolder(directory, {"identity": identity}, resume=request.resume)
+    make = make or CandidateTasks(family, request.seed, space.goals[0], folder, directories)
+    with folder.alone():
+        try:
+            return _studied(request, family, space, folder, make, console)
+        finally:
+            folder.note(WORKERS, request.bits.cpus)
+
+
+def _studied(
+    request: StudyRequest,
+    family: FamilyConfig,
+    space: StudySpace,
+    folder: RunFolder,
+    make: TaskMaker,
+    console: Console,
+) -> int:
+    """Do the missions that a directory lacks, and write the results there; return the exit code."""
+    study = request.study
     storage = TrialStorage(request.storage or f"sqlite:///{(folder.path / 'trials.sqlite').resolve()}")
     journal = MissionJournal(folder, len(FIGURES))
-    make = make or CandidateTasks(family, request.seed, space.goals[0], folder, directories)
     unchanged = Candidate(UNCHANGED, space.unchanged())
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
     try:
-        with chosen_engine(request.machine, WorkerBits()).rounds() as done, _progress(study) as on_trials:
-            field = MissionField(make, journal, done)
-            search = CandidateSearch(study, space, field, unchanged)
+        with chosen_engine(request.machine, request.bits).rounds() as done, _progress(study) as on_trials:
+            missions = MissionField(make, journal, done)
+            search = CandidateSearch(study, space, missions, unchanged)
             arms = []
             for method in study.methods:
 
@@ -110,7 +130,7 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
                     on_trials(method, len(trials), journal.missions)
 
                 arms.append(search.arm(method, request.seed, on_batch))
-            conclusion = conclude(study, space, search, arms, field)
+            conclusion = conclude(study, space, search, arms, missions)
     except (KeyboardInterrupt, WorkerLost) as end:
         command = shlex.join([*request.words, "--output", str(folder.path), "--resume"])
         what = str(end) or "interrupted"

@@ -44,7 +44,7 @@ def progress(**events):
 
 def gained(config, counted):
     out = np.full(4, np.nan)
-    Rewards(config, 0.2).of(counted, out)
+    Rewards(config, 0.2).of(SimpleNamespace(progress=counted), out)
     return out.tolist()
 
 

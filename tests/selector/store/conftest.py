@@ -5,7 +5,7 @@ import pytest
 from sqlalchemy import create_engine, text
 
 from selector.store import KnowledgeStore
-from tests.selector.store import postgres_server
+from tests.selector.store.servers import postgres_server
 
 NUMBERS = itertools.count()
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from selector.store import KnowledgeStore
-from tests.selector.store import hammer, killing, postgres_server
+from tests.selector.store import hammer, killing
+from tests.selector.store.servers import postgres_server
 from tests.soaking import report, rounds
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
-from tests.golden.wishes import behaviour_wishes, goal_wishes
+from tests.golden.network.wishes import behaviour_wishes, goal_wishes
 from tests.selforg.network.random_models import Draw
 from tests.selforg.network.reference import Node, ReferenceNetwork
 

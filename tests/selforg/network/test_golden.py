@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from tests.golden import conditions, network
 from tests.golden.case import SetAside, read_case
+from tests.golden.network import conditions, traces
 from tests.paths import SHARED
 
 RECORDED = SHARED / "golden"
@@ -32,14 +32,14 @@ def case(inputs, expected, group="group"):
 def test_a_changed_record_is_noticed(path, value):
     entries = json.loads((RECORDED / "network.json").read_text())
     entry = next(entry for entry in entries if entry["tag"] == "stub plan, planBias 0.5")
-    assert network.replay(read_case(entry)) is None
+    assert traces.replay(read_case(entry)) is None
     step = entry["expected"]["steps"][4]
     path = tuple(next(iter(step["goals"])) if key == "goal" else key for key in path)
     for key in path[:-1]:
         step = step[key]
     assert step[path[-1]] != value
     step[path[-1]] = value
-    assert path[-1] in network.replay(read_case(entry))
+    assert path[-1] in traces.replay(read_case(entry))
 
 
 def test_a_wrongly_typed_reading_is_set_aside_by_its_number():

@@ -10,7 +10,7 @@ from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
 from selforg.network.step.readings import ReadingError
-from tests.golden.wishes import behaviour_wishes, goal_wishes
+from tests.golden.network.wishes import behaviour_wishes, goal_wishes
 
 ROW = np.array([0])
 FACT, NUMBER = Sensor("fact", "fact"), Sensor("number")

@@ -1,8 +1,10 @@
 """Dask: equal runs also where workers are killed; a scheduler that is dead or dies costs no finished run."""
 
+import errno
 import json
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -66,6 +68,24 @@ def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):
     assert 3 <= journal(tmp_path / "cut") < 40
     assert evaluate(tmp_path, "--workers", "2", "--output", "cut", "--resume").wait(timeout=120) == 0
     assert journal(tmp_path / "cut") == 40
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A task whose files a worker may not write."""
+
+    keys = (("1", "Off"),)
+
+    def each(self):
+        raise PermissionError(errno.EACCES, "Permission denied", "recordings")
+
+
+def test_an_error_of_a_task_is_not_taken_for_one_of_the_scheduler(cluster):
+    with (
+        DaskEngine(cluster.address, WorkerBits()).rounds() as done,
+        pytest.raises(PermissionError, match="Permission denied: 'recordings'"),
+    ):
+        list(done([Refused()]))
 
 
 def test_a_dead_scheduler_is_one_line(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""WholeNumber studies: the same trials and knowledge whatever happens, marks, storage, store and errors."""
+"""Whole studies: the same trials and knowledge whatever happens, marks, storage, store and errors."""
 
 import json
 import shutil
@@ -11,14 +11,17 @@ pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 import optuna
 
+from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore
 from tests.train.commands import run
 from tests.train.studies.synthetic import SyntheticTask, regret, synthetic
+from train.cluster.bits import WorkerBits
 from train.knowledge_store import StoreRequest
 from train.running.exit_codes import FINISHED, INTERRUPTED
 from train.running.needs import Machine
+from train.running.run_folder import WORKERS, RunFolder, read_manifest
 from train.studies.config import load_study
 from train.studies.study import StudyRequest, run_study
 
@@ -47,6 +50,31 @@ def test_four_workers_come_to_the_same(configs, tmp_path, whole):
     request = request_of(configs, tmp_path / "four", machine=Machine(4))
     assert run_study(request, CONSOLE, synthetic) == FINISHED
     assert contents(tmp_path / "four") == contents(whole)
+
+
+def test_one_command_at_a_time_writes_a_study(configs, tmp_path, whole):
+    folder = tmp_path / "held"
+    shutil.copytree(whole, folder)
+    held = RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True)
+    with held.alone(), pytest.raises(ConfigurationError, match="another command writes these results now"):
+        run_study(request_of(configs, folder, resume=True), CONSOLE, synthetic)
+
+
+def test_a_study_keeps_which_cpus_took_part(configs, tmp_path, whole):
+    folder = tmp_path / "elsewhere"
+    shutil.copytree(whole, folder)
+    RunFolder(folder, {"identity": read_manifest(folder)["identity"]}, resume=True).note(WORKERS, {"a": "one CPU"})
+
+    def resumed(*, mixed):
+        bits = WorkerBits(mixed=mixed)
+        bits.add({"b": "other CPU"})
+        return run_study(request_of(configs, folder, resume=True, bits=bits), CONSOLE, synthetic)
+
+    with pytest.raises(ConfigurationError, match=r"missions end differently than on .*; --any-bits takes them"):
+        resumed(mixed=False)
+    assert read_manifest(folder)[WORKERS] == {"a": "one CPU"}
+    assert resumed(mixed=True) == FINISHED
+    assert read_manifest(folder)[WORKERS] == {"a": "one CPU", "b": "other CPU"}
 
 
 class Stopping(SyntheticTask):

@@ -7,9 +7,9 @@ from selforg.network.model.conditions import leaves
 from selforg.network.model.model import NetworkModel
 from selforg.network.network import BehaviourNetwork
 from selforg.network.step.readings import ReadingError
-from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
-from tests.golden.wishes import goal_wishes
+from tests.golden.network import parts
+from tests.golden.network.wishes import goal_wishes
 
 ERRORS = {"activation_error", "satisfaction_error", "wish_error", "wishes_error"}
 

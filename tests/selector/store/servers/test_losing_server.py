@@ -11,7 +11,7 @@ from sqlalchemy import make_url
 from selector.store import KnowledgeStore, RewardSums, StoreError
 from selector.store.tables import learned
 from tests.paths import ROOT
-from tests.selector.store.losing_server import Way
+from tests.selector.store.servers.losing_server import Way
 from tests.train.cli.test_faults import wait_for_runs
 
 

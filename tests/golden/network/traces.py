@@ -18,9 +18,9 @@ from selforg.network.planning.problem import PlanningProblem
 from selforg.network.planning.search import Answer, ForwardSearch, State
 from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-from tests.golden import network_parts as parts
 from tests.golden.case import Case, SetAside, difference
-from tests.golden.wishes import behaviour_wishes, goal_wishes
+from tests.golden.network import parts
+from tests.golden.network.wishes import behaviour_wishes, goal_wishes
 
 ROW = np.array([0])
 MARKS = {"executing": st.EXECUTING, "executable": st.READY, "enabled": st.ENABLED}

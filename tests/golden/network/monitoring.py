@@ -12,7 +12,7 @@ from selforg.network.network import BehaviourNetwork
 from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
 from tests.golden.case import Case, SetAside, difference
-from tests.golden.network import RecordedPlanner
+from tests.golden.network.traces import RecordedPlanner
 
 ROW = np.array([0])
 

@@ -13,7 +13,7 @@ from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.planner import BuiltInPlanner
 from selforg.network.state import plan_state as ps
 from selforg.network.state import state as st
-from tests.golden.network import Forgetful
+from tests.golden.network.traces import Forgetful
 from tests.selforg.network.cleaning import FACTS, SENSORS, cleaning_model, wandering
 
 CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]

@@ -14,9 +14,9 @@ from selforg.network.planning.problem import (
     SetFact,
 )
 from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable
-from tests.selforg.network.generated_problems import generated
-from tests.selforg.network.planner_reference import execute, true_in
-from tests.selforg.network.robot_problem import robot_problem, robot_state
+from tests.selforg.network.planning.generated_problems import generated
+from tests.selforg.network.planning.planner_reference import execute, true_in
+from tests.selforg.network.planning.robot_problem import robot_problem, robot_state
 
 SOLVABLE, UNSOLVABLE = 38, 12
 LONGEST_HORIZON = 6
@@ -87,7 +87,7 @@ def test_a_number_that_nothing_changes_keeps_only_the_truth_of_its_bounds():
 @pytest.mark.parametrize("seed", SEEDS)
 def test_costs_are_those_of_an_optimal_engine(seed):
     pytest.importorskip("up_aries")
-    from tests.selforg.network import aries_horizon
+    from tests.selforg.network.planning import aries_horizon
 
     problem, facts, numbers = generated(seed)
     search = ForwardSearch(problem)

@@ -22,9 +22,9 @@ from selforg.network.planning.problem import (
 )
 from selforg.network.planning.search import ForwardSearch, Plan, Unknown, Unsolvable
 from selforg.network.planning.task import STEP_UNIT, PlanTask
-from tests.selforg.network.generated_problems import generated
-from tests.selforg.network.planner_reference import as_arrays, best_plan, execute, true_in
-from tests.selforg.network.robot_problem import robot_problem, robot_state
+from tests.selforg.network.planning.generated_problems import generated
+from tests.selforg.network.planning.planner_reference import as_arrays, best_plan, execute, true_in
+from tests.selforg.network.planning.robot_problem import robot_problem, robot_state
 
 CHAIN = ["MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"]
 
