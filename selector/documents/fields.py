@@ -79,6 +79,6 @@ def checked_name(given: object, where: str) -> str:
 
 
 class Closed(BaseModel):
-    """A frozen model that refuses unknown keys; the docstring below each field is its description."""
+    """A frozen model that refuses unknown keys; the docstring below each field says what it is."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)

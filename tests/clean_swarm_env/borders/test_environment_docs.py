@@ -9,6 +9,7 @@ from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.reward import RewardConfig
 from tests.clean_swarm_env.courses import long_course
+from tests.fields import descriptions
 from tests.paths import ROOT
 
 PAGE = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
@@ -41,5 +42,5 @@ def test_all_terms_are_on_the_page_as_they_are():
 def test_all_weights_are_on_the_page_as_they_are():
     rows = {row[0].strip("`"): row[1:] for row in table("rewards")}
     assert list(rows) == list(RewardConfig.model_fields)
-    for name, field in RewardConfig.model_fields.items():
-        assert rows[name] == [f"{field.default:g}", field.description]
+    for name, description in descriptions(RewardConfig).items():
+        assert rows[name] == [f"{RewardConfig.model_fields[name].default:g}", description]

@@ -13,6 +13,7 @@ from clean_swarm_env.config.load import load_experiment, load_mission, load_robu
 from clean_swarm_env.config.mission import MissionConfig, WorldConfig, robots_that_fit
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
+from tests.fields import descriptions
 
 MODELS = [
     model
@@ -35,12 +36,12 @@ def test_every_shipped_mission_loads(name):
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_every_field_says_what_it_is(model: type[BaseModel]):
-    for name, field in model.model_fields.items():
-        assert field.description, name
-        assert field.description.endswith("."), name
+    for name, description in descriptions(model).items():
+        assert description.endswith("."), name
+        field = model.model_fields[name]
         is_quantity = isinstance(field.default, float) and not isinstance(field.default, bool)
-        is_rate = "per second" in field.description
-        assert not is_quantity or "[" in field.description or is_rate, f"{name} states no unit"
+        is_rate = "per second" in description
+        assert not is_quantity or "[" in description or is_rate, f"{name} states no unit"
 
 
 def test_the_reference_mission_is_the_one_of_the_robot_model():

@@ -13,6 +13,7 @@ from selector.strategies.problem import Problem
 from selector.strategies.random_choice import Random
 from selector.strategies.registry import STRATEGIES, StrategySpec, create, spec_from_text
 from selector.strategies.strategy import DecisionStrategy
+from tests.fields import descriptions
 
 NO_CONTEXT = np.zeros((3, 0))
 KEYS = np.arange(3, dtype=np.uint64)
@@ -70,9 +71,8 @@ def test_unknown_and_double_names_are_refused():
 @pytest.mark.parametrize("name", STRATEGIES.names())
 def test_every_parameter_is_explained_and_none_is_unknown(name):
     parameters = STRATEGIES.find(name).Parameters
-    for field in parameters.model_fields.values():
-        assert field.description
-        assert field.description.endswith(".")
+    for description in descriptions(parameters).values():
+        assert description.endswith(".")
     assert parameters.__doc__
     with pytest.raises(DocumentError, match=rf"strategy {name}: luck: unknown key"):
         create(name, problem([1.0]), KEYS, {"luck": 7})
