@@ -2,8 +2,9 @@
 
     python -m benchmarks.recordings.replay_page
 
-All layers are on, who-sees-whom too. Two runs of 20 robots with minds, one under the policy `general`; and a thousand
-robots for a minute. Wall time, the least of some repeats. Needs Chromium and Playwright.
+All layers are on, who-sees-whom too. Two runs of 20 robots with minds, one under the policy `general`; a thousand
+robots for a minute; and the longest mission of Table 1, with minds. Wall time, the least of some repeats. Needs
+Chromium and Playwright.
 """
 
 import shutil
@@ -15,6 +16,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
+from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
@@ -23,6 +25,7 @@ from clean_swarm_env.world.mission import MissionRun
 from docs.figures.draw_replay import opened
 from docs.figures.draw_replay import record as record_pair
 from train.replay.page_file import write_page
+from train.running.runs import tasks_of
 
 MANY = 1000
 REPEATS = 5
@@ -36,6 +39,13 @@ def many(folder: Path) -> list[RecordedMission]:
     run = MissionRun(mission, random_start(mission, SEED, 0), SEED, {})
     record_mission(run, RecordSettings(folder, name="many"), {})
     return [RecordedMission(folder / "many.swarm")]
+
+
+def longest(folder: Path) -> list[RecordedMission]:
+    """Record the missions of Table 1; return the longest."""
+    for task in tasks_of(load_experiment("table1"), 0):
+        task.recorded(RecordSettings(folder / "table1", minds=True)).run()
+    return [max(map(RecordedMission, (folder / "table1").iterdir()), key=lambda run: run.frames)]
 
 
 def measured(browser: Browser, recordings: list[RecordedMission], path: Path) -> dict[str, float]:
@@ -60,6 +70,7 @@ def main() -> None:
         figures = {
             "two runs of 20 robots": measured(browser, record_pair(folder), folder / "two.html"),
             f"{MANY} robots": measured(browser, many(folder), folder / "many.html"),
+            "longest of Table 1": measured(browser, longest(folder), folder / "longest.html"),
         }
         browser.close()
     for title, values in figures.items():

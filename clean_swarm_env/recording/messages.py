@@ -39,7 +39,7 @@ class DepositLog:
 
     def begin(self) -> None:
         """Clear the deposits of the tick before."""
-        self.deposits[:] = 0
+        self.deposits.fill(0)
 
     def close(self) -> None:
         """Stop listening to the buffers."""

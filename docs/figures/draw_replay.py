@@ -1,7 +1,8 @@
 """Draws the replay page in Chromium: `python -m docs.figures.draw_replay [DIR]` (default docs).
 
 Writes the picture of two runs side by side, `pictures/replay.png`; the animation of one, `pictures/mission.webp`; its
-page, `replay.html`; and the picture of a report, `pictures/report.png`. Needs Chromium (`apt-get install chromium`)
+page, `replay.html`; the picture of a mission that is played, `pictures/play.png`; and that of a report,
+`pictures/report.png`. Needs Chromium (`apt-get install chromium`)
 and Playwright (`pip install playwright`).
 """
 
@@ -9,9 +10,11 @@ import shutil
 import sys
 from base64 import b64decode
 from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import Thread
 
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -23,7 +26,10 @@ from train.cli.options import wide_console
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.evaluation.pipeline import Execution, evaluate
 from train.evaluation.trial_task import TrialTask
-from train.replay.page_file import write_page
+from train.live.chosen import chosen
+from train.live.conductor import Conductor
+from train.live.server import LiveServer
+from train.replay.page_file import live_page, write_page
 from train.report_page.page import report_of_results
 from train.report_page.results import results_in
 from train.running.processes import Processes
@@ -33,6 +39,8 @@ DOCS = Path(__file__).parents[1]
 CONDITIONS = ("fixed:RepulsionGradient-from0.25", "policy:general")
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
+FAST, PLAYED = 50.0, 64.0
+"""Speed of the mission that is played, and the moment of its picture [s]."""
 REPORT = (1000, 1700)
 """Width and height of the picture of a report [pixels]."""
 SCENARIOS = 6
@@ -59,6 +67,26 @@ def opened(browser: Browser, path: Path, link: str = "") -> Page:
     page.goto(path.as_uri() + link)
     page.wait_for_selector("body[data-ready]", timeout=60_000)
     return page
+
+
+@contextmanager
+def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
+    """Play the mission of `clean-swarm play` at a speed before a page, and record it; give the page."""
+    session = chosen("crowded", 1, 0, None, ()).open(output, minds=True)
+    conductor = Conductor(session, speed)
+    runner = Thread(target=conductor.run)
+    with LiveServer() as server:
+        server.start(conductor, live_page("crowded", session.strategies()))
+        runner.start()
+        try:
+            page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
+            page.goto(server.address)
+            page.wait_for_selector("body[data-ready]", timeout=60_000)
+            yield page
+        finally:
+            conductor.close()
+            runner.join()
+            server.shutdown()
 
 
 def save(page: Page, path: Path) -> None:
@@ -93,6 +121,10 @@ def main(folder: Path) -> None:
         write_page(recordings[1:], folder / "replay.html")
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         save(opened(browser, both, MOMENT), folder / "pictures" / "replay.png")
+        with played(browser, Path(place) / "play.swarm", FAST) as live:
+            live.wait_for_function(f"() => replay.page.run.frames * replay.page.period > {PLAYED}")
+            live.evaluate(f"replay.page.go({PLAYED}); replay.page.choose(0, 3)")
+            save(live, folder / "pictures" / "play.png")
         report = browser.new_page(viewport={"width": REPORT[0], "height": REPORT[1]})
         report.goto(write_report(Path(place) / "results").as_uri())
         save(report, folder / "pictures" / "report.png")

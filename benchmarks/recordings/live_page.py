@@ -1,0 +1,38 @@
+"""The lag of the live page: the time from the making of a frame until it is on the screen.
+
+    python -m benchmarks.recordings.live_page
+
+`clean-swarm play` as it is without options: twenty robots of the family `crowded` with minds, five times as fast as
+real time, in a headless Chromium with software rendering on the same machine. Needs Chromium and Playwright.
+"""
+
+import shutil
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+
+from benchmarks.shared.record import record
+from docs.figures.draw_replay import played
+
+SPEED = 5.0
+FRAMES = 1000
+"""Frames whose lag is measured; the page keeps as many."""
+
+
+def main() -> None:
+    """Measure, print and keep the figures."""
+    with TemporaryDirectory() as folder, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        with played(browser, Path(folder) / "live.swarm", SPEED) as page:
+            page.wait_for_function(f"() => replay.page.lags.length === {FRAMES}", timeout=300_000)
+            lags = page.evaluate("replay.page.lags")
+        browser.close()
+    figures = {f"{share} % [ms]": float(np.percentile(lags, share)) for share in (50, 95, 99)}
+    print({name: round(value, 1) for name, value in figures.items()})
+    record("live page", {f"{FRAMES} frames of 20 robots": figures})
+
+
+if __name__ == "__main__":
+    main()
