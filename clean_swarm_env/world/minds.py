@@ -34,13 +34,13 @@ from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 from selforg.space import Torus
 
-ITEMS: Final = "garbage"
+ITEM_CHANNEL: Final = "garbage"
 """Channel of the items."""
 PHEROMONES: Final = "pheromone"
 """Channel of the pheromones that patrolling robots deposit."""
 STATION_CHANNELS: Final = ("recycling", "dump")
 """Channels of the stations, by their kinds."""
-RECYCLED: Final = "recycled"
+CARGO_RECYCLED: Final = "recycled"
 """Name under which configurations may expect to know whether the cargo has been recycled."""
 
 
@@ -141,7 +141,7 @@ class Minds:
         self.gradients = SoBuffer(BufferSettings(), space, self.poses)
         self.buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
         self.buffers["stations"] = SoBuffer(replace(newest, view_distance=np.inf), space, self.poses)
-        self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEMS,), directions=self.directions)
+        self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEM_CHANNEL,), directions=self.directions)
         self.patrol = Patrol(
             self.pheromones,
             pheromone=Pheromone(PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period),
@@ -160,7 +160,7 @@ class Minds:
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
-        self._told = self._memory[RECYCLED] if RECYCLED in self._memory.kinds else None
+        self._told = self._memory[CARGO_RECYCLED] if CARGO_RECYCLED in self._memory.kinds else None
         host = Host(self.poses, self.buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(
             Coordinator(m, self.network, host, during=robot.during.get(m.goal, ()), explained=explained) for m in models
@@ -221,7 +221,7 @@ class Minds:
         garbage = self._garbage
         self.items.store_static(
             np.broadcast_to(worlds, len(positions)),
-            ITEMS,
+            ITEM_CHANNEL,
             positions,
             now,
             diffusion=garbage.diffusion,
@@ -230,7 +230,7 @@ class Minds:
 
     def hide_items(self, worlds: Ints, positions: Floats, now: float) -> None:
         """Delete the gradients of items that lay at `positions` (M, 2) [m] of `worlds` (M,)."""
-        self.items.extinguish(worlds, ITEMS, positions, now)
+        self.items.extinguish(worlds, ITEM_CHANNEL, positions, now)
 
     def show_stations(self, world: int, places: Floats, now: float) -> None:
         """Store the gradients of the stations, which are at `places` (K, 2) [m], in place of those stored before."""

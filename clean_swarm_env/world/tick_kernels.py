@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.config.stations import DUMP as DUMP_STATION
-from clean_swarm_env.config.stations import RECYCLING as RECYCLING_STATION
+from clean_swarm_env.config.stations import DUMP, RECYCLING
 from clean_swarm_env.physics.cells import distance, fill_cells, nearest_of_kind, nearest_point
 from clean_swarm_env.world.cleaning_robot import (
     AT_DUMP,
@@ -30,7 +29,7 @@ from selforg.compiler.records import Words
 from selforg.network.state import state as st
 from selforg.space import nearest_image
 
-PICK, RECYCLE, DUMP = range(3)  # columns of `MindsRecord.starting`
+START_PICK, START_RECYCLE, START_DUMP = range(3)  # columns of `MindsRecord.starting`
 
 
 @lean_kernel
@@ -48,8 +47,8 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
             if items > 0:
                 f.nearest[row], near = nearest_point(x, y, sight, f.items[world], f.lying, f.extent, f.cells, f.links)
             carrying = f.cargo[row] != NOTHING
-            _, to_recycling = nearest_of_kind(x, y, RECYCLING_STATION, stations, f.kinds, f.extent)
-            _, to_dump = nearest_of_kind(x, y, DUMP_STATION, stations, f.kinds, f.extent)
+            _, to_recycling = nearest_of_kind(x, y, RECYCLING, stations, f.kinds, f.extent)
+            _, to_dump = nearest_of_kind(x, y, DUMP, stations, f.kinds, f.extent)
             readings[row, GARBAGE_SEEN] = 1.0 if near <= f.sight else 0.0
             readings[row, GARBAGE_AT] = 1.0 if near <= f.at_item else 0.0
             readings[row, GARBAGE_FOUND] = 1.0 if near <= f.sight or carrying else 0.0
@@ -87,9 +86,9 @@ def handle_cargo_in_reach(floor: Words[FloorRecord], minds: Words[MindsRecord], 
     for row in range(m.starting.shape[0]):
         able = working[row] and standing[row] == 0
         carrying, recycled = m.readings[row, CARRYING] == 1.0, m.readings[row, RECYCLED] == 1.0
-        m.starting[row, PICK] = able and not carrying and m.readings[row, GARBAGE_AT] == 1.0
-        m.starting[row, RECYCLE] = able and carrying and not recycled and m.readings[row, AT_RECYCLING] == 1.0
-        m.starting[row, DUMP] = able and carrying and recycled and m.readings[row, AT_DUMP] == 1.0
+        m.starting[row, START_PICK] = able and not carrying and m.readings[row, GARBAGE_AT] == 1.0
+        m.starting[row, START_RECYCLE] = able and carrying and not recycled and m.readings[row, AT_RECYCLING] == 1.0
+        m.starting[row, START_DUMP] = able and carrying and recycled and m.readings[row, AT_DUMP] == 1.0
     return handle_cargo(floor, minds)
 
 
@@ -105,7 +104,7 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
     per_world = f.robots.shape[0] // f.items.shape[0]
     for row in range(f.robots.shape[0]):
         world = row // per_world
-        if starting[row, PICK] and f.cargo[row] == NOTHING:
+        if starting[row, START_PICK] and f.cargo[row] == NOTHING:
             x, y, item, near = f.robots[row, 0], f.robots[row, 1], f.nearest[row], np.inf
             if item != NOTHING and f.stage[world, item] == LYING:
                 near = distance(x, y, f.items[world, item, 0], f.items[world, item, 1], f.extent)
@@ -119,9 +118,9 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
                 f.stage[world, item] = CARRIED
                 f.picked[count, 0], f.picked[count, 1] = row, item
                 count += 1
-        if starting[row, RECYCLE] and f.cargo[row] != NOTHING:
+        if starting[row, START_RECYCLE] and f.cargo[row] != NOTHING:
             f.recycled[row] = 1
-        if starting[row, DUMP] and f.cargo[row] != NOTHING and f.recycled[row]:
+        if starting[row, START_DUMP] and f.cargo[row] != NOTHING and f.recycled[row]:
             f.stage[world, f.cargo[row]] = DONE
             f.cargo[row] = NOTHING
             f.recycled[row] = 0

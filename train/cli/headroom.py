@@ -9,8 +9,8 @@ from train.cli.options import (
     MOST_SCENARIOS,
     MOST_SEED,
     Configs,
-    DecidedGoal,
     Family,
+    GoalText,
     OtherKnowledge,
     Seed,
     check_whole,
@@ -30,7 +30,7 @@ def headroom_command(
     judged: Annotated[int, typer.Option(help="Test scenarios on which the result is judged.")] = 50,
     seed: Seed = 0,
     knowledge: OtherKnowledge = None,
-    goal: DecidedGoal = None,
+    goal: GoalText = None,
     kinds: Annotated[
         bool, typer.Option("--kinds", help="Choose by a scenario's numbers of spots and stations, not by situations.")
     ] = False,
@@ -90,7 +90,7 @@ def periods_command(
     scenarios: Annotated[int, typer.Option(help="Test scenarios.")] = 20,
     seed: Seed = 0,
     knowledge: OtherKnowledge = None,
-    goal: DecidedGoal = None,
+    goal: GoalText = None,
     configs: Configs = None,
 ) -> None:
     """Compare strategies that decide more or less often, and hold their options meanwhile."""

@@ -28,7 +28,7 @@ MOST_WORKERS = 1000
 MOST_WORLD_SEEDS = 100
 
 Family = Annotated[str, typer.Argument(help="Name of a family, or path to its YAML file.")]
-DecidedGoal = Annotated[
+GoalText = Annotated[
     str | None, typer.Option(help="Goal to decide on, or several joined by +; AvoidCollision unless given.")
 ]
 OtherKnowledge = Annotated[str | None, typer.Option(help="Expert knowledge in place of the family's own.")]
