@@ -96,6 +96,8 @@ def evaluate_command(
 
     if learn and workers not in (None, 1):
         raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
+    if learn and on is not None:
+        raise ConfigurationError("--on: expected no --learn, where missions learn in turn")
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
     machine = Machine(workers or usable_cpus(), force, on)
     robustness = load_robustness(experiment, directories) if family is None else None

@@ -75,6 +75,8 @@ def score_command(
         request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()), machine)
         evaluations = scored_missions(request)
         if not evaluations:
+            if share is not None or on is not None:
+                raise ConfigurationError(f"--share and --on: expected missions, got the scene of {name}, one batch")
             score_scene(request, execution.console)
         for evaluation in evaluations:
             code = pipeline.evaluate(evaluation, execution)

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.siblings import call
 from selector.documents.plain import short
 from train.cluster.bits import WorkerBits, own_bits
 from train.running.engine import Round, WorkerLost
@@ -78,7 +77,12 @@ class DaskEngine:
     def _round(self, client: Any, tasks: Sequence[Work]) -> Iterator[RunRecord]:  # noqa: ANN401  (no types)
         from distributed import as_completed
 
-        work = partial(client.submit, call, __name__, "do_task", os.getcwd(), pure=False)
+        def remote(directory: str, pickled: bytes) -> Any:  # noqa: ANN401
+            from clean_swarm_env.siblings import call  # here: Dask ends a worker that cannot read a function
+
+            return call("train.cluster.dask_engine", "do_task", directory, pickled)
+
+        work = partial(client.submit, remote, os.getcwd(), pure=False)
         given = {work(pickle.dumps(task)): task for task in tasks}
         try:
             for future in as_completed(given):
@@ -94,6 +98,9 @@ class DaskEngine:
             cpus, runs = future.result()
         except KilledWorker as error:
             raise WorkerLost(task, int(error.allowed_failures) + 1) from error
+        except ModuleNotFoundError as error:
+            expected = "expected the environment of this command"
+            raise ConfigurationError(f"{self._place}: a worker lacks {error.name}; {expected}") from error
         except (CancelledError, OSError) as error:
             if future.status == "error":  # the task's own
                 raise

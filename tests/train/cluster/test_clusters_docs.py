@@ -5,6 +5,9 @@ import re
 import shlex
 import subprocess
 
+import pytest
+import yaml
+
 from tests.paths import ROOT
 from tests.train.commands import run
 
@@ -33,6 +36,20 @@ def test_shares_and_the_job_array_give_equal_results(monkeypatch, tmp_path, caps
     for name in ("summary.json", "table.md"):
         shared, array = (tmp_path / "results" / folder / name for folder in ("shared", "array"))
         assert shared.read_bytes() == array.read_bytes()
+
+
+def test_dask_knows_the_settings():
+    dask = pytest.importorskip("dask", reason="Dask is not installed (extra `cluster`)")
+    pytest.importorskip("distributed")
+    [text] = re.findall(r"```yaml\n(distributed:\n.*?)```", PAGE, flags=re.DOTALL)
+
+    def check(given: dict[str, object], known: dict[str, object]) -> None:
+        assert given.keys() <= known.keys()
+        for name, value in given.items():
+            if isinstance(value, dict):
+                check(value, known[name])
+
+    check(yaml.safe_load(text), dask.config.config)
 
 
 def test_warm_compiles_and_says_where(capsys):

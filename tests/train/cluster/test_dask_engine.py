@@ -88,6 +88,20 @@ def test_an_error_of_a_task_is_not_taken_for_one_of_the_scheduler(cluster):
         list(done([Refused()]))
 
 
+def test_a_cluster_without_the_project_is_one_line(cluster, tmp_path):
+    from distributed import Client
+
+    with Client(cluster.address) as client:
+        client.wait_for_workers(2)
+        for everywhere in (client.run, client.run_on_scheduler):
+            everywhere(lambda: sys.modules.update(clean_swarm_env=None))
+    done = evaluate(tmp_path, "--on", cluster.address, "--output", "none")
+    _, err = done.communicate(timeout=120)
+    assert done.returncode == 2
+    assert f"error: {cluster.address}: a worker lacks clean_swarm_env" in err
+    assert "Traceback" not in err
+
+
 def test_a_dead_scheduler_is_one_line(tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="Dask is not installed (extra `cluster`)")
     monkeypatch.setattr(dask_engine, "PATIENCE", 0.5)

@@ -115,6 +115,14 @@ def test_what_cannot_be_gathered_is_one_line(run, tmp_path):
             "--share: expected no --learn",
         ),
         (("score", "crowded", "--store", "s", "--share", "1/2"), "--share: expected --output"),
+        (
+            ("score", "ReachGoal", "--store", "s", "--output", "r", "--share", "1/2"),
+            "--share and --on: expected missions, got the scene of ReachGoal, one batch",
+        ),
+        (
+            ("evaluate", "--store", "s", "--learn", "--workers", 1, "--on", "tcp://127.0.0.1:1"),
+            "--on: expected no --learn, where missions learn in turn",
+        ),
         (("gather", "nothing"), "nothing/shares: expected shares of one number, got none"),
         (("script", "slurm", "train", "ppo", "--output", "r"), "script: expected evaluate or score, got train"),
         (("script", "slurm", "evaluate", "crowded"), "script: expected a command with --output"),
