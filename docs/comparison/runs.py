@@ -11,7 +11,7 @@ from docs.comparison.manifest import Compared, Configured, Learner, Manifest
 from selector.documents.find import load_file
 from selector.documents.reading import as_yaml, read_mapping
 from selector.knowledge import load_knowledge
-from train.evaluation.choosing.look_ahead import LookAheadRequest, look_ahead
+from train.evaluation.choosing.look_ahead import LookAheadRequest, looked_ahead
 from train.learning.config import TrainingConfig
 
 ROOT = Path(__file__).parents[2]
@@ -78,7 +78,7 @@ def _look_ahead(folder: Path, family: str, compared: Compared, goal: str) -> Non
     if file.exists():
         return
     request = LookAheadRequest(load_family(family), BASE, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, goal)
-    looked = look_ahead(request)
+    looked = looked_ahead(request)
     content = {"excess_s": [result.excess_s for result in looked.results], "taken": looked.taken}
     file.write_text(json.dumps(content), encoding="utf-8")
 

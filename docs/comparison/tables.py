@@ -54,6 +54,14 @@ class Results:
             tables["looking"] = self._looking()
         return tables
 
+    def summary(self) -> str:
+        """Return the claimed learner, the rule and chance beside the best fixed option of each family."""
+        rows = []
+        for label in (self._manifest.claimed, self._manifest.rule, RANDOM):
+            claims = self.claims(label)
+            rows.append([f"`{label}` / best fixed", *(_ratio(claims[name]) for name in self._manifest.families)])
+        return _markdown(["", *(f"`{name}`" for name in self._manifest.families)], rows, left=1)
+
     def broken(self) -> list[str]:
         """Return what does not hold of the main claims."""
         claimed = self._manifest.claimed

@@ -7,10 +7,10 @@ results/NAME holds already is kept. Tables of another manifest are printed. What
 import sys
 from pathlib import Path
 
-from docs.figures.update_readme import put
 from docs.comparison.manifest import Manifest
 from docs.comparison.runs import ROOT, make
 from docs.comparison.tables import Results
+from docs.figures.update_readme import README, put
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 
@@ -30,6 +30,7 @@ def main(arguments: list[str]) -> int:
         for name, table in results.tables().items():
             text = put(text, name, table)
         PAGE.write_text(text, encoding="utf-8")
+        README.write_text(put(README.read_text(encoding="utf-8"), "choosing", results.summary()), encoding="utf-8")
         results.draw_curves(CURVES)
     else:
         print("\n\n".join(results.tables().values()))

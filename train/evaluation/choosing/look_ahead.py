@@ -122,7 +122,7 @@ class Looked:
     """How often each option was taken."""
 
 
-def look_ahead(request: LookAheadRequest) -> Looked:
+def looked_ahead(request: LookAheadRequest) -> Looked:
     """Do the test scenarios by looking ahead."""
     results, taken = [], Counter[str]()
     for number, scenario in enumerate(_scenarios(request)):
@@ -134,7 +134,7 @@ def look_ahead(request: LookAheadRequest) -> Looked:
 
 def look_ahead_table(request: LookAheadRequest) -> Grid:
     """Do test scenarios by looking ahead, and by every option alone; return the table of their excess costs."""
-    looked, scenarios = look_ahead(request), _scenarios(request)
+    looked, scenarios = looked_ahead(request), _scenarios(request)
     excesses = {LOOKING: _excess(looked.results)}
     settings = TrialSettings(request.goal, directories=request.directories)
     for option in looked.options:
