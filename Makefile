@@ -8,7 +8,7 @@ UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/com
 	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
 	tests/clean_swarm_env/world/test_reception.py
 
-.PHONY: check lint test uncompiled golden examples soak bench
+.PHONY: check lint test uncompiled golden examples soak learning bench
 
 check: lint test  ## all that CI asks for
 
@@ -32,6 +32,9 @@ examples:  ## every example in an environment of its own, with its framework; FR
 
 soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
 	$(BIN)python -m tests.soak
+
+learning:  ## a small version of docs/choosing.md, some minutes; fails where its main claims do not hold
+	$(BIN)python -m docs.comparison.write_choosing docs/comparison/learning.yaml
 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise
 	status=0; for module in $(BENCHMARKS); do $(BIN)python -m $$module || status=1; done; exit $$status

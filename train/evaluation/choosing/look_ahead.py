@@ -110,17 +110,34 @@ class LookingTeam:
         return int(costs.reshape(count, self._copies).mean(axis=1).argmin())
 
 
+@dataclass(frozen=True)
+class Looked:
+    """What came of looking ahead on all scenarios."""
+
+    options: tuple[str, ...]
+    """(O,) names."""
+    results: tuple[MissionResult, ...]
+    """(T,)."""
+    taken: Counter[str]
+    """How often each option was taken."""
+
+
+def looked_ahead(request: LookAheadRequest) -> Looked:
+    """Do the test scenarios by looking ahead."""
+    results, taken = [], Counter[str]()
+    for number, scenario in enumerate(_scenarios(request)):
+        team = LookingTeam(request, scenario, number)
+        results.append(team.result())
+        taken += team.taken
+    return Looked(team.options, tuple(results), taken)
+
+
 def look_ahead_table(request: LookAheadRequest) -> Grid:
     """Do test scenarios by looking ahead, and by every option alone; return the table of their excess costs."""
-    scenarios = [request.family.scenario(request.seed, number, "test") for number in range(request.scenarios)]
-    looked, taken = [], Counter[str]()
-    for number, scenario in enumerate(scenarios):
-        team = LookingTeam(request, scenario, number)
-        looked.append(team.result())
-        taken += team.taken
-    excesses = {LOOKING: _excess(looked)}
+    looked, scenarios = looked_ahead(request), _scenarios(request)
+    excesses = {LOOKING: _excess(looked.results)}
     settings = TrialSettings(request.goal, directories=request.directories)
-    for option in team.options:
+    for option in looked.options:
         maker = partial(member_pilot, f"{FIXED}:{option}", directories=request.directories)
         excesses[f"{FIXED}:{option}"] = _excess(run_trials(scenarios, maker, settings))
     base, family = f"{FIXED}:{request.base}", request.family.name
@@ -129,8 +146,13 @@ def look_ahead_table(request: LookAheadRequest) -> Grid:
     rows = [(label, f"{own.mean():.1f}", ratios.get(label, "1")) for label, own in excesses.items()]
     title = f"{family}: look-ahead on {len(scenarios)} scenarios"
     grid = flat(title, "strategy", ("excess s", f"to {base} [95 %]"), rows)
-    shares = ", ".join(f"{option} {number / taken.total():.0%}" for option, number in taken.most_common())
+    total = looked.taken.total()
+    shares = ", ".join(f"{option} {number / total:.0%}" for option, number in looked.taken.most_common())
     return replace(grid, notes=(f"taken by the look-ahead: {shares}",))
+
+
+def _scenarios(request: LookAheadRequest) -> list[Scenario]:
+    return [request.family.scenario(request.seed, number, "test") for number in range(request.scenarios)]
 
 
 def _excess(results: Sequence[MissionResult]) -> Floats:

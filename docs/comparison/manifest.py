@@ -1,0 +1,59 @@
+"""Document model of a comparison: which learners are trained, and with what they are compared on which families."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from clean_swarm_env.config.types import Scenarios
+from selector.documents.fields import Closed, DocumentName, Flag, Name
+
+
+class Learner(Closed):
+    """Trainings that are alike but for their seeds."""
+
+    training: DocumentName
+    """Name of the training."""
+    seeds: Annotated[tuple[int, ...], Field(min_length=1)]
+    """Seeds of the training."""
+
+
+class Compared(Closed):
+    """A family on which all are compared."""
+
+    scenarios: Scenarios
+    """Number of test scenarios."""
+    control: Flag = False
+    """Whether nothing is to be gained there: the learner has to be no worse than the best fixed choice."""
+    looked_ahead: int = 0
+    """Number of the first test scenarios on which teams look ahead, too."""
+
+
+class Configured(Closed):
+    """The option that is configured, as `clean-swarm configure` does it."""
+
+    option: Name
+    family: Name
+    knowledge: Name
+    trials: int
+
+
+class Manifest(Closed):
+    """What is trained and compared."""
+
+    name: Name
+    """Directory of the results, below results/."""
+    goal: Name
+    """Goal that the strategies choose options for."""
+    learners: Annotated[dict[Name, Learner], Field(min_length=1)]
+    """Label -> trainings. The first is what is claimed."""
+    families: Annotated[dict[Name, Compared], Field(min_length=1)]
+    """Families."""
+    rule: str
+    """The rule by hand, as `--strategy` takes it."""
+    configured: Configured | None = None
+    """The option that is configured; none: no such comparison."""
+
+    @property
+    def claimed(self) -> str:
+        """Label of the learner that is claimed."""
+        return next(iter(self.learners))

@@ -1,0 +1,91 @@
+"""The trainings and evaluations of a comparison. What its directory holds already is kept."""
+
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+from clean_swarm_env.config.load import load_family
+from docs.comparison.manifest import Compared, Configured, Learner, Manifest
+from selector.documents.find import load_file
+from selector.documents.reading import as_yaml, read_mapping
+from selector.knowledge import load_knowledge
+from train.evaluation.choosing.look_ahead import LookAheadRequest, looked_ahead
+from train.learning.config import TrainingConfig
+
+ROOT = Path(__file__).parents[2]
+CONFIGURED, RANDOM = "fixed:Configured", "Random"
+CPU_TIMES = "cpu_s.json"
+COPIES, HOLD, HORIZON, BASE = 2, 30.0, 180.0, "NearFinds"
+"""How teams look ahead: copies for each option, seconds to hold one, seconds to look at, and what is held after it."""
+
+
+def make(manifest: Manifest, folder: Path) -> None:
+    """Do what is missing in the directory of the results."""
+    folder.mkdir(parents=True, exist_ok=True)
+    strategies = ["fixed", manifest.rule]
+    for label, learner in manifest.learners.items():
+        strategies.append(f"{label}={_trained(folder, label, learner)}")
+    words = [word for strategy in strategies for word in ("--strategy", strategy)]
+    if manifest.configured is not None:
+        words += ["--knowledge", _with_configured(folder, manifest.goal, manifest.configured)]
+    for family, compared in manifest.families.items():
+        asked = ("--goal", manifest.goal, *words, "--scenarios", compared.scenarios, "--seed", 1)
+        _run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
+        if compared.looked_ahead:
+            _look_ahead(folder, family, compared, manifest.goal)
+
+
+def looked_ahead_file(folder: Path, family: str) -> Path:
+    """Return the file with what looking ahead cost on a family."""
+    return folder / f"look-ahead-{family}.json"
+
+
+def _trained(folder: Path, label: str, learner: Learner) -> str:
+    """Do the trainings; return the strategy with all of them as members."""
+    kind = load_file("training", learner.training, TrainingConfig).learner
+    times = folder / CPU_TIMES
+    members = []
+    for seed in learner.seeds:
+        output = folder / f"{label}-{seed}"
+        new = not output.exists()
+        took = _run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
+        if new:
+            known = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
+            times.write_text(json.dumps({**known, output.name: took}, indent=2), encoding="utf-8")
+        members.append(output / ("machine.yaml" if kind == "design" else "policy"))
+    return ("fsm:" if kind == "design" else "policy:") + "+".join(map(str, members))
+
+
+def _with_configured(folder: Path, goal: str, configured: Configured) -> Path:
+    """Configure the option; return knowledge in which it stands beside all others."""
+    output, file = folder / "configured", folder / "knowledge.yaml"
+    asked = ("--family", configured.family, "--knowledge", configured.knowledge, "--trials", configured.trials)
+    _run("configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
+    (found,) = (output / "knowledge").glob("*.yaml")
+    option = read_mapping(found)["goals"][goal][0]
+    known = load_knowledge(configured.knowledge)
+    goals = {name: [one.model_dump() for one in known.options(name)] for name in known.goals}
+    goals[goal].append({**option, "name": CONFIGURED.partition(":")[2]})
+    file.write_text(as_yaml({"goals": goals}), encoding="utf-8")
+    return file
+
+
+def _look_ahead(folder: Path, family: str, compared: Compared, goal: str) -> None:
+    """Let teams look ahead, unless they did."""
+    file = looked_ahead_file(folder, family)
+    if file.exists():
+        return
+    request = LookAheadRequest(load_family(family), BASE, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, goal)
+    looked = looked_ahead(request)
+    content = {"excess_s": [result.excess_s for result in looked.results], "taken": looked.taken}
+    file.write_text(json.dumps(content), encoding="utf-8")
+
+
+def _run(*words: object) -> float:
+    """Run `clean-swarm` with `words`; return its CPU time [s]."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, "-c", "from train.cli import main; main()", *map(str, words)], cwd=ROOT, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

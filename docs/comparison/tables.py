@@ -1,0 +1,177 @@
+"""The tables of a comparison as Markdown, its learning curves, and what has to hold."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.stats import trim_mean
+
+from docs.comparison.manifest import Manifest
+from docs.comparison.runs import CONFIGURED, CPU_TIMES, RANDOM, looked_ahead_file
+from selforg.arrays import Floats
+from train.analysis.claims import Claim, claims_of
+from train.analysis.family_report import FamilyRuns, excesses_of
+from train.analysis.strategy_comparison import compare_strategies
+from train.evaluation.choosing.look_ahead import LOOKING
+from train.evaluation.claims import family_runs
+
+TOLERANCE = 1.02
+"""Largest ratio on a control."""
+
+
+class Results:
+    """The results of all families.
+
+    Args:
+        manifest: the comparison.
+        folder: directory of its results.
+
+    Attributes:
+        best: family -> label of the best fixed option of the library.
+
+    """
+
+    def __init__(self, manifest: Manifest, folder: Path) -> None:
+        self._manifest, self._folder = manifest, folder
+        self._runs: Mapping[str, FamilyRuns] = {name: family_runs(self._folder / name) for name in manifest.families}
+        self._excesses = {name: excesses_of(runs) for name, runs in self._runs.items()}
+        self.best = {
+            name: compare_strategies(own, [label for label in self._runs[name].fixed if label != CONFIGURED]).best_fixed
+            for name, own in self._excesses.items()
+        }
+
+    def claims(self, label: str, against: str = "") -> dict[str, Claim]:
+        """Return family -> claim about a strategy beside another one, or beside the best fixed option of each."""
+        others = {name: against or best for name, best in self.best.items()}
+        return {claim.family: claim for claim in claims_of(self._excesses, [label], others)}
+
+    def tables(self) -> dict[str, str]:
+        """Return name -> table."""
+        tables = {"main": self._main(), "statistics": self._statistics(), "learners": self._learners()}
+        if any(compared.looked_ahead for compared in self._manifest.families.values()):
+            tables["looking"] = self._looking()
+        return tables
+
+    def summary(self) -> str:
+        """Return the claimed learner, the rule and chance beside the best fixed option of each family."""
+        rows = []
+        for label in (self._manifest.claimed, self._manifest.rule, RANDOM):
+            claims = self.claims(label)
+            rows.append([f"`{label}` / best fixed", *(_ratio(claims[name]) for name in self._manifest.families)])
+        return _markdown(["", *(f"`{name}`" for name in self._manifest.families)], rows, left=1)
+
+    def broken(self) -> list[str]:
+        """Return what does not hold of the main claims."""
+        claimed = self._manifest.claimed
+        bounds = {name: TOLERANCE if one.control else 1.0 for name, one in self._manifest.families.items()}
+        return [
+            f"{name}: expected {claimed} below {bounds[name]:g} of {claim.against}, got {claim.ratio:.3f}"
+            for name, claim in self.claims(claimed).items()
+            if claim.ratio >= bounds[name]
+        ]
+
+    def draw_curves(self, file: Path) -> None:
+        """Draw what validation missions of the first family cost after so many missions of training."""
+        figure = Figure(figsize=(7.5, 4.2), layout="constrained")
+        axes, family = figure.add_subplot(), next(iter(self._manifest.families))
+        for number, (label, learner) in enumerate(self._manifest.learners.items()):
+            curves = [_curve(self._folder / f"{label}-{seed}" / "history.jsonl", family) for seed in learner.seeds]
+            for curve in curves:
+                axes.plot(*curve, color=f"C{number}", alpha=0.3, lw=0.9)
+            axes.plot(*np.mean(curves, axis=0), color=f"C{number}", marker="o", lw=2.0, label=f"{label}, mean")
+        axes.set(xlabel="missions of training", ylabel=f"cost of validation on {family} [s]")
+        axes.legend(frameon=False)
+        figure.savefig(file, dpi=110)
+
+    def _main(self) -> str:
+        """Return the claimed learner beside each baseline: a row for each family."""
+        claimed = self._manifest.claimed
+        beside = {"best fixed": "", "rule": self._manifest.rule, "`Random`": RANDOM}
+        if self._manifest.configured is not None:
+            beside = {"best fixed": "", "configured": CONFIGURED, **beside}
+        claims = {head: self.claims(claimed, other) for head, other in beside.items()}
+        heads = ["family", "scenarios", "best fixed", "its excess s", *(f"{claimed} / {head}" for head in claims)]
+        rows = []
+        for name, compared in self._manifest.families.items():
+            best = self.best[name]
+            own = [f"`{name}`" + (", a control" if compared.control else ""), str(compared.scenarios)]
+            own += [best.partition(":")[2], f"{self._excesses[name][best].mean():.1f}"]
+            rows.append([*own, *(_ratio(by_family[name]) for by_family in claims.values())])
+        return _markdown(heads, rows, left=1)
+
+    def _learners(self) -> str:
+        """Return all learners beside the best fixed option of each family."""
+        labels = [*self._manifest.learners, self._manifest.rule, RANDOM]
+        claims = {label: self.claims(label) for label in labels}
+        times = self._folder / CPU_TIMES
+        cpu = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
+        rows = []
+        for label in labels:
+            learner = self._manifest.learners.get(label)
+            seeds = learner.seeds if learner is not None else ()
+            took = [cpu[name] for seed in seeds if (name := f"{label}-{seed}") in cpu]
+            row = [f"`{label}`", str(len(seeds) or ""), f"{np.mean(took) / 60:.1f}" if took else ""]
+            for name in self._manifest.families:
+                each = self._excesses[name][label].mean(axis=(1, 2)) / self._excesses[name][self.best[name]].mean()
+                spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
+                row.append(_ratio(claims[label][name]) + spread)
+            rows.append(row)
+        return _markdown(["", "trainings", "CPU min each", *(f"`{name}`" for name in self._manifest.families)], rows, 1)
+
+    def _statistics(self) -> str:
+        """Return interquartile means of the excess, and how often the claimed learner is better."""
+        labels = [self._manifest.claimed, self._manifest.rule, RANDOM]
+        rows = []
+        for name, own in self._excesses.items():
+            best = own[self.best[name]].ravel()
+            middles = [f"{trim_mean(own[label].ravel(), 0.25):.1f}" for label in labels]
+            claimed = own[self._manifest.claimed].reshape(-1, len(best))
+            better = np.mean((claimed < best) + 0.5 * (claimed == best))
+            rows.append([f"`{name}`", f"{trim_mean(best, 0.25):.1f}", *middles, f"{better:.0%}"])
+        heads = ["family", "best fixed", *(f"`{label}`" for label in labels), f"{self._manifest.claimed} is better"]
+        return _markdown(heads, rows, left=1)
+
+    def _looking(self) -> str:
+        """Return how far the claimed learner comes on the way from the best fixed option to looking ahead."""
+        rows = []
+        for name, compared in self._manifest.families.items():
+            if not compared.looked_ahead:
+                continue
+            content = json.loads(looked_ahead_file(self._folder, name).read_text(encoding="utf-8"))
+            own = {label: values[:, : compared.looked_ahead] for label, values in self._excesses[name].items()}
+            own[LOOKING] = np.array(content["excess_s"])[None, :, None]
+            claim, *_ = claims_of({name: own}, [LOOKING], {name: self.best[name]})
+            best, claimed, looked = (own[label].mean() for label in (self.best[name], self._manifest.claimed, LOOKING))
+            share = f"{(best - claimed) / (best - looked):.0%}" if claim.ci95[1] < 1.0 else "no gap is shown"
+            taken = ", ".join(_shares(content["taken"]))
+            rows.append([f"`{name}`", f"{best:.1f}", f"{claimed:.1f}", f"{looked:.1f}", _ratio(claim), share, taken])
+        heads = ["family", "best fixed, excess s", self._manifest.claimed, LOOKING, "to best fixed", "share of the way"]
+        return _markdown([*heads, "it takes"], rows, left=1)
+
+
+def _curve(history: Path, family: str) -> Floats:
+    """Return missions and costs (2, checkpoints)."""
+    lines = [json.loads(line) for line in history.read_text(encoding="utf-8").splitlines()]
+    missions = np.cumsum([line["missions"] for line in lines])
+    key = f"{family}/cost_s"
+    return np.array([(done, line[key]) for done, line in zip(missions, lines, strict=True) if key in line]).T
+
+
+def _ratio(claim: Claim) -> str:
+    """Return a ratio with its interval, bold where that excludes 1 for the better."""
+    low, high = claim.corrected
+    return (f"**{claim.ratio:.3f}**" if high < 1.0 else f"{claim.ratio:.3f}") + f" [{low:.3f}, {high:.3f}]"
+
+
+def _shares(taken: Mapping[str, int]) -> Iterator[str]:
+    """Yield the options taken most often with their shares."""
+    for option, number in sorted(taken.items(), key=lambda one: -one[1])[:3]:
+        yield f"{option} {number / sum(taken.values()):.0%}"
+
+
+def _markdown(heads: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
+    """Return a table of which the first `left` columns are flush left."""
+    bars = ["---"] * left + ["---:"] * (len(heads) - left)
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (heads, bars, *rows))

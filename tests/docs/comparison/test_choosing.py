@@ -1,0 +1,55 @@
+"""The command behind docs/choosing.md: what is there is kept, tables say what runs say, and a lost claim is noticed."""
+
+import json
+
+import pytest
+
+from clean_swarm_env.config.load import load_family
+from docs.comparison import runs, write_choosing
+from docs.comparison.manifest import Manifest
+from docs.comparison.tables import Results
+from selector.documents.find import load_file
+from selector.documents.reading import read_mapping
+from tests.train.learning.trainings import written
+from train.learning.config import TrainingConfig
+
+
+def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path, monkeypatch):
+    training = written(tmp_path, "es", validation={"scenarios": 1})
+    manifest = Manifest(
+        name="tried",
+        goal="AvoidCollision",
+        learners={"ES": {"training": str(training), "seeds": (1, 2)}},
+        families={"random": {"scenarios": 2}},
+        rule="MaxScore",
+    )
+    folder = tmp_path / "results"
+    runs.make(manifest, folder)
+    results = Results(manifest, folder)
+    tables = results.tables()
+    assert list(tables) == ["main", "statistics", "learners"]
+    means = json.loads((folder / "random" / "summary.json").read_text())["strategies"]
+    best, own = means[results.best["random"]]["excess_s"]["mean"], means["ES"]["excess_s"]["mean"]
+    assert f"| {best:.1f} |" in tables["main"]
+    assert f"{own / best:.3f}" in tables["main"]
+    assert f"{own / best:.3f}" in tables["learners"]
+    wrong = results.broken()
+    assert bool(wrong) == (own >= best), wrong
+    results.draw_curves(tmp_path / "curves.png")
+    assert (tmp_path / "curves.png").stat().st_size > 10_000
+
+    before = {file: file.read_bytes() for file in folder.glob("*/runs.csv")}
+    times = (folder / runs.CPU_TIMES).read_bytes()
+    runs.make(manifest, folder)
+    assert {file: file.read_bytes() for file in folder.glob("*/runs.csv")} == before
+    assert (folder / runs.CPU_TIMES).read_bytes() == times
+
+
+@pytest.mark.parametrize("file", [write_choosing.OWN, write_choosing.OWN.with_name("learning.yaml")])
+def test_manifests_that_ship_name_what_there_is(file):
+    manifest = Manifest(**read_mapping(file))
+    for learner in manifest.learners.values():
+        config = load_file("training", learner.training, TrainingConfig)
+        assert config.goal in (manifest.goal, None)
+    for family in manifest.families:
+        load_family(family)
