@@ -17,8 +17,8 @@ from benchmarks.shared.record import record
 from docs.figures.draw_replay import played
 
 SPEED = 5.0
-FRAMES = 1000
-"""Frames whose lag is measured; the page keeps as many."""
+FRAMES = 300
+"""Frames whose lag is measured."""
 
 
 def main() -> None:
@@ -26,7 +26,7 @@ def main() -> None:
     with TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         with played(browser, Path(folder) / "live.swarm", SPEED) as page:
-            page.wait_for_function(f"() => replay.page.lags.length === {FRAMES}", timeout=300_000)
+            page.wait_for_function(f"() => replay.page.lags.length >= {FRAMES}", timeout=300_000)
             lags = page.evaluate("replay.page.lags")
         browser.close()
     figures = {f"{share} % [ms]": float(np.percentile(lags, share)) for share in (50, 95, 99)}

@@ -2,54 +2,69 @@
 
     python -m benchmarks.recordings.recording
 
-One process, CPU time, by turns, three seconds and more each. Twenty robots: one mission of an hour in which garbage
-keeps coming, and thirty missions of the family `crowded` in one batch, ten minutes each, as `evaluate` runs them. A
-thousand robots for two minutes. Sizes are for ten minutes.
+One process, CPU time, some seconds each. Twenty robots: one mission of an hour in which garbage keeps coming, and ten
+missions of the family `crowded` in one batch, ten minutes each, as `evaluate` runs them. A thousand robots for two
+minutes. Single missions take turns after each block of control periods, so that a busy machine slows all alike. Sizes
+are for ten minutes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-from benchmarks.shared.measuring import by_turns, middle, ratio
+from benchmarks.shared.measuring import by_turns
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.mission_recording import record_mission
-from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.mission import MissionRun, run_mission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
+from clean_swarm_env.world.mission import Course, MissionRun
 from selector.strategies.registry import StrategySpec
 from train.evaluation.trial_task import TrialTask
 
 OPTION = "RepulsionGradient-from0.25"
 MANY = 1000
 MANY_MINUTES, LONG_MINUTES = 2, 60
-TOGETHER = 30
+TOGETHER = 10
+BLOCK = 100
+"""Control periods from turn to turn."""
 REPEATS = 7
 MODES = ("without", "recorded", "with minds")
 
 
-def alone(scenario: Scenario, mode: str, folder: Path) -> Callable[[], float]:
-    """Return a contestant that gives the CPU seconds of one mission."""
-    known = scenario.mission.knowledge == "avoidance"
-    strategy = StrategySpec(name="Fixed", parameters={"option": OPTION}) if known else StrategySpec(name="MaxScore")
-    run = MissionRun(scenario.mission, scenario.start, scenario.seed, {}, strategy)
-    settings = RecordSettings(folder, minds=mode == MODES[2], name=f"{run.mission.robots.count} {mode}")
+class Going:
+    """A mission that goes on block by block, recorded or not."""
 
-    def spent() -> float:
+    def __init__(self, scenario: Scenario, mode: str, folder: Path) -> None:
+        known = scenario.mission.knowledge == "avoidance"
+        strategy = StrategySpec(name="Fixed", parameters={"option": OPTION}) if known else StrategySpec(name="MaxScore")
+        minds, name = mode == MODES[2], f"{scenario.mission.robots.count} {mode}"
+        run = MissionRun(scenario.mission, scenario.start, scenario.seed, {}, strategy)
+        self.course, self.recorder = Course(run, explained=minds), None
+        if mode != MODES[0]:
+            settings = RecordSettings(folder, minds=minds, name=name, thinking=True)
+            self.recorder = MissionRecorder(self.course.worlds, settings)
+            self.recorder.begin(0, {"scenario": name})
+
+    def block(self) -> float:
+        """Run a block of control periods; return the CPU seconds."""
         begin = process_time()
-        if mode == MODES[0]:
-            run_mission(run.mission, run.start, run.seed, run.scores, run.strategy)
-        else:
-            record_mission(run, settings, {})
+        for _ in range(BLOCK):
+            self.course.tick()
+            if self.recorder is not None:
+                self.recorder.take()
         return process_time() - begin
 
-    return spent
+
+def by_blocks(scenario: Scenario, modes: Sequence[str], folder: Path) -> dict[str, list[float]]:
+    """Return the CPU seconds of each block of a mission in some modes, which take turns; the first one is left out."""
+    going = {mode: Going(scenario, mode, folder) for mode in modes}
+    blocks = round(scenario.mission.time_limit * scenario.mission.world.control_rate) // BLOCK
+    return by_turns({mode: one.block for mode, one in going.items()}, blocks - 1)
 
 
 def together(mode: str, folder: Path) -> Callable[[], float]:
@@ -86,15 +101,15 @@ def main() -> None:
     with TemporaryDirectory() as name:
         folder = Path(name)
         contests = {
-            "one mission of 20 robots": {mode: alone(long(), mode, folder) for mode in MODES},
-            f"{TOGETHER} missions of 20 robots": {mode: together(mode, folder) for mode in MODES},
-            f"{MANY} robots": {mode: alone(many(), mode, folder) for mode in MODES[:2]},
+            "one mission of 20 robots": by_blocks(long(), MODES, folder),
+            f"{TOGETHER} missions of 20 robots": by_turns({mode: together(mode, folder) for mode in MODES}, REPEATS),
+            f"{MANY} robots": by_blocks(many(), MODES[:2], folder),
         }
-        for title, contestants in contests.items():
-            repeats = by_turns(contestants, REPEATS)
-            figures[title] = {"seconds without": middle(repeats[MODES[0]])}
-            for mode in list(contestants)[1:]:
-                figures[title][f"more CPU, {mode}"] = ratio(repeats[mode], repeats[MODES[0]]).value - 1.0
+        for title, spent in contests.items():
+            plain = sum(spent[MODES[0]])
+            figures[title] = {"seconds without": plain}
+            for mode in list(spent)[1:]:
+                figures[title][f"more CPU, {mode}"] = sum(spent[mode]) / plain - 1.0
         size = {path.stem: path.stat().st_size / 1e6 for path in folder.glob("*.swarm")}
         figures["one mission of 20 robots"]["MB with minds"] = size["20 with minds"] * 10.0 / LONG_MINUTES
         figures[f"{MANY} robots"]["MB"] = size[f"{MANY} recorded"] * 10.0 / MANY_MINUTES

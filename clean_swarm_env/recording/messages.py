@@ -33,6 +33,8 @@ class DepositLog:
         self.deposits: Ints = np.zeros(rows, dtype=np.int64)
         self._bits: dict[tuple[str, bytes, int, int], int] = {}
         self.kinds: list[dict[str, Any]] = []
+        self._message: Floats = np.zeros(0)  # the latest, and its bit
+        self._bit = 0
         self._buffers = buffers
         for name, buffer in buffers.items():
             buffer.on_deposit = partial(self._note, name)
@@ -47,7 +49,9 @@ class DepositLog:
             buffer.on_deposit = None
 
     def _note(self, name: str, rows: Ints, message: Floats, tag: Ints) -> None:
-        mark_rows(self.deposits, rows, self._bit_of(name, message, tag))
+        if message is not self._message:  # a mechanism that leaves gradients has one message for all of them
+            self._message, self._bit = message, self._bit_of(name, message, tag)
+        mark_rows(self.deposits, rows, self._bit)
 
     def _bit_of(self, name: str, message: Floats, tag: Ints) -> int:
         """Return the bit of a kind of deposits, a new one for a new kind."""

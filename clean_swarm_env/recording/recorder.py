@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from operator import eq
 from pathlib import Path
 from typing import Any, NoReturn, SupportsIndex
 
@@ -18,7 +17,7 @@ from clean_swarm_env.recording.channels import MILLI, Channel
 from clean_swarm_env.recording.file import SUFFIX, RecordingFile, part_of
 from clean_swarm_env.recording.messages import MessageLog
 from clean_swarm_env.recording.sampled import Thinking, floor_arrays, mind_arrays, networks_of, points
-from clean_swarm_env.recording.stepping import copy_poses
+from clean_swarm_env.recording.stepping import DONE, JOINED, copy_poses, look_at_worlds
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import tick_limit
@@ -76,6 +75,7 @@ class MissionRecorder:
         self._names: set[str] = set()
         self._ticks = 0
         self._ends: dict[int, int] = {}  # value of `_ticks` at which the time of each mission is over
+        self._soonest = 0  # the least of them
         self._messages = MessageLog(worlds)
         self._opinions: dict[str, Floats] = {}
         self._poses: Floats = np.zeros((worlds.rows, 3))
@@ -85,7 +85,7 @@ class MissionRecorder:
         sampled += mind_arrays(worlds.robots, minds) if settings.minds else []
         self.frames = WaitingFrames(sampled, worlds.worlds)
         self._begun = False  # whether a mission has begun since the last frame
-        self._joined = worlds.team.joined.tobytes()
+        self._joined = worlds.team.joined.copy()
         self._networks = networks_of(minds) if settings.minds else {}
         self._by_hand: list[dict[str, Any]] = []  # what was done by hand and is not in the file yet
 
@@ -118,7 +118,8 @@ class MissionRecorder:
         self._running[world] = _Running(RecordingFile(path, facts, self.frames.channels), 0)
         self.frames.begin(world)
         self._ends[world], self._begun = self._ticks + tick_limit(mission), True
-        self._joined = worlds.team.joined.tobytes()
+        self._soonest = min(self._ends.values())
+        self._joined = worlds.team.joined.copy()
         self._messages.begin()
         self._note_poses()
         return path
@@ -137,15 +138,16 @@ class MissionRecorder:
         if not self._running:
             return
         worlds = self.worlds
-        if worlds.team.joined.tobytes() != self._joined:
+        garbage = worlds.garbage
+        found = look_at_worlds(worlds.team.joined, self._joined, garbage.done, garbage.arrived)
+        if found & JOINED:
             self._note_joined()
         self.frames.take(None if self._begun else [coordinator.used for coordinator in worlds.coordinators])
         self._begun = False
         self._messages.begin()
         self._note_poses()
         self._ticks += 1
-        garbage = worlds.garbage  # lists of both counts cost a tenth of `cleaned`, and hardly ever have an equal pair
-        if self._ticks >= min(self._ends.values()) or any(map(eq, garbage.done.tolist(), garbage.arrived.tolist())):
+        if found & DONE or self._ticks >= self._soonest:
             cleaned = worlds.cleaned
             for world in [w for w in self._running if cleaned[w] or self._ticks >= self._ends[w]]:
                 self._end(world, asdict(result_of(worlds, world)))
@@ -189,13 +191,12 @@ class MissionRecorder:
     def _note_joined(self) -> None:
         """Put robots that joined in this tick where they joined: their poses have been spread there."""
         worlds = self.worlds
-        before = np.frombuffer(self._joined, dtype=np.int64)
-        for world in np.flatnonzero(worlds.team.joined != before).tolist():
-            rows = worlds.rows_of(world)[before[world] : worlds.team.joined[world]]
+        for world in np.flatnonzero(worlds.team.joined != self._joined).tolist():
+            rows = worlds.rows_of(world)[self._joined[world] : worlds.team.joined[world]]
             own = worlds.minds.poses.own[rows, 0]
             self._poses[rows, :2] = own[:, [c.X, c.Y]]
             self._poses[rows, 2] = directions(own[:, c.POSE_HEADING : c.POSE_HEADING + 2])
-        self._joined = worlds.team.joined.tobytes()
+        self._joined = worlds.team.joined.copy()
 
     def _path(self, about: Mapping[str, Any]) -> Path:
         words = (str(about[name]) for name in ("scenario", "condition") if about.get(name))
@@ -211,6 +212,7 @@ class MissionRecorder:
         if world in self._running:
             self._write(world)
             del self._ends[world]
+            self._soonest = min(self._ends.values(), default=0)
             self._running.pop(world).file.close(result)
 
     def _write_all(self) -> None:
