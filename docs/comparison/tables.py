@@ -10,7 +10,6 @@ from scipy.stats import trim_mean
 
 from docs.comparison.manifest import Manifest
 from docs.comparison.runs import CONFIGURED, CPU_TIMES, RANDOM, looked_ahead_file
-from selforg.arrays import Floats
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import FamilyRuns, excesses_of
 from train.analysis.strategy_comparison import compare_strategies
@@ -73,17 +72,27 @@ class Results:
         ]
 
     def draw_curves(self, file: Path) -> None:
-        """Draw what validation missions of the first family cost after so many missions of training."""
+        """Draw what validation missions of the first family cost after so much CPU time, up to twice the lowest."""
         figure = Figure(figsize=(7.5, 4.2), layout="constrained")
-        axes, family = figure.add_subplot(), next(iter(self._manifest.families))
+        axes, family, lowest = figure.add_subplot(), next(iter(self._manifest.families)), np.inf
         for number, (label, learner) in enumerate(self._manifest.learners.items()):
-            curves = [_curve(self._folder / f"{label}-{seed}" / "history.jsonl", family) for seed in learner.seeds]
-            for curve in curves:
-                axes.plot(*curve, color=f"C{number}", alpha=0.3, lw=0.9)
-            axes.plot(*np.mean(curves, axis=0), color=f"C{number}", marker="o", lw=2.0, label=f"{label}, mean")
-        axes.set(xlabel="missions of training", ylabel=f"cost of validation on {family} [s]")
+            files = [self._folder / f"{label}-{seed}" / "history.jsonl" for seed in learner.seeds]
+            curves = np.array([_curve(file, family) for file in files])
+            took = self._cpu_minutes(label) / curves.shape[1] * np.arange(1, curves.shape[1] + 1)
+            axes.plot(took, curves.T, color=f"C{number}", alpha=0.3, lw=0.9)
+            axes.plot(took, curves.mean(axis=0), color=f"C{number}", marker="o", lw=2.0, label=f"{label}, mean")
+            lowest = min(lowest, curves.min())
+        axes.set(
+            xlabel="CPU minutes of training", ylabel=f"cost of validation on {family} [s]", ylim=(0.0, 2.0 * lowest)
+        )
         axes.legend(frameon=False)
         figure.savefig(file, dpi=110)
+
+    def _cpu_minutes(self, label: str) -> float:
+        """Return the mean CPU time of the trainings of a learner [min]; not a number if none was measured."""
+        times = json.loads((self._folder / CPU_TIMES).read_text(encoding="utf-8"))
+        names = [f"{label}-{seed}" for seed in self._manifest.learners[label].seeds]
+        return float(np.mean([times[name] for name in names if name in times])) / 60.0
 
     def _main(self) -> str:
         """Return the claimed learner beside each baseline: a row for each family."""
@@ -105,14 +114,13 @@ class Results:
         """Return all learners beside the best fixed option of each family."""
         labels = [*self._manifest.learners, self._manifest.rule, RANDOM]
         claims = {label: self.claims(label) for label in labels}
-        times = self._folder / CPU_TIMES
-        cpu = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
         rows = []
         for label in labels:
             learner = self._manifest.learners.get(label)
-            seeds = learner.seeds if learner is not None else ()
-            took = [cpu[name] for seed in seeds if (name := f"{label}-{seed}") in cpu]
-            row = [f"`{label}`", str(len(seeds) or ""), f"{np.mean(took) / 60:.1f}" if took else ""]
+            row = [
+                f"`{label}`",
+                *((str(len(learner.seeds)), f"{self._cpu_minutes(label):.1f}") if learner else ("", "")),
+            ]
             for name in self._manifest.families:
                 each = self._excesses[name][label].mean(axis=(1, 2)) / self._excesses[name][self.best[name]].mean()
                 spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
@@ -151,12 +159,10 @@ class Results:
         return _markdown([*heads, "it takes"], rows, left=1)
 
 
-def _curve(history: Path, family: str) -> Floats:
-    """Return missions and costs (2, checkpoints)."""
+def _curve(history: Path, family: str) -> list[float]:
+    """Return the costs of validation at the checkpoints that have them."""
     lines = [json.loads(line) for line in history.read_text(encoding="utf-8").splitlines()]
-    missions = np.cumsum([line["missions"] for line in lines])
-    key = f"{family}/cost_s"
-    return np.array([(done, line[key]) for done, line in zip(missions, lines, strict=True) if key in line]).T
+    return [line[key] for line in lines if (key := f"{family}/cost_s") in line]
 
 
 def _ratio(claim: Claim) -> str:

@@ -25,16 +25,17 @@ def main(arguments: list[str]) -> int:
     folder = ROOT / "results" / manifest.name
     make(manifest, folder)
     results = Results(manifest, folder)
+    wrong = results.broken()
     if given == OWN:
         text = PAGE.read_text(encoding="utf-8")
         for name, table in results.tables().items():
             text = put(text, name, table)
+        text = put(text, "broken", "\n".join(f"- {line}." for line in wrong) or "Nothing.")
         PAGE.write_text(text, encoding="utf-8")
         README.write_text(put(README.read_text(encoding="utf-8"), "choosing", results.summary()), encoding="utf-8")
         results.draw_curves(CURVES)
     else:
         print("\n\n".join(results.tables().values()))
-    wrong = results.broken()
     for line in wrong:
         print(line)
     return 1 if wrong else 0
