@@ -6,15 +6,13 @@
 real time, in a headless Chromium with software rendering on the same machine. Needs Chromium and Playwright.
 """
 
-import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from playwright.sync_api import sync_playwright
 
 from benchmarks.shared.record import record
-from docs.figures.draw_replay import played
+from docs.figures.draw_replay import chromium, played
 
 SPEED = 5.0
 FRAMES = 300
@@ -23,12 +21,13 @@ FRAMES = 300
 
 def main() -> None:
     """Measure, print and keep the figures."""
-    with TemporaryDirectory() as folder, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        with played(browser, Path(folder) / "live.swarm", SPEED) as page:
-            page.wait_for_function(f"() => replay.page.lags.length >= {FRAMES}", timeout=300_000)
-            lags = page.evaluate("replay.page.lags")
-        browser.close()
+    with (
+        TemporaryDirectory() as folder,
+        chromium() as browser,
+        played(browser, Path(folder) / "live.swarm", SPEED) as page,
+    ):
+        page.wait_for_function(f"() => replay.page.lags.length >= {FRAMES}", timeout=300_000)
+        lags = page.evaluate("replay.page.lags")
     figures = {f"{share} % [ms]": float(np.percentile(lags, share)) for share in (50, 95, 99)}
     print({name: round(value, 1) for name, value in figures.items()})
     record("live page", {f"{FRAMES} frames of 20 robots": figures})

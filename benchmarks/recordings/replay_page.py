@@ -7,12 +7,11 @@ robots for a minute; and the longest mission of Table 1, with minds. Wall time, 
 Chromium and Playwright.
 """
 
-import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
@@ -22,7 +21,7 @@ from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionRun
-from docs.figures.draw_replay import opened
+from docs.figures.draw_replay import chromium, opened
 from docs.figures.draw_replay import record as record_pair
 from train.replay.page_file import write_page
 from train.running.runs import tasks_of
@@ -64,15 +63,13 @@ def measured(browser: Browser, recordings: list[RecordedMission], path: Path) ->
 
 def main() -> None:
     """Measure, print and keep the figures."""
-    with TemporaryDirectory() as name, sync_playwright() as playwright:
+    with TemporaryDirectory() as name, chromium() as browser:
         folder = Path(name)
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         figures = {
             "two runs of 20 robots": measured(browser, record_pair(folder), folder / "two.html"),
             f"{MANY} robots": measured(browser, many(folder), folder / "many.html"),
             "longest of Table 1": measured(browser, longest(folder), folder / "longest.html"),
         }
-        browser.close()
     for title, values in figures.items():
         print(title, {key: round(value, 2) for key, value in values.items()})
     record("replay page", figures)

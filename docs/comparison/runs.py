@@ -3,19 +3,22 @@
 import json
 import resource
 import subprocess
-import sys
 from pathlib import Path
 
 from clean_swarm_env.config.load import load_family
 from docs.comparison.manifest import Compared, Configured, Learner, Manifest
+from docs.figures.update_readme import CLEAN_SWARM, ROOT
 from selector.documents.find import load_file
 from selector.documents.reading import as_yaml, read_mapping
+from selector.documents.writing import write_whole
 from selector.knowledge import load_knowledge
 from train.evaluation.choosing.look_ahead import LookAheadRequest, looked_ahead
+from train.evaluation.entrants import FIXED, MACHINE, POLICY
 from train.learning.config import TrainingConfig
 
-ROOT = Path(__file__).parents[2]
-CONFIGURED, RANDOM = "fixed:Configured", "Random"
+OWN_NAME = "Configured"
+"""Name of the option that is configured."""
+CONFIGURED = f"{FIXED}:{OWN_NAME}"
 CPU_TIMES = "cpu_s.json"
 COPIES, HOLD, HORIZON, BASE = 2, 30.0, 180.0, "NearFinds"
 """How teams look ahead: copies for each option, seconds to hold one, seconds to look at, and what is held after it."""
@@ -45,6 +48,7 @@ def looked_ahead_file(folder: Path, family: str) -> Path:
 def _trained(folder: Path, label: str, learner: Learner) -> str:
     """Do the trainings; return the strategy with all of them as members."""
     kind = load_file("training", learner.training, TrainingConfig).learner
+    prefix, made = (MACHINE, "machine.yaml") if kind == "design" else (POLICY, "policy")
     times = folder / CPU_TIMES
     members = []
     for seed in learner.seeds:
@@ -53,9 +57,9 @@ def _trained(folder: Path, label: str, learner: Learner) -> str:
         took = _run("train", kind, "--config", learner.training, "--seed", seed, "--output", output, "--resume")
         if new:
             known = json.loads(times.read_text(encoding="utf-8")) if times.exists() else {}
-            times.write_text(json.dumps({**known, output.name: took}, indent=2), encoding="utf-8")
-        members.append(output / ("machine.yaml" if kind == "design" else "policy"))
-    return ("fsm:" if kind == "design" else "policy:") + "+".join(map(str, members))
+            write_whole(times, json.dumps({**known, output.name: took}, indent=2).encode())
+        members.append(str(output / made))
+    return f"{prefix}:{'+'.join(members)}"
 
 
 def _with_configured(folder: Path, goal: str, configured: Configured) -> Path:
@@ -67,8 +71,8 @@ def _with_configured(folder: Path, goal: str, configured: Configured) -> Path:
     option = read_mapping(found)["goals"][goal][0]
     known = load_knowledge(configured.knowledge)
     goals = {name: [one.model_dump() for one in known.options(name)] for name in known.goals}
-    goals[goal].append({**option, "name": CONFIGURED.partition(":")[2]})
-    file.write_text(as_yaml({"goals": goals}), encoding="utf-8")
+    goals[goal].append({**option, "name": OWN_NAME})
+    write_whole(file, as_yaml({"goals": goals}).encode())
     return file
 
 
@@ -80,12 +84,12 @@ def _look_ahead(folder: Path, family: str, compared: Compared, goal: str) -> Non
     request = LookAheadRequest(load_family(family), BASE, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, goal)
     looked = looked_ahead(request)
     content = {"excess_s": [result.excess_s for result in looked.results], "taken": looked.taken}
-    file.write_text(json.dumps(content), encoding="utf-8")
+    write_whole(file, json.dumps(content).encode())
 
 
 def _run(*words: object) -> float:
     """Run `clean-swarm` with `words`; return its CPU time [s]."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-c", "from train.cli import main; main()", *map(str, words)], cwd=ROOT, check=True)
+    subprocess.run([*CLEAN_SWARM, *map(str, words)], cwd=ROOT, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

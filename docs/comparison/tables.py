@@ -1,7 +1,7 @@
 """The tables of a comparison as Markdown, its learning curves, and what has to hold."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +9,14 @@ from matplotlib.figure import Figure
 from scipy.stats import trim_mean
 
 from docs.comparison.manifest import Manifest
-from docs.comparison.runs import CONFIGURED, CPU_TIMES, RANDOM, looked_ahead_file
+from docs.comparison.runs import CONFIGURED, CPU_TIMES, looked_ahead_file
 from train.analysis.claims import Claim, claims_of
-from train.analysis.family_report import FamilyRuns, excesses_of
-from train.analysis.strategy_comparison import compare_strategies
-from train.evaluation.choosing.look_ahead import LOOKING
+from train.analysis.family_report import excesses_of
+from train.analysis.strategy_comparison import best_fixed_of
+from train.evaluation.choosing.look_ahead import LOOKING, shares_of
 from train.evaluation.claims import family_runs
+from train.evaluation.entrants import RANDOM
+from train.reports.text_table import markdown_table
 
 TOLERANCE = 1.02
 """Largest ratio on a control."""
@@ -34,10 +36,10 @@ class Results:
 
     def __init__(self, manifest: Manifest, folder: Path) -> None:
         self._manifest, self._folder = manifest, folder
-        self._runs: Mapping[str, FamilyRuns] = {name: family_runs(self._folder / name) for name in manifest.families}
-        self._excesses = {name: excesses_of(runs) for name, runs in self._runs.items()}
+        runs = {name: family_runs(folder / name) for name in manifest.families}
+        self._excesses = {name: excesses_of(own) for name, own in runs.items()}
         self.best = {
-            name: compare_strategies(own, [label for label in self._runs[name].fixed if label != CONFIGURED]).best_fixed
+            name: best_fixed_of(own, [label for label in runs[name].fixed if label != CONFIGURED])
             for name, own in self._excesses.items()
         }
 
@@ -59,7 +61,7 @@ class Results:
         for label in (self._manifest.claimed, self._manifest.rule, RANDOM):
             claims = self.claims(label)
             rows.append([f"`{label}` / best fixed", *(_ratio(claims[name]) for name in self._manifest.families)])
-        return _markdown(["", *(f"`{name}`" for name in self._manifest.families)], rows, left=1)
+        return markdown_table(["", *(f"`{name}`" for name in self._manifest.families)], rows)
 
     def broken(self) -> list[str]:
         """Return what does not hold of the main claims."""
@@ -108,7 +110,7 @@ class Results:
             own = [f"`{name}`" + (", a control" if compared.control else ""), str(compared.scenarios)]
             own += [best.partition(":")[2], f"{self._excesses[name][best].mean():.1f}"]
             rows.append([*own, *(_ratio(by_family[name]) for by_family in claims.values())])
-        return _markdown(heads, rows, left=1)
+        return markdown_table(heads, rows)
 
     def _learners(self) -> str:
         """Return all learners beside the best fixed option of each family."""
@@ -126,7 +128,9 @@ class Results:
                 spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
                 row.append(_ratio(claims[label][name]) + spread)
             rows.append(row)
-        return _markdown(["", "trainings", "CPU min each", *(f"`{name}`" for name in self._manifest.families)], rows, 1)
+        return markdown_table(
+            ["", "trainings", "CPU min each", *(f"`{name}`" for name in self._manifest.families)], rows
+        )
 
     def _statistics(self) -> str:
         """Return interquartile means of the excess, and how often the claimed learner is better."""
@@ -139,7 +143,7 @@ class Results:
             better = np.mean((claimed < best) + 0.5 * (claimed == best))
             rows.append([f"`{name}`", f"{trim_mean(best, 0.25):.1f}", *middles, f"{better:.0%}"])
         heads = ["family", "best fixed", *(f"`{label}`" for label in labels), f"{self._manifest.claimed} is better"]
-        return _markdown(heads, rows, left=1)
+        return markdown_table(heads, rows)
 
     def _looking(self) -> str:
         """Return how far the claimed learner comes on the way from the best fixed option to looking ahead."""
@@ -153,10 +157,10 @@ class Results:
             claim, *_ = claims_of({name: own}, [LOOKING], {name: self.best[name]})
             best, claimed, looked = (own[label].mean() for label in (self.best[name], self._manifest.claimed, LOOKING))
             share = f"{(best - claimed) / (best - looked):.0%}" if claim.ci95[1] < 1.0 else "no gap is shown"
-            taken = ", ".join(_shares(content["taken"]))
+            taken = shares_of(Counter(content["taken"]), 3)
             rows.append([f"`{name}`", f"{best:.1f}", f"{claimed:.1f}", f"{looked:.1f}", _ratio(claim), share, taken])
         heads = ["family", "best fixed, excess s", self._manifest.claimed, LOOKING, "to best fixed", "share of the way"]
-        return _markdown([*heads, "it takes"], rows, left=1)
+        return markdown_table([*heads, "it takes"], rows)
 
 
 def _curve(history: Path, family: str) -> list[float]:
@@ -169,15 +173,3 @@ def _ratio(claim: Claim) -> str:
     """Return a ratio with its interval, bold where that excludes 1 for the better."""
     low, high = claim.corrected
     return (f"**{claim.ratio:.3f}**" if high < 1.0 else f"{claim.ratio:.3f}") + f" [{low:.3f}, {high:.3f}]"
-
-
-def _shares(taken: Mapping[str, int]) -> Iterator[str]:
-    """Yield the options taken most often with their shares."""
-    for option, number in sorted(taken.items(), key=lambda one: -one[1])[:3]:
-        yield f"{option} {number / sum(taken.values()):.0%}"
-
-
-def _markdown(heads: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
-    """Return a table of which the first `left` columns are flush left."""
-    bars = ["---"] * left + ["---:"] * (len(heads) - left)
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (heads, bars, *rows))

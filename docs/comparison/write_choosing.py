@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 from docs.comparison.manifest import Manifest
-from docs.comparison.runs import ROOT, make
+from docs.comparison.runs import make
 from docs.comparison.tables import Results
-from docs.figures.update_readme import README, put
+from docs.figures.update_readme import README, ROOT, put
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 

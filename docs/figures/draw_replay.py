@@ -70,6 +70,15 @@ def opened(browser: Browser, path: Path, link: str = "") -> Page:
 
 
 @contextmanager
+def chromium() -> Iterator[Browser]:
+    """Start a headless Chromium, that of the system; give it."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@contextmanager
 def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
     """Play the mission of `clean-swarm play` at a speed before a page, and record it; give the page."""
     session = chosen("crowded", 1, 0, None, ()).open(output, minds=True)
@@ -114,12 +123,11 @@ def write_report(folder: Path) -> Path:
 
 def main(folder: Path) -> None:
     """Write picture, animation and page."""
-    with TemporaryDirectory() as place, sync_playwright() as playwright:
+    with TemporaryDirectory() as place, chromium() as browser:
         recordings = record(Path(place))
         both = Path(place) / "both.html"
         write_page(recordings, both)
         write_page(recordings[1:], folder / "replay.html")
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         save(opened(browser, both, MOMENT), folder / "pictures" / "replay.png")
         with played(browser, Path(place) / "play.swarm", FAST) as live:
             live.wait_for_function(f"() => replay.page.run.frames * replay.page.period > {PLAYED}")
@@ -131,7 +139,6 @@ def main(folder: Path) -> None:
         first, *others = pictures(opened(browser, folder / "replay.html"), recordings[1].frames)
         animation = folder / "pictures" / "mission.webp"
         first.save(animation, save_all=True, append_images=others, duration=SHOWN, loop=0, quality=40, method=4)
-        browser.close()
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
+from docs.figures.update_readme import CLEAN_SWARM
 from selector.documents.reading import read_value
 from selector.knowledge import Knowledge, knowledge_from
 
@@ -35,8 +36,7 @@ ALONE = "evaluate --family rooms --configs my --strategy fixed --output alone --
 
 def command(directory: Path, words: str) -> None:
     """Run `clean-swarm` with these words in a directory."""
-    program = [sys.executable, "-c", "from train.cli import main; main()", *words.split()]
-    subprocess.run(program, cwd=directory, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([*CLEAN_SWARM, *words.split()], cwd=directory, check=True, stdout=subprocess.DEVNULL)
 
 
 def write_files(directory: Path) -> Knowledge:

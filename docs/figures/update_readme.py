@@ -16,6 +16,8 @@ ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 REFERENCE = ROOT.parent / "shared" / "table1" / "reference.json"
 SEED, SCENARIOS = 1, 100
+CLEAN_SWARM = (sys.executable, "-c", "from train.cli import main; main()")
+"""The command `clean-swarm` of this checkout."""
 FIGURES = {
     "duration_s": "duration [s]",
     "samples_per_s_at_0.5m": "samples/s at 0.5 m",
@@ -27,7 +29,7 @@ def evaluate(*words: str) -> tuple[str, dict[str, Any]]:
     """Run `clean-swarm evaluate` and return what it prints and its summary."""
     with tempfile.TemporaryDirectory() as directory:
         output = Path(directory) / "run"
-        command = [sys.executable, "-c", "from train.cli import main; main()", "evaluate", *words]
+        command = [*CLEAN_SWARM, "evaluate", *words]
         done = subprocess.run([*command, "--output", str(output)], cwd=ROOT, check=True, capture_output=True, text=True)
         summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
     printed = re.sub(r"results in .*", "", done.stdout)

@@ -15,7 +15,7 @@ Shapes: S training seeds, K scenarios, V world seeds of each, O fixed options, B
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,24 +98,29 @@ class Excesses:
         return resampled(samples, self.means, COMPARISON_RESAMPLES, paired=False) if scenarios > 1 else np.zeros((3, 0))
 
 
+def best_fixed_of(excesses: Mapping[str, Floats], fixed: Sequence[str]) -> str:
+    """Return the label of the lowest mean of excess costs (S, K, V) among `fixed`, the first of equals."""
+    return min(fixed, key=lambda label: float(excesses[label][0].mean()))
+
+
 def compare_strategies(excesses: Mapping[str, Floats], fixed: tuple[str, ...]) -> StrategyComparison:
     """Return the comparison of strategies by their excess costs (S, K, V).
 
     `fixed` names those that are one option each; at least one.
     """
     options = np.stack([excesses[label][0] for label in fixed])  # (O, K, V)
-    best = int(options.mean(axis=(1, 2)).argmin())
+    best = best_fixed_of(excesses, fixed)
     crossed = cross_fitted(options) if options.shape[2] > 1 else None
-    fixed_means = options[best].mean(axis=1)
+    fixed_means = excesses[best][0].mean(axis=1)
     oracle = fixed_means if crossed is None else crossed
     means = {label: own.mean(axis=2) for label, own in excesses.items()}
     means |= {} if crossed is None else {ORACLE: crossed[None]}
     drawn = Excesses(fixed_means[None], fixed_means, oracle).resampled()
     value = float((fixed_means - oracle).mean())
     gap = None if crossed is None else Estimate(value, interval(drawn[1] - drawn[2]))
-    found = StrategyComparison(fixed[best], gap, ())
+    found = StrategyComparison(best, gap, ())
     standings = (_standing(label, Excesses(own, fixed_means, oracle), found.has_gap) for label, own in means.items())
-    return StrategyComparison(fixed[best], gap, tuple(standings))
+    return StrategyComparison(best, gap, tuple(standings))
 
 
 def cross_fitted(options: Floats) -> Floats:

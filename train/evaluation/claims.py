@@ -11,7 +11,7 @@ from selector.documents.errors import validated
 from selforg.registry import unknown
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import FamilyRuns, excesses_of
-from train.analysis.strategy_comparison import compare_strategies
+from train.analysis.strategy_comparison import best_fixed_of
 from train.evaluation.entrants import Entrant
 from train.evaluation.repeat_trial import evaluation_seed
 from train.reports.text_table import Grid, flat
@@ -58,7 +58,7 @@ def claims_over(directories: Sequence[Path], strategies: Sequence[str], against:
         if not (against or runs.fixed):
             raise ConfigurationError(f"{directory}: expected fixed options, or --against")
         families[name] = excesses
-        others[name] = against or compare_strategies(excesses, runs.fixed).best_fixed
+        others[name] = against or best_fixed_of(excesses, runs.fixed)
     return claims_of(families, strategies, others)
 
 

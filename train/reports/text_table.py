@@ -51,9 +51,14 @@ def flat(title: str, corner: str, heads: Sequence[str], rows: Sequence[tuple[str
 def markdown(grid: Grid) -> str:
     """Return a grid as a Markdown table, with all columns but the first aligned to the right."""
     heads = [f"{group.title} {head}".strip() for group in grid.columns for head in group.heads]
-    lines = [f"## {grid.title}", "", _line([grid.corner, *heads]), f"|---|{'---:|' * len(heads)}"]
-    lines += [_line([row.label, *(cell for group in row.groups for cell in group)]) for row in grid.rows + grid.summary]
-    return "\n".join([*lines, *(f"\n{note}" for note in grid.notes)]) + "\n"
+    rows = [(row.label, *(cell for group in row.groups for cell in group)) for row in grid.rows + grid.summary]
+    table = markdown_table((grid.corner, *heads), rows)
+    return "\n".join([f"## {grid.title}", "", table, *(f"\n{note}" for note in grid.notes)]) + "\n"
+
+
+def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a Markdown table without a title, with all columns but the first aligned to the right."""
+    return "\n".join([_line(heads), f"|---|{'---:|' * (len(heads) - 1)}", *map(_line, rows)])
 
 
 def on_terminal(grid: Grid) -> RenderableType:

@@ -146,9 +146,12 @@ def look_ahead_table(request: LookAheadRequest) -> Grid:
     rows = [(label, f"{own.mean():.1f}", ratios.get(label, "1")) for label, own in excesses.items()]
     title = f"{family}: look-ahead on {len(scenarios)} scenarios"
     grid = flat(title, "strategy", ("excess s", f"to {base} [95 %]"), rows)
-    total = looked.taken.total()
-    shares = ", ".join(f"{option} {number / total:.0%}" for option, number in looked.taken.most_common())
-    return replace(grid, notes=(f"taken by the look-ahead: {shares}",))
+    return replace(grid, notes=(f"taken by the look-ahead: {shares_of(looked.taken)}",))
+
+
+def shares_of(taken: Counter[str], most: int | None = None) -> str:
+    """Return the options taken most often, all unless `most` is given, with their shares."""
+    return ", ".join(f"{option} {number / taken.total():.0%}" for option, number in taken.most_common(most))
 
 
 def _scenarios(request: LookAheadRequest) -> list[Scenario]:
