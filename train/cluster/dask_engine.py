@@ -7,6 +7,7 @@ import pickle
 import re
 import shutil
 import subprocess
+import sys
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -68,6 +69,8 @@ class DaskEngine:
         except (OSError, ValueError) as error:
             raise ConfigurationError(f"{self._place}: {' '.join(str(error).split())}") from error
         try:
+            if cluster is None and not client.scheduler_info()["workers"]:
+                print(f"{self._place}: no worker has come yet; waiting for the first", file=sys.stderr)
             yield partial(self._round, client)
         finally:
             client.close(timeout=1.0)

@@ -18,7 +18,7 @@ QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": su
 
 @dataclass
 class Cluster:
-    """A scheduler and two workers, each with its nanny."""
+    """A scheduler and its workers, each with its nanny."""
 
     address: str
     scheduler: subprocess.Popen[bytes]
@@ -34,7 +34,7 @@ def until(what: Callable[[], object]) -> None:
 
 
 @contextmanager
-def loopback_cluster(folder: Path) -> Iterator[Cluster]:
+def loopback_cluster(folder: Path, workers: int = 2) -> Iterator[Cluster]:
     """Yield a cluster that runs in a folder."""
     file = folder / "scheduler.json"
     words = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file))
@@ -49,5 +49,5 @@ def loopback_cluster(folder: Path) -> Iterator[Cluster]:
 
         scheduler = start("dask_scheduler", "--port", "0")
         until(lambda: file.exists() and file.read_text().endswith("}"))
-        nannies = [start("dask_worker", "--nthreads", "1") for _ in range(2)]
+        nannies = [start("dask_worker", "--nthreads", "1") for _ in range(workers)]
         yield Cluster(json.loads(file.read_text())["address"], scheduler, nannies)

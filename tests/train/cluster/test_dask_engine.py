@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
-from tests.train.cluster.loopback import ENVIRONMENT, QUIET, until
+from tests.train.cluster.loopback import ENVIRONMENT, QUIET, loopback_cluster, until
 from train.cluster import dask_engine
 from train.cluster.bits import WorkerBits
 from train.cluster.dask_engine import DaskEngine
@@ -100,6 +100,12 @@ def test_a_cluster_without_the_project_is_one_line(cluster, tmp_path):
     assert done.returncode == 2
     assert f"error: {cluster.address}: a worker lacks clean_swarm_env" in err
     assert "Traceback" not in err
+
+
+def test_who_waits_for_workers_is_told(tmp_path, capsys):
+    pytest.importorskip("distributed", reason="Dask is not installed (extra `cluster`)")
+    with loopback_cluster(tmp_path, workers=0) as alone, DaskEngine(alone.address, WorkerBits()).rounds():
+        assert capsys.readouterr().err == f"{alone.address}: no worker has come yet; waiting for the first\n"
 
 
 def test_a_dead_scheduler_is_one_line(tmp_path, monkeypatch):
