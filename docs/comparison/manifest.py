@@ -1,6 +1,6 @@
 """Document model of a comparison: which learners are trained, and with what they are compared on which families."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -33,8 +33,25 @@ class Configured(Closed):
 
     option: Name
     family: Name
-    knowledge: Name
     trials: int
+
+
+class Ablation(Closed):
+    """The claimed training with something else or less."""
+
+    changes: dict[Name, Any] = Field(default_factory=dict)
+    """Entries of the training -> what they are instead."""
+    without: Name | None = None
+    """Option that the library lacks."""
+
+
+class Ablations(Closed):
+    """What the claimed training is compared with."""
+
+    seeds: Annotated[tuple[int, ...], Field(min_length=1)]
+    """Seeds of each."""
+    of: dict[Name, Ablation]
+    """Label -> what differs."""
 
 
 class Manifest(Closed):
@@ -44,6 +61,8 @@ class Manifest(Closed):
     """Directory of the results, below results/."""
     goal: Name
     """Goal that the strategies choose options for."""
+    knowledge: DocumentName
+    """Name of the expert knowledge with the options."""
     learners: Annotated[dict[Name, Learner], Field(min_length=1)]
     """Label -> trainings. The first is what is claimed."""
     families: Annotated[dict[Name, Compared], Field(min_length=1)]
@@ -52,6 +71,8 @@ class Manifest(Closed):
     """The rule by hand, as `--strategy` takes it."""
     configured: Configured | None = None
     """The option that is configured; none: no such comparison."""
+    ablations: Ablations | None = None
+    """What the claimed training needs; none: no such comparison."""
 
     @property
     def claimed(self) -> str:

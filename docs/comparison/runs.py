@@ -3,10 +3,12 @@
 import json
 import resource
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from clean_swarm_env.config.load import load_family
-from docs.comparison.manifest import Compared, Configured, Learner, Manifest
+from docs.comparison.manifest import Ablations, Compared, Configured, Learner, Manifest
 from docs.figures.update_readme import CLEAN_SWARM, ROOT
 from selector.documents.find import load_file
 from selector.documents.reading import as_yaml, read_mapping
@@ -30,9 +32,12 @@ def make(manifest: Manifest, folder: Path) -> None:
     strategies = ["fixed", manifest.rule]
     for label, learner in manifest.learners.items():
         strategies.append(f"{label}={_trained(folder, label, learner)}")
+    if manifest.ablations is not None:
+        for label, learner in _ablated(folder, manifest, manifest.ablations).items():
+            strategies.append(f"{label}={_trained(folder, label, learner)}")
     words = [word for strategy in strategies for word in ("--strategy", strategy)]
     if manifest.configured is not None:
-        words += ["--knowledge", _with_configured(folder, manifest.goal, manifest.configured)]
+        words += ["--knowledge", _with_configured(folder, manifest, manifest.configured)]
     for family, compared in manifest.families.items():
         asked = ("--goal", manifest.goal, *words, "--scenarios", compared.scenarios, "--seed", 1)
         _run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
@@ -62,18 +67,44 @@ def _trained(folder: Path, label: str, learner: Learner) -> str:
     return f"{prefix}:{'+'.join(members)}"
 
 
-def _with_configured(folder: Path, goal: str, configured: Configured) -> Path:
+def _ablated(folder: Path, manifest: Manifest, ablations: Ablations) -> dict[str, Learner]:
+    """Write the trainings and the knowledge of what is left out or other; return label -> trainings."""
+    base = load_file("training", manifest.learners[manifest.claimed].training, TrainingConfig).model_dump(mode="json")
+    learners = {}
+    for label, ablation in ablations.of.items():
+        training = {**base, **ablation.changes}
+        if ablation.without is not None:
+            options = _options(manifest)
+            options[manifest.goal] = [one for one in options[manifest.goal] if one["name"] != ablation.without]
+            knowledge = _written(folder / f"{label}.knowledge.yaml", {"goals": options})
+            training["tasks"] = [{**task, "knowledge": str(knowledge)} for task in training["tasks"]]
+        given = {name: value for name, value in training.items() if value is not None}
+        learners[label] = Learner(training=str(_written(folder / f"{label}.yaml", given)), seeds=ablations.seeds)
+    return learners
+
+
+def _options(manifest: Manifest) -> dict[str, list[dict[str, Any]]]:
+    """Return goal -> options of the knowledge."""
+    known = load_knowledge(manifest.knowledge)
+    return {name: [one.model_dump(mode="json") for one in known.options(name)] for name in known.goals}
+
+
+def _written(file: Path, content: Mapping[str, Any]) -> Path:
+    """Write a YAML file; return it."""
+    write_whole(file, as_yaml(content).encode())
+    return file
+
+
+def _with_configured(folder: Path, manifest: Manifest, configured: Configured) -> Path:
     """Configure the option; return knowledge in which it stands beside all others."""
-    output, file = folder / "configured", folder / "knowledge.yaml"
-    asked = ("--family", configured.family, "--knowledge", configured.knowledge, "--trials", configured.trials)
+    output = folder / "configured"
+    asked = ("--family", configured.family, "--knowledge", manifest.knowledge, "--trials", configured.trials)
     _run("configure", configured.option, *asked, "--seed", 1, "--output", output, "--resume")
     (found,) = (output / "knowledge").glob("*.yaml")
-    option = read_mapping(found)["goals"][goal][0]
-    known = load_knowledge(configured.knowledge)
-    goals = {name: [one.model_dump() for one in known.options(name)] for name in known.goals}
-    goals[goal].append({**option, "name": OWN_NAME})
-    write_whole(file, as_yaml({"goals": goals}).encode())
-    return file
+    option = read_mapping(found)["goals"][manifest.goal][0]
+    options = _options(manifest)
+    options[manifest.goal].append({**option, "name": OWN_NAME})
+    return _written(folder / "knowledge.yaml", {"goals": options})
 
 
 def _look_ahead(folder: Path, family: str, compared: Compared, goal: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import trim_mean
 
-from docs.comparison.manifest import Manifest
+from docs.comparison.manifest import Ablations, Manifest
 from docs.comparison.runs import CONFIGURED, CPU_TIMES, looked_ahead_file
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import excesses_of
@@ -53,6 +53,8 @@ class Results:
         tables = {"main": self._main(), "statistics": self._statistics(), "learners": self._learners()}
         if any(compared.looked_ahead for compared in self._manifest.families.values()):
             tables["looking"] = self._looking()
+        if self._manifest.ablations is not None:
+            tables["ablations"] = self._ablated(self._manifest.ablations)
         return tables
 
     def summary(self) -> str:
@@ -131,6 +133,15 @@ class Results:
         return markdown_table(
             ["", "trainings", "CPU min each", *(f"`{name}`" for name in self._manifest.families)], rows
         )
+
+    def _ablated(self, ablations: Ablations) -> str:
+        """Return each ablation beside the claimed learner."""
+        claimed, families = self._manifest.claimed, self._manifest.families
+        rows = []
+        for label in ablations.of:
+            claims = self.claims(label, claimed)
+            rows.append([label, *(_ratio(claims[name]) for name in families)])
+        return markdown_table([f"beside {claimed}", *(f"`{name}`" for name in families)], rows)
 
     def _statistics(self) -> str:
         """Return interquartile means of the excess, and how often the claimed learner is better."""

@@ -19,20 +19,36 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
     manifest = Manifest(
         name="tried",
         goal="AvoidCollision",
+        knowledge="avoidance",
         learners={"ES": {"training": str(training), "seeds": (1, 2)}},
         families={"random": {"scenarios": 2}},
         rule="MaxScore",
+        ablations={
+            "seeds": (1,),
+            "of": {
+                "no crowd": {"changes": {"observation": {"terms": ["situation"]}}},
+                "never off": {"without": "Off"},
+            },
+        },
     )
     folder = tmp_path / "results"
     runs.make(manifest, folder)
     results = Results(manifest, folder)
     tables = results.tables()
-    assert list(tables) == ["main", "statistics", "learners"]
+    assert list(tables) == ["main", "statistics", "learners", "ablations"]
     means = json.loads((folder / "random" / "summary.json").read_text())["strategies"]
     best, own = means[results.best["random"]]["excess_s"]["mean"], means["ES"]["excess_s"]["mean"]
     assert f"| {best:.1f} |" in tables["main"]
     assert f"{own / best:.3f}" in tables["main"]
     assert f"{own / best:.3f}" in tables["learners"]
+    full, no_crowd, never_off = (
+        json.loads((folder / name / "policy" / "policy.json").read_text())
+        for name in ("ES-1", "no crowd-1", "never off-1")
+    )
+    assert set(full["observations"]) - set(no_crowd["observations"]) == {"crowd_1m", "crowd_1.5m", "crowd_2.5m"}
+    assert set(full["options"]) - set(never_off["options"]) == {"Off"}
+    for label in manifest.ablations.of:
+        assert f"{means[label]['excess_s']['mean'] / own:.3f}" in tables["ablations"]
     wrong = results.broken()
     assert bool(wrong) == (own >= best), wrong
     results.draw_curves(tmp_path / "curves.png")
