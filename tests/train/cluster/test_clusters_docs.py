@@ -46,7 +46,7 @@ def test_dask_knows_the_settings():
     def check(given: dict[str, object], known: dict[str, object]) -> None:
         assert given.keys() <= known.keys()
         for name, value in given.items():
-            if isinstance(value, dict):
+            if isinstance(value, dict) and name != "pre-spawn-environ":  # any variables
                 check(value, known[name])
 
     check(yaml.safe_load(text), dask.config.config)
