@@ -83,6 +83,7 @@ def evaluate_command(
     from clean_swarm_env.config.load import load_robustness
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.cluster.bits import WorkerBits
+    from train.cluster.chosen import chosen_engine
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.base import Evaluation
     from train.evaluation.entrants import never_taken, unlearned
@@ -132,7 +133,7 @@ def evaluate_command(
             error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     part, bits = RunShare.of_text(share) if share is not None else None, WorkerBits(mixed=any_bits)
-    engine = pipeline.chosen_engine(machine, bits)
+    engine = chosen_engine(machine, bits)
     execution = pipeline.Execution(engine, output, resume, wide_console(), recorded, part, bits)
     raise typer.Exit(pipeline.evaluate(evaluation, execution))
 

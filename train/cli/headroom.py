@@ -54,7 +54,7 @@ def headroom_command(
 
 def look_ahead_command(
     family: Family,
-    base: Annotated[str, typer.Option(help="Option that copies hold after the one that they try.")],
+    base: Annotated[str, typer.Option(help="What copies follow after an option: an option, or policy:NAME.")],
     scenarios: Annotated[int, typer.Option(help="Test scenarios.")] = 30,
     copies: Annotated[int, typer.Option(help="Copies of the world for each option.")] = 4,
     hold: Annotated[float, typer.Option(help="Seconds for which an option is held.")] = 5.0,

@@ -61,6 +61,7 @@ def score_command(
     if output is not None and len(names) > 1:
         raise ConfigurationError(f"--output: expected one name, got {len(names)}")
     from train.cluster.bits import WorkerBits
+    from train.cluster.chosen import chosen_engine
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import RunShare
     from train.evaluation.scoring import ScoreRequest, score_scene, scored_missions
@@ -69,7 +70,7 @@ def score_command(
 
     machine = Machine(workers or usable_cpus(), force, on)
     part, bits = RunShare.of_text(share) if share is not None else None, WorkerBits(mixed=any_bits)
-    engine = pipeline.chosen_engine(machine, bits)
+    engine = chosen_engine(machine, bits)
     execution = pipeline.Execution(engine, output, resume, wide_console(), share=part, bits=bits)
     for name in names:
         request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()), machine)

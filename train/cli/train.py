@@ -9,7 +9,19 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from train.cli.options import MOST_SEED, MOST_WORKERS, Configs, Force, Learn, RunStore, Seed, Workers, check_whole
+from train.cli.options import (
+    MOST_SEED,
+    MOST_WORKERS,
+    AnyBits,
+    Configs,
+    Force,
+    Learn,
+    OnPlace,
+    RunStore,
+    Seed,
+    Workers,
+    check_whole,
+)
 
 app = typer.Typer(no_args_is_help=True, help="Learn which mechanism serves where.")
 
@@ -34,13 +46,17 @@ def ppo(
 ) -> None:
     """Train a policy by PPO and export it."""
     check_whole({"--seed": (seed, 0, MOST_SEED)})
-    from train.learning.session import TrainingRequest, check_installed, run_training  # imports Numba
+    from train.learning.session import TrainingRequest, check_installed, run_training
+    from train.running.needs import Machine
 
     check_installed("ppo")
     from train.learning.ppo.training import PpoTraining  # imports torch
 
     directories = tuple(configs or ())
-    request = TrainingRequest("ppo", config, seed, output, resume, directories=directories, record=record, forced=force)
+    alone = Machine(forced=force)
+    request = TrainingRequest(
+        "ppo", config, seed, output, resume, directories=directories, record=record, machine=alone
+    )
     with _one_line():
         raise typer.Exit(run_training(request, PpoTraining, Console(highlight=False)))
 
@@ -62,9 +78,10 @@ def bandit(
     from train.knowledge_store import StoreRequest  # these import SQLAlchemy and Numba
     from train.learning.bandit import BanditTraining
     from train.learning.session import TrainingRequest, run_training
+    from train.running.needs import Machine
 
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
-    request = TrainingRequest("bandit", config, seed, output, resume, kept, directories, record, force)
+    request = TrainingRequest("bandit", config, seed, output, resume, kept, directories, record, Machine(forced=force))
     with _one_line():
         raise typer.Exit(run_training(request, BanditTraining, Console(highlight=False)))
 
@@ -82,17 +99,22 @@ def _members_command(learner: str, summary: str) -> None:
         configs: Configs = None,
         record: RecordOption = False,
         force: Force = False,
+        on: OnPlace = None,
+        any_bits: AnyBits = False,
     ) -> None:
         check_whole({"--seed": (seed, 0, MOST_SEED), "--workers": (workers, 1, MOST_WORKERS)})
-        from train.knowledge_store import NO_STORE  # these import SQLAlchemy and Numba
+        from train.cluster.bits import WorkerBits  # these import SQLAlchemy and Numba
+        from train.knowledge_store import NO_STORE
         from train.learning.members.design import DesignTraining
         from train.learning.members.es import EsTraining
         from train.learning.session import TrainingRequest, run_training
+        from train.running.needs import Machine
         from train.running.runs import usable_cpus
 
         made = {"es": EsTraining, "design": DesignTraining}[learner]
-        directories, many = tuple(configs or ()), workers or usable_cpus()
-        request = TrainingRequest(learner, config, seed, output, resume, NO_STORE, directories, record, force, many)
+        machine = Machine(workers or usable_cpus(), force, on)
+        asked = (learner, config, seed, output, resume, NO_STORE, tuple(configs or ()), record, machine)
+        request = TrainingRequest(*asked, WorkerBits(mixed=any_bits))
         with _one_line():
             raise typer.Exit(run_training(request, made, Console(highlight=False)))
 

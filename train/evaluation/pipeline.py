@@ -21,7 +21,6 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.store.exact_sums import REWARD_LIMIT
 from train.cluster.bits import WorkerBits, noted_bits, own_bits
-from train.cluster.dask_engine import DaskEngine
 from train.evaluation.base import Evaluation
 from train.evaluation.gathering import RunShare, gathered
 from train.knowledge_store import Memory
@@ -31,8 +30,6 @@ from train.reports.write_report import publish
 from train.running.engine import Engine, WorkerLost, each_done
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
-from train.running.needs import Machine
-from train.running.processes import Processes
 from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, WORKERS, RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord
 from train.running.warm_up import compile_first
@@ -63,11 +60,6 @@ class Execution:
     def wanted(self, evaluation: Evaluation) -> Sequence[RunKey]:
         """Return scenario and condition of the runs that are asked for."""
         return evaluation.keys if self.share is None else self.share.part(evaluation.keys)
-
-
-def chosen_engine(machine: Machine, bits: WorkerBits) -> Engine:
-    """Return the engine of this machine, or of the place that it names; see `DaskEngine`."""
-    return Processes(machine.workers) if machine.place is None else DaskEngine(machine.place, bits)
 
 
 def evaluate(evaluation: Evaluation, execution: Execution) -> int:

@@ -6,7 +6,7 @@ import json
 import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
@@ -18,18 +18,21 @@ from clean_swarm_env.learning.warm_up import announce, compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import MOST_LETTERS
+from train.cluster.bits import WorkerBits, noted_bits
+from train.cluster.chosen import chosen_engine
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
-from train.running.needs import Machine, Workload, check_needs
-from train.running.processes import Processes
+from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import versions
-from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
+from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, WORKERS, RunFolder
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
 """Packages that a learner needs besides those of all runs."""
+TASKS_ELSEWHERE = 16
+"""Tasks that missions of members are cut into if workers elsewhere do them."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +53,10 @@ class TrainingRequest:
     """The user's own directories of configurations, searched before the shipped one."""
     record: bool = False
     """Whether the missions of validations are recorded."""
-    forced: bool = False
-    """Whether to start what the machine is estimated to be too small for."""
-    workers: int = 1
-    """Processes for missions of members."""
+    machine: Machine = ALONE
+    """What missions of members may use."""
+    bits: WorkerBits = field(default_factory=WorkerBits)
+    """The CPUs that take part elsewhere."""
 
     @property
     def directory(self) -> Path:
@@ -67,7 +70,7 @@ class TrainingRequest:
         words += ["--output", str(self.output)] if self.output is not None else []
         words += self.store.words
         words += [word for path in self.directories for word in ("--configs", str(path))]
-        words += ["--force"] if self.forced else []
+        words += ["--force"] if self.machine.forced else []
         return shlex.join([*words, "--resume"] if resume else words)
 
 
@@ -84,8 +87,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     for task in config.tasks:
         with within(f"{request.config}: tasks"):
             largest = task.load(request.directories).largest
-            worlds, machine = task.worlds, Machine(request.workers, request.forced)
-            check_needs(Workload(largest, worlds * request.workers, worlds), machine)
+            check_needs(Workload(largest, task.worlds * request.machine.workers, task.worlds), request.machine)
     identity = {
         "learner": request.learner,
         "seed": request.seed,
@@ -95,14 +97,17 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     }
     memory = _memory(request, config)
     known = {} if memory is None else {LEARNED_BEFORE: as_plain(memory.knowledge.learned)}
+    request.bits.add(noted_bits(request.directory))
     folder = RunFolder(request.directory, {"identity": identity, **known}, resume=request.resume)
     record = RecordSettings(Path(RECORDINGS)) if request.record else None
     job = TrainingJob(config, request.seed, folder, directories=request.directories, record=record, memory=memory)
     if not compiled_before():
         announce()
     try:
-        with folder.alone(), _progress(config) as on_progress, Processes(request.workers).rounds() as done:
-            training = made(replace(job, on_progress=on_progress, workers=request.workers, done=done))
+        engine = chosen_engine(request.machine, request.bits)
+        with folder.alone(), _progress(config) as on_progress, engine.rounds() as done:
+            parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
+            training = made(replace(job, on_progress=on_progress, parts=parts, done=done))
             on_progress(training.decisions)
             while not training.finished:
                 training.advance()
@@ -115,6 +120,8 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         errors.print(f"{str(end) or 'interrupted'}; to go on:\n  {request.command(resume=True)}", markup=False)
         return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
     finally:
+        if folder.path.is_dir():
+            folder.note(WORKERS, request.bits.cpus)
         if memory is not None:
             memory.close()
     exported = training.export(request.command(resume=False))

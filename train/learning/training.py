@@ -52,10 +52,10 @@ class TrainingJob:
     given."""
     memory: Memory | None = None
     """The knowledge store, which gets the rewards if the training learns for it."""
-    workers: int = 1
-    """Processes for missions of members; the training is the same with any number."""
+    parts: int = 1
+    """Tasks that missions of members are cut into; the training is the same with any number."""
     done: Round = in_turn
-    """Does the tasks of `workers` processes."""
+    """Does tasks."""
 
 
 def expert_knowledge(mission: MissionConfig, directories: Sequence[Path]) -> Knowledge:

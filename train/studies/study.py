@@ -18,7 +18,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
 from train.cluster.bits import WorkerBits, noted_bits
-from train.evaluation.pipeline import chosen_engine
+from train.cluster.chosen import chosen_engine
 from train.evaluation.trial_task import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
 from train.reports.write_report import Publication, publish

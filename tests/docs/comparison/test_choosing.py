@@ -21,7 +21,7 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
         goal="AvoidCollision",
         knowledge="avoidance",
         learners={"ES": {"training": str(training), "seeds": (1, 2)}},
-        families={"random": {"scenarios": 2}},
+        families={"random": {"scenarios": 2, "looked_ahead": 2}},
         rule="MaxScore",
         ablations={
             "seeds": (1,),
@@ -35,7 +35,7 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
     runs.make(manifest, folder)
     results = Results(manifest, folder)
     tables = results.tables()
-    assert list(tables) == ["main", "statistics", "learners", "ablations"]
+    assert list(tables) == ["main", "statistics", "learners", "looking", "ablations"]
     means = json.loads((folder / "random" / "summary.json").read_text())["strategies"]
     best, own = means[results.best["random"]]["excess_s"]["mean"], means["ES"]["excess_s"]["mean"]
     assert f"| {best:.1f} |" in tables["main"]

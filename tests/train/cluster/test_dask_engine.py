@@ -11,6 +11,7 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from tests.train.cluster.loopback import ENVIRONMENT, QUIET, loopback_cluster, until
+from tests.train.learning.trainings import written
 from train.cluster import dask_engine
 from train.cluster.bits import WorkerBits
 from train.cluster.dask_engine import DaskEngine
@@ -54,6 +55,17 @@ def test_equal_runs_with_a_killed_worker_and_a_killed_nanny(cluster, tmp_path):
     assert local.wait(timeout=120) == 0
     assert rows(tmp_path / "cluster") == rows(tmp_path / "local")
     assert len(json.loads((tmp_path / "cluster" / "manifest.json").read_text())["workers"]) == 1
+
+
+def test_a_training_comes_to_the_same_bits_elsewhere(cluster, tmp_path):
+    config = written(tmp_path, "es")
+    for name, more in (("here", ()), ("elsewhere", ("--on", cluster.address))):
+        words = ("train", "es", "--config", str(config), "--output", str(tmp_path / name), *more)
+        program = "from train.cli import main; main()"
+        subprocess.run([sys.executable, "-c", program, *words], cwd=tmp_path, env=ENVIRONMENT, check=True, **QUIET)
+    for name in ("policy/policy.safetensors", "history.jsonl", "checkpoint.json"):
+        assert (tmp_path / "here" / name).read_bytes() == (tmp_path / "elsewhere" / name).read_bytes(), name
+    assert len(json.loads((tmp_path / "elsewhere" / "manifest.json").read_text())["workers"]) == 1
 
 
 def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):

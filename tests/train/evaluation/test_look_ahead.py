@@ -5,6 +5,7 @@ import yaml
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.observation.config import ObservationConfig
 from train import cli
 from train.evaluation.choosing.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
 from train.evaluation.entrants import member_pilot
@@ -46,9 +47,34 @@ def test_an_option_that_costs_much_is_not_taken(tmp_path):
     assert note.startswith("taken by the look-ahead: PredictiveSteering")
 
 
-def test_a_base_that_does_not_exist_is_one_line(tmp_path):
-    asked = request(tmp_path, GOOD, base="PredictiveSteerin")
-    with pytest.raises(ConfigurationError, match=r"--base: unknown option 'PredictiveSteerin'.*PredictiveSteering"):
+def test_a_policy_is_followed_where_no_option_is_better(tmp_path):
+    asked = LookAheadRequest(
+        load_family("clustered"), "policy:exploring-ppo", 1, 1, 1, hold=60.0, horizon=60.0, goal="ExplorationPatrol"
+    )
+    scenario = asked.family.scenario(1, 0, "test")
+    team = LookingTeam(asked, scenario, 0)
+    assert team.alternatives[-1] == "policy:exploring-ppo"
+    team._best = lambda state, observations: len(team.alternatives) - 1
+
+    def pilot(problem, teams):
+        return member_pilot("policy:exploring-ppo", problem, teams)
+
+    seen = ObservationConfig.usual(asked.family.terms)
+    (alone,) = run_trials([scenario], pilot, TrialSettings("ExplorationPatrol", observation=seen))
+    assert team.result() == alone
+    assert team.taken.keys() == {"policy:exploring-ppo"}
+
+
+@pytest.mark.parametrize(
+    ("base", "line"),
+    [
+        ("PredictiveSteerin", r"--base: unknown option 'PredictiveSteerin'.*PredictiveSteering"),
+        ("policy:nobody", r"nobody"),
+    ],
+)
+def test_a_base_that_does_not_exist_is_one_line(tmp_path, base, line):
+    asked = request(tmp_path, GOOD, base=base)
+    with pytest.raises(ConfigurationError, match=line):
         LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
 
 

@@ -58,7 +58,7 @@ def test_a_training_comes_to_the_same_bits_in_pieces_and_with_two_workers(tmp_pa
     whole.export("command")
     made(job(config, tmp_path / "cut")).advance()
     with Processes(2).rounds() as done:
-        cut = made(job(config, tmp_path / "cut", resume=True, workers=2, done=done))
+        cut = made(job(config, tmp_path / "cut", resume=True, parts=2, done=done))
         assert cut.checkpoint == 1
         while not cut.finished:
             cut.advance()

@@ -1,13 +1,14 @@
 """A bound by looking ahead: at each decision of the team, copies of the world try every option before one is taken.
 
-A copy holds an option for some seconds, then a base option to the end or up to a horizon. The option whose copies cost
-least in the mean is taken: a rollout (Bertsekas, Tsitsiklis & Wu 1997, doi:10.1023/A:1009635226865). Nobody can know in
-a mission what copies tell; so this is what choosing for the whole team could bring, not a strategy.
+A copy holds an option for some seconds, then follows a base to the end or up to a horizon: an option, or a policy by
+which each robot chooses for itself. Further copies follow a policy at once. What cost least in the mean of its copies
+is done: a rollout (Bertsekas, Tsitsiklis & Wu 1997, doi:10.1023/A:1009635226865). Nobody can know in a mission what
+copies tell; so this is what choosing for the whole team could bring, not a strategy.
 
 A copy has the random numbers of its world, and would know what is drawn. Therefore in each copy one robot drawn at
 random holds an option drawn at random for the first period: a course that differs a little soon is another one.
 
-Shapes: O options, K copies of each, N robots, T scenarios.
+Shapes: A alternatives, which are the options and a policy, K copies of each, N robots, T scenarios.
 """
 
 from __future__ import annotations
@@ -23,11 +24,14 @@ import numpy as np
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
+from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.analysis.claims import claims_of
-from train.evaluation.entrants import FIXED, member_pilot
+from train.evaluation.entrants import FIXED, POLICY, member_pilot
 from train.reports.text_table import Grid, flat
 from train.running.decided_goal import DecidedGoal
 from train.running.trials import TrialSettings, run_trials
@@ -41,7 +45,7 @@ class LookAheadRequest:
 
     family: FamilyConfig
     base: str
-    """Option that copies hold after the one that they try."""
+    """What copies follow after the option that they try: an option, or a policy as `--strategy` takes it."""
     seed: int
     scenarios: int
     """T."""
@@ -59,23 +63,22 @@ class LookingTeam:
     """One mission in which the team takes what copies of its world found cheapest.
 
     Attributes:
-        options: (O,) names of the options.
-        taken: how often each option was taken.
+        taken: how often each alternative was taken.
+        alternatives: (A,) names of the options; of the policy, too, if the base is one.
 
     """
 
     def __init__(self, request: LookAheadRequest, scenario: Scenario, number: int) -> None:
         waiting = iter([scenario])
-        self._batch = Batch(scenario.mission, source=lambda _: next(waiting, None), directories=request.directories)
+        seen = ObservationConfig.usual(request.family.terms)
+        batch = partial(Batch, scenario.mission, observation=seen, directories=request.directories)
+        self._batch = batch(source=lambda _: next(waiting, None))
         self._decided = DecidedGoal(self._batch, request.goal)
-        self.options = options = self._decided.problem.options
-        if request.base not in options:
-            raise ConfigurationError(f"--base: {unknown('option', request.base, options)}")
-        worlds = len(options) * request.copies
-        self._ahead = Batch(
-            scenario.mission, worlds, begin_anew=False, reward={"cost": -1.0}, directories=request.directories
-        )
-        self._base, self._copies, period = options.index(request.base), request.copies, self._batch.decision_period
+        self._base = _Base(request, self._decided.problem)
+        self.alternatives = self._base.alternatives
+        worlds = len(self.alternatives) * request.copies
+        self._ahead = batch(worlds, begin_anew=False, reward={"cost": -1.0})
+        self._copies, period = request.copies, self._batch.decision_period
         self._hold, self._horizon = (max(round(time / period), 1) for time in (request.hold, request.horizon))
         self._random = np.random.default_rng([request.seed, number])
         self.taken: Counter[str] = Counter()
@@ -83,43 +86,73 @@ class LookingTeam:
     def result(self) -> MissionResult:
         """Do the mission."""
         batch = self._batch
-        batch.reset()
+        observations = batch.reset()
         while True:
-            best = self._best(batch.get_state())
-            self.taken[self.options[best]] += 1
+            best = self._best(batch.get_state(), observations)
+            self.taken[self.alternatives[best]] += 1
             for _ in range(self._hold):
-                batch.step(self._decided.actions(np.full(batch.rows, best)))
+                options = self._base.followed(np.full(batch.rows, best), observations)
+                observations = batch.step(self._decided.actions(options)).observations
                 if batch.finished:
                     return batch.finished[0].result
 
-    def _best(self, state: bytes) -> int:
-        """Return the option whose copies cost least."""
-        ahead, count, robots = self._ahead, len(self.options), self._batch.robots
+    def _best(self, state: bytes, observations: Observations) -> int:
+        """Return the alternative whose copies cost least."""
+        ahead, base, robots = self._ahead, self._base, self._batch.robots
+        count = len(self.alternatives)
         ahead.set_state(state)
         tried: Ints = np.repeat(np.arange(count), self._copies * robots).reshape(count, self._copies, robots)
         first, copies = tried.copy(), np.arange(self._copies)
         who, what = self._random.integers(robots, size=self._copies), self._random.integers(count, size=self._copies)
         first[:, copies, who] = what
+        seen = np.tile(observations, (ahead.count, 1))
         costs: Floats = np.zeros(ahead.count)
         for period in range(self._horizon):
-            held = first if period == 0 else tried if period < self._hold else np.full_like(tried, self._base)
-            rewards = ahead.step(self._decided.actions(held.ravel())).rewards.reshape(ahead.count, robots)
+            held = first if period == 0 else tried if period < self._hold else np.full_like(tried, base.number)
+            step = ahead.step(self._decided.actions(base.followed(held.ravel(), seen)))
+            rewards, seen = step.rewards.reshape(ahead.count, robots), step.observations
             costs -= rewards.sum(axis=1) / np.maximum(ahead.took_part.reshape(ahead.count, robots).sum(axis=1), 1)
             if ahead.over.all():
                 break
         return int(costs.reshape(count, self._copies).mean(axis=1).argmin())
 
 
+class _Base:
+    """What copies follow after the option that they try.
+
+    Attributes:
+        alternatives: see `LookingTeam`.
+        number: that of the base among them.
+
+    """
+
+    def __init__(self, request: LookAheadRequest, problem: Problem) -> None:
+        options, self._policy = problem.options, None
+        self.alternatives: tuple[str, ...] = options
+        if request.base.startswith(f"{POLICY}:"):
+            self._policy = member_pilot(request.base, problem, np.zeros(0, dtype=np.int64), request.directories)
+            self.alternatives = (*options, request.base)
+        elif request.base not in options:
+            raise ConfigurationError(f"--base: {unknown('option', request.base, options)}")
+        self.number = self.alternatives.index(request.base)
+
+    def followed(self, alternatives: Ints, observations: Observations) -> Ints:
+        """Return the options (R,) of rows with alternatives (R,) that see `observations` (R, F)."""
+        if self._policy is None:
+            return alternatives
+        return np.where(alternatives == self.number, self._policy.choose(observations), alternatives)
+
+
 @dataclass(frozen=True)
 class Looked:
     """What came of looking ahead on all scenarios."""
 
-    options: tuple[str, ...]
-    """(O,) names."""
+    alternatives: tuple[str, ...]
+    """(A,) as `--strategy` takes them."""
     results: tuple[MissionResult, ...]
     """(T,)."""
     taken: Counter[str]
-    """How often each option was taken."""
+    """How often each alternative was taken."""
 
 
 def looked_ahead(request: LookAheadRequest) -> Looked:
@@ -129,24 +162,30 @@ def looked_ahead(request: LookAheadRequest) -> Looked:
         team = LookingTeam(request, scenario, number)
         results.append(team.result())
         taken += team.taken
-    return Looked(team.options, tuple(results), taken)
+    return Looked(tuple(map(as_member, team.alternatives)), tuple(results), taken)
 
 
 def look_ahead_table(request: LookAheadRequest) -> Grid:
     """Do test scenarios by looking ahead, and by every option alone; return the table of their excess costs."""
     looked, scenarios = looked_ahead(request), _scenarios(request)
     excesses = {LOOKING: _excess(looked.results)}
-    settings = TrialSettings(request.goal, directories=request.directories)
-    for option in looked.options:
-        maker = partial(member_pilot, f"{FIXED}:{option}", directories=request.directories)
-        excesses[f"{FIXED}:{option}"] = _excess(run_trials(scenarios, maker, settings))
-    base, family = f"{FIXED}:{request.base}", request.family.name
+    seen = ObservationConfig.usual(request.family.terms)
+    settings = TrialSettings(request.goal, observation=seen, directories=request.directories)
+    for member in looked.alternatives:
+        maker = partial(member_pilot, member, directories=request.directories)
+        excesses[member] = _excess(run_trials(scenarios, maker, settings))
+    base, family = as_member(request.base), request.family.name
     claims = claims_of({family: excesses}, [label for label in excesses if label != base], {family: base})
     ratios = {claim.strategy: f"{claim.ratio:.2f} [{claim.ci95[0]:.2f}, {claim.ci95[1]:.2f}]" for claim in claims}
     rows = [(label, f"{own.mean():.1f}", ratios.get(label, "1")) for label, own in excesses.items()]
     title = f"{family}: look-ahead on {len(scenarios)} scenarios"
     grid = flat(title, "strategy", ("excess s", f"to {base} [95 %]"), rows)
     return replace(grid, notes=(f"taken by the look-ahead: {shares_of(looked.taken)}",))
+
+
+def as_member(alternative: str) -> str:
+    """Return an option or a policy as `--strategy` takes it."""
+    return alternative if alternative.startswith(f"{POLICY}:") else f"{FIXED}:{alternative}"
 
 
 def shares_of(taken: Counter[str], most: int | None = None) -> str:

@@ -142,8 +142,8 @@ class MembersTraining(Training):
         """Return the costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations."""
         count = len(scenarios) * len(members)
         tasks = []
-        for first in range(min(self.job.workers, count)):
-            places = tuple(range(first, count, self.job.workers))
+        for first in range(min(self.job.parts, count)):
+            places = tuple(range(first, count, self.job.parts))
             own = tuple(scenarios[place // len(members)] for place in places)
             whose = tuple(members[place % len(members)] for place in places)
             tasks.append(MemberTask(own, whose, places, self._settings))
