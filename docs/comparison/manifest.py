@@ -25,7 +25,7 @@ class Compared(Closed):
     control: Flag = False
     """Whether nothing is to be gained there: the learner has to be no worse than the best fixed choice."""
     looked_ahead: int = 0
-    """Number of the first test scenarios on which teams look ahead, too."""
+    """Number of the first test scenarios on which teams look ahead, too, from what the claimed learner does."""
 
 
 class Configured(Closed):
@@ -69,6 +69,8 @@ class Manifest(Closed):
     """Families."""
     rule: str
     """The rule by hand, as `--strategy` takes it."""
+    others: tuple[str, ...] = ()
+    """Further strategies to beat."""
     configured: Configured | None = None
     """The option that is configured; none: no such comparison."""
     ablations: Ablations | None = None

@@ -22,14 +22,14 @@ OWN_NAME = "Configured"
 """Name of the option that is configured."""
 CONFIGURED = f"{FIXED}:{OWN_NAME}"
 CPU_TIMES = "cpu_s.json"
-COPIES, HOLD, HORIZON, BASE = 2, 30.0, 180.0, "NearFinds"
-"""How teams look ahead: copies for each option, seconds to hold one, seconds to look at, and what is held after it."""
+COPIES, HOLD, HORIZON = 3, 15.0, 180.0
+"""How teams look ahead: copies for each option, seconds to hold one, and seconds to look at."""
 
 
 def make(manifest: Manifest, folder: Path) -> None:
     """Do what is missing in the directory of the results."""
     folder.mkdir(parents=True, exist_ok=True)
-    strategies = ["fixed", manifest.rule]
+    strategies = ["fixed", manifest.rule, *manifest.others]
     for label, learner in manifest.learners.items():
         strategies.append(f"{label}={_trained(folder, label, learner)}")
     if manifest.ablations is not None:
@@ -42,7 +42,7 @@ def make(manifest: Manifest, folder: Path) -> None:
         asked = ("--goal", manifest.goal, *words, "--scenarios", compared.scenarios, "--seed", 1)
         _run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
         if compared.looked_ahead:
-            _look_ahead(folder, family, compared, manifest.goal)
+            _look_ahead(folder, manifest, family, compared)
 
 
 def looked_ahead_file(folder: Path, family: str) -> Path:
@@ -107,14 +107,19 @@ def _with_configured(folder: Path, manifest: Manifest, configured: Configured) -
     return _written(folder / "knowledge.yaml", {"goals": options})
 
 
-def _look_ahead(folder: Path, family: str, compared: Compared, goal: str) -> None:
-    """Let teams look ahead, unless they did."""
+def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compared) -> None:
+    """Let teams look ahead from what the first training of the claimed learner does, unless they did."""
     file = looked_ahead_file(folder, family)
     if file.exists():
         return
-    request = LookAheadRequest(load_family(family), BASE, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, goal)
+    claimed, first = manifest.claimed, manifest.learners[manifest.claimed].seeds[0]
+    base = f"{POLICY}:{folder / f'{claimed}-{first}' / 'policy'}"
+    request = LookAheadRequest(
+        load_family(family), base, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, manifest.goal
+    )
     looked = looked_ahead(request)
-    content = {"excess_s": [result.excess_s for result in looked.results], "taken": looked.taken}
+    taken = {claimed if name == base else name: number for name, number in looked.taken.items()}
+    content = {"excess_s": [result.excess_s for result in looked.results], "taken": taken}
     write_whole(file, json.dumps(content).encode())
 
 

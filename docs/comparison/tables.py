@@ -58,9 +58,9 @@ class Results:
         return tables
 
     def summary(self) -> str:
-        """Return the claimed learner, the rule and chance beside the best fixed option of each family."""
+        """Return the claimed learner, rules and chance beside the best fixed option of each family."""
         rows = []
-        for label in (self._manifest.claimed, self._manifest.rule, RANDOM):
+        for label in (self._manifest.claimed, *self._by_hand):
             claims = self.claims(label)
             rows.append([f"`{label}` / best fixed", *(_ratio(claims[name]) for name in self._manifest.families)])
         return markdown_table(["", *(f"`{name}`" for name in self._manifest.families)], rows)
@@ -92,6 +92,11 @@ class Results:
         axes.legend(frameon=False)
         figure.savefig(file, dpi=110)
 
+    @property
+    def _by_hand(self) -> tuple[str, ...]:
+        """Labels of the strategies that learn nothing, but for fixed options."""
+        return self._manifest.rule, *self._manifest.others, RANDOM
+
     def _cpu_minutes(self, label: str) -> float:
         """Return the mean CPU time of the trainings of a learner [min]; not a number if none was measured."""
         times = json.loads((self._folder / CPU_TIMES).read_text(encoding="utf-8"))
@@ -101,7 +106,7 @@ class Results:
     def _main(self) -> str:
         """Return the claimed learner beside each baseline: a row for each family."""
         claimed = self._manifest.claimed
-        beside = {"best fixed": "", "rule": self._manifest.rule, "`Random`": RANDOM}
+        beside = {"best fixed": "", **{f"`{label}`": label for label in self._by_hand}}
         if self._manifest.configured is not None:
             beside = {"best fixed": "", "configured": CONFIGURED, **beside}
         claims = {head: self.claims(claimed, other) for head, other in beside.items()}
@@ -116,7 +121,7 @@ class Results:
 
     def _learners(self) -> str:
         """Return all learners beside the best fixed option of each family."""
-        labels = [*self._manifest.learners, self._manifest.rule, RANDOM]
+        labels = [*self._manifest.learners, *self._by_hand]
         claims = {label: self.claims(label) for label in labels}
         rows = []
         for label in labels:
@@ -145,7 +150,7 @@ class Results:
 
     def _statistics(self) -> str:
         """Return interquartile means of the excess, and how often the claimed learner is better."""
-        labels = [self._manifest.claimed, self._manifest.rule, RANDOM]
+        labels = [self._manifest.claimed, *self._by_hand]
         rows = []
         for name, own in self._excesses.items():
             best = own[self.best[name]].ravel()

@@ -86,3 +86,14 @@ def test_probabilities_are_kept_and_rows_draw_the_same_in_any_batch():
     np.testing.assert_array_equal(course(60, 10), alone)
     assert alone[100:].mean() == pytest.approx(0.2 / 0.6, abs=0.03)  # the share of the time in the second state
     assert len(np.unique(alone, axis=1).T) == 50
+
+
+def test_chance_that_holds_draws_every_option_alike_and_anew_every_eight_decisions():
+    held = load_machine("random-held")
+    options = tuple(dict.fromkeys(state.option for state in held.states.values()))
+    pilot = MachinePilot(held, Problem("ExplorationPatrol", options, np.zeros(7), ("any",)), 2000)
+    pilot.begin(np.arange(2000), 3)
+    chosen = np.array([pilot.choose(np.zeros((2000, 1), dtype=np.float32)) for _ in range(40)])
+    for one in (chosen[0], chosen[-1]):
+        assert np.bincount(one) / 2000 == pytest.approx(np.full(7, 1 / 7), abs=0.03)
+    assert np.mean(chosen[1:] != chosen[:-1]) == pytest.approx(6 / 7 / 8, abs=0.003)
