@@ -20,7 +20,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.store.exact_sums import REWARD_LIMIT
-from train.cluster.bits import WorkerBits, noted_bits, own_bits
+from train.cluster.bits import WorkerBits, noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
 from train.evaluation.gathering import RunShare, gathered
 from train.knowledge_store import Memory
@@ -30,7 +30,7 @@ from train.reports.write_report import publish
 from train.running.engine import Engine, WorkerLost, each_done
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
-from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, WORKERS, RunFolder, default_directory
+from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord
 from train.running.warm_up import compile_first
 
@@ -77,12 +77,8 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
         execution.bits.add(own_bits())
         root = share.folder(root)
     folder = RunFolder(root, manifest, resume=execution.resume, growing=evaluation.growing)
-    with folder.alone():
-        folder.note(WORKERS, execution.bits.cpus)  # now, for shares that begin while this one runs
-        try:
-            return _evaluated(evaluation, execution, Results(folder, evaluation.mistake, known))
-        finally:
-            folder.note(WORKERS, execution.bits.cpus)
+    with noting(folder, execution.bits):
+        return _evaluated(evaluation, execution, Results(folder, evaluation.mistake, known))
 
 
 def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -> int:

@@ -18,7 +18,7 @@ from clean_swarm_env.learning.warm_up import announce, compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import MOST_LETTERS
-from train.cluster.bits import WorkerBits, noted_bits
+from train.cluster.bits import WorkerBits, noted_bits, noting
 from train.cluster.chosen import chosen_engine
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
@@ -27,7 +27,7 @@ from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import versions
-from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, WORKERS, RunFolder
+from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 
 LEARNER_PACKAGES = {"ppo": ("torch", "stable-baselines3"), "bandit": (), "es": (), "design": ()}
 """Packages that a learner needs besides those of all runs."""
@@ -105,7 +105,7 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         announce()
     try:
         engine = chosen_engine(request.machine, request.bits)
-        with folder.alone(), _progress(config) as on_progress, engine.rounds() as done:
+        with noting(folder, request.bits), _progress(config) as on_progress, engine.rounds() as done:
             parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
             training = made(replace(job, on_progress=on_progress, parts=parts, done=done))
             on_progress(training.decisions)
@@ -120,8 +120,6 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         errors.print(f"{str(end) or 'interrupted'}; to go on:\n  {request.command(resume=True)}", markup=False)
         return FAILED if isinstance(end, WorkerLost) else INTERRUPTED
     finally:
-        if folder.path.is_dir():
-            folder.note(WORKERS, request.bits.cpus)
         if memory is not None:
             memory.close()
     exported = training.export(request.command(resume=False))

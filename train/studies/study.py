@@ -17,7 +17,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
-from train.cluster.bits import WorkerBits, noted_bits
+from train.cluster.bits import WorkerBits, noted_bits, noting
 from train.cluster.chosen import chosen_engine
 from train.evaluation.trial_task import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
@@ -27,7 +27,7 @@ from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints
-from train.running.run_folder import WORKERS, RunFolder, default_directory
+from train.running.run_folder import RunFolder, default_directory
 from train.running.warm_up import compile_first
 from train.studies.conclusion import UNCHANGED, conclude
 from train.studies.config import StudyConfig
@@ -96,11 +96,8 @@ def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = 
     request.bits.add(noted_bits(directory))
     folder = RunFolder(directory, {"identity": identity}, resume=request.resume)
     make = make or CandidateTasks(family, request.seed, space.goals[0], folder, directories)
-    with folder.alone():
-        try:
-            return _studied(request, family, space, folder, make, console)
-        finally:
-            folder.note(WORKERS, request.bits.cpus)
+    with noting(folder, request.bits):
+        return _studied(request, family, space, folder, make, console)
 
 
 def _studied(
