@@ -31,15 +31,16 @@ class _Ending:
                 signal.signal(number, self._end)
 
     def __exit__(self, *_: object) -> None:
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0.0)  # SIGALRM would kill a process whose handlers are gone
         if self._latest == float("-inf"):
             for number, before in self._before.items():
                 signal.signal(number, before)
             return
         for number in self._before:  # the program is about to end
             signal.signal(number, signal.SIG_IGN)
-        eval(
-            "0"
-        )  # else CPython kills itself by SIGINT where a KeyboardInterrupt passed any evaluated text, as of imports
+        # else CPython kills itself by SIGINT where a KeyboardInterrupt passed any evaluated text, as of imports
+        eval("0")
 
     def _end(self, number: int, frame: FrameType | None) -> None:
         now = time.monotonic()

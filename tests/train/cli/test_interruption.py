@@ -90,3 +90,23 @@ def test_a_signal_waits_until_llvm_has_compiled():
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
     assert done.stdout.split() == ["1", "2"]
+
+
+@pytest.mark.parametrize("ends", ["os.kill(os.getpid(), 2)", "pass"])
+def test_no_signal_that_waited_comes_after_the_end(ends):
+    code = (
+        "import os, signal\n"
+        "from train.cli import _Ending\n"
+        "space = {'__name__': 'llvmlite.binding', 'os': os}\n"
+        "exec('def compiles():\\n os.kill(os.getpid(), 2)', space)\n"
+        "try:\n"
+        "    with _Ending():\n"
+        "        space['compiles']()\n"
+        "        print(signal.getitimer(signal.ITIMER_REAL)[0] > 0.0)\n"
+        f"        {ends}\n"
+        "except KeyboardInterrupt:\n"
+        "    pass\n"
+        "print(signal.getitimer(signal.ITIMER_REAL)[0] > 0.0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    assert done.stdout.split() == ["True", "False"]
