@@ -16,8 +16,9 @@ AGAIN = 0.05
 class _Ending:
     """Raises KeyboardInterrupt at a signal, unless another one came less than `WINDING_UP` before.
 
-    While LLVM compiles, a signal waits: an exception is lost there, or leaves memory broken. Signals that the program
-    was told to ignore (nohup) stay ignored.
+    While a module is imported or LLVM compiles, a signal waits: an exception is lost there, becomes another, or leaves
+    memory broken. Where native code drops the exception, it comes again. Signals that the program was told to ignore
+    (nohup) stay ignored.
     """
 
     def __init__(self) -> None:
@@ -29,8 +30,10 @@ class _Ending:
         for number, before in self._before.items():
             if before is not signal.SIG_IGN:
                 signal.signal(number, self._end)
+        sys.unraisablehook = self._dropped
 
     def __exit__(self, *_: object) -> None:
+        sys.unraisablehook = sys.__unraisablehook__
         if hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0.0)  # SIGALRM would kill a process whose handlers are gone
         if self._latest == float("-inf"):
@@ -46,18 +49,28 @@ class _Ending:
         now = time.monotonic()
         if now - self._latest < WINDING_UP:
             return
-        if _compiles(frame) and hasattr(signal, "setitimer"):
-            signal.signal(signal.SIGALRM, self._end)
-            signal.setitimer(signal.ITIMER_REAL, AGAIN)
+        if _has_to_wait(frame) and hasattr(signal, "setitimer"):
+            self._try_again()
             return
         self._latest = now
         raise KeyboardInterrupt
 
+    def _try_again(self) -> None:
+        signal.signal(signal.SIGALRM, self._end)
+        signal.setitimer(signal.ITIMER_REAL, AGAIN)
 
-def _compiles(frame: FrameType | None) -> bool:
-    """Return whether LLVM is at work below a frame."""
+    def _dropped(self, what: "sys.UnraisableHookArgs") -> None:
+        if what.exc_type is KeyboardInterrupt and hasattr(signal, "setitimer"):
+            self._latest = float("-inf")
+            self._try_again()
+        else:
+            sys.__unraisablehook__(what)
+
+
+def _has_to_wait(frame: FrameType | None) -> bool:
+    """Return whether an import or LLVM is at work below a frame."""
     while frame is not None:
-        if str(frame.f_globals.get("__name__")).startswith("llvmlite"):
+        if str(frame.f_globals.get("__name__")).startswith(("importlib.", "llvmlite")):
             return True
         frame = frame.f_back
     return False
@@ -68,7 +81,8 @@ def main() -> None:
     with _Ending():
         try:
             from train.cli import app
+
+            app.run_app()
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
             sys.exit(130)
-        app.run_app()

@@ -7,6 +7,8 @@ import heavy libraries inside their functions, so that help is quick.
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from typing import Annotated, Any
 
@@ -39,15 +41,26 @@ THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "
 
 
 class _Interruptible(TyperGroup):
-    """A group whose commands end with a line and exit code 130 when they are interrupted."""
+    """A group that ends with a line and exit code 130 when it is interrupted; typer alone would write no line."""
 
-    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401  (versions of typer differ in the types of both)
+    def make_context(self, *words: Any, **more: Any) -> Any:  # noqa: ANN401  (versions of typer differ in the types)
+        """Read the words of a command."""
+        with _told():
+            return super().make_context(*words, **more)
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         """Run a command."""
-        try:
+        with _told():
             return super().invoke(ctx)
-        except KeyboardInterrupt:
-            error_console().print("interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    try:
+        yield
+    except KeyboardInterrupt:
+        error_console().print("interrupted")
+        raise typer.Exit(INTERRUPTED) from None
 
 
 app = typer.Typer(
@@ -96,8 +109,6 @@ def run_app() -> None:
             raise
         print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); what was done before stays")
         sys.exit(FAILED)
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
 
 
 def _version(wanted: bool) -> None:

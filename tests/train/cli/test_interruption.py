@@ -75,11 +75,12 @@ def test_ctrl_c_twice_during_the_imports_is_one_line(tmp_path, wait):
     assert "Traceback" not in err
 
 
-def test_a_signal_waits_until_llvm_has_compiled():
+@pytest.mark.parametrize("module", ["importlib._bootstrap", "llvmlite.binding"])
+def test_a_signal_waits_until_an_import_or_llvm_is_done(module):
     code = (
         "import os, signal, sys, time\n"
         "from train.cli import _Ending\n"
-        "space = {'__name__': 'llvmlite.binding', 'os': os, 'time': time}\n"
+        f"space = {{'__name__': '{module}', 'os': os, 'time': time}}\n"
         "exec('def compiles():\\n os.kill(os.getpid(), 2)\\n time.sleep(0.3)\\n print(1, flush=True)', space)\n"
         "with _Ending():\n"
         "    try:\n"
@@ -110,3 +111,36 @@ def test_no_signal_that_waited_comes_after_the_end(ends):
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
     assert done.stdout.split() == ["True", "False"]
+
+
+@pytest.mark.parametrize("place", ["typer.main.get_command", "typer.core.TyperGroup.parse_args"])
+def test_ctrl_c_before_a_command_begins_is_one_line(place):
+    code = (
+        "import sys, typer.core, typer.main\n"
+        "from train.cli import app, main\n"
+        "def interrupted(*words, **more):\n    raise KeyboardInterrupt\n"
+        f"{place} = interrupted\n"
+        "sys.argv = ['clean-swarm', 'list']\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+def test_a_signal_comes_again_where_its_exception_was_dropped():
+    code = (
+        "import os, time\n"
+        "from train.cli import _Ending\n"
+        "class Dropping:\n"
+        "    def __del__(self):\n"
+        "        os.kill(os.getpid(), 2)\n"
+        "        time.sleep(60.0)\n"
+        "with _Ending():\n"
+        "    try:\n"
+        "        Dropping()\n"
+        "        time.sleep(60.0)\n"
+        "    except KeyboardInterrupt:\n"
+        "        print(1)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    assert (done.stdout, done.stderr) == ("1\n", "")
