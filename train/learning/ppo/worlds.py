@@ -24,16 +24,16 @@ from train.running.decided_goal import DecidedGoal
 class OneGoalEnv(VecEnvWrapper):
     """An environment whose actions are the option of one goal, a vector, or both in a row, the option first.
 
-    Other goals keep the option of the highest score.
+    Other goals keep the option of the highest score. The components of vectors lie within [-`reach`, `reach`].
     """
 
-    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode) -> None:
+    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode, reach: float = 1.0) -> None:
         count = len(goal.problem.options)
-        highest = np.array([count - 1.0, 1.0, 1.0], dtype=np.float32)
+        highest = np.array([count - 1.0, reach, reach], dtype=np.float32)
         spaces = {
             "option": Discrete(count),
             "velocity": Box(-highest[1:], highest[1:]),
-            "both": Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), highest),
+            "both": Box(np.array([0.0, -reach, -reach], dtype=np.float32), highest),
         }
         super().__init__(envs, action_space=spaces[mode])
         self._goal, self._mode = goal, mode
