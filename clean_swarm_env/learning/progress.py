@@ -57,6 +57,7 @@ class Followed(NamedTuple):
     working: Annotated[Flags, "R"]  # robots at work
     in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
     stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
+    handed: Annotated[Ints, "W M"]  # 1 from when a robot first put the item down for others
     cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
     recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
     done: Annotated[Ints, "W"]  # items dumped
@@ -120,6 +121,7 @@ class MissionProgress:
                 working=worlds.team.working,
                 in_contact=worlds.collisions.in_contact,
                 stage=garbage.stage,
+                handed=garbage.handed,
                 cargo=garbage.cargo,
                 recycled=garbage.recycled,
                 done=garbage.done,
@@ -216,7 +218,8 @@ def count_tick(
     """Add one tick to the period of the worlds that run; list those that end and return their number.
 
     entered, avoids (R,): collision events of the robot, and whether it avoids others. cleaned, ticks (W,): whether the
-    world is clean for good, and ticks since its reset. length: of a tick [s]. Cargo that is lost is not dumped.
+    world is clean for good, and ticks since its reset. length: of a tick [s]. Cargo that is lost is not dumped. Nobody
+    is paid for picking what was put down for others, else a robot could pick and put down the same item for ever.
     """
     p, f = open_period(period), open_followed(followed)
     ended, robots = 0, f.cargo.shape[0] // ticks.shape[0]
@@ -231,7 +234,7 @@ def count_tick(
             recycled = f.cargo[row] != NOTHING and not picked and f.recycled[row] > f.had_recycled[row]
             p.took_part[row] |= f.working[row]
             f.idle[row] = 0 if picked or dumped or recycled else f.idle[row] + 1
-            p.events[PICKINGS, row] += picked
+            p.events[PICKINGS, row] += picked and f.handed[world, f.cargo[row]] == 0
             p.events[RECYCLINGS, row] += recycled
             p.events[DUMPINGS, row] += dumped
             p.events[COLLISIONS, row] += entered[row]

@@ -88,6 +88,8 @@ class Floor:
                 leftover=self.garbage.leftover,
                 cargo=self.garbage.cargo,
                 recycled=self.garbage.recycled,
+                leg=self.garbage.leg,
+                blind=self.garbage.blind,
                 done=self.garbage.done,
                 nearest=np.full(worlds * mission.rows, NOTHING, dtype=np.int64),
                 picked=np.zeros((worlds * mission.rows, 2), dtype=np.int64),
@@ -108,14 +110,15 @@ class Floor:
 
     def lasting(self) -> Lasting:
         """Return what robots hand on to the next tick."""
-        own = Lasting((self.garbage.cargo, self.garbage.recycled))
+        items = self.garbage
+        own = Lasting((items.cargo, items.recycled, items.leg, items.blind))
         parts = (self.physics, self.drive, self.collisions, self.consequences)
         return together((own, *(part.lasting() for part in parts)))
 
     def of_worlds(self) -> tuple[NDArray[Any], ...]:
         """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""
         items = self.garbage
-        own = (self.stations, items.positions, items.stage, items.leftover, items.done, items.arrived)
+        own = (self.stations, items.positions, items.stage, items.leftover, items.handed, items.done, items.arrived)
         return (*own, *self.physics.of_worlds(), *self.collisions.of_worlds())
 
     def restore(self, world: int) -> None:

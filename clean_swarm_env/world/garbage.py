@@ -1,7 +1,8 @@
 """Garbage and cargo: where each item lies, which robot carries it, whether it is dumped, and when others arrive.
 
 An item is lying, then carried by a robot (to the recycling station, then its leftovers to the dump), then done. It lies
-again where its robot is lost, or loses it. Rows of items that are absent or done are free for items that arrive later.
+again where its robot is lost, loses it, or puts it down for others. Rows of items that are absent or done are free for
+items that arrive later.
 
 Items arrive as a Poisson process. An item arrives when the number expected since the last arrival reaches an
 exponential draw. So a change of the rate keeps the waiting time that has passed.
@@ -31,8 +32,11 @@ class Garbage:
         positions: (W, M, 2) float64 [m], where an item lies or was picked.
         stage: (W, M) int64, LYING, CARRIED, DONE or ABSENT.
         leftover: (W, M) int64, 1 where what lies has been recycled already.
+        handed: (W, M) int64, 1 from when a robot first puts an item down for others.
         cargo: (R,) int64, the item a robot carries, or NOTHING.
         recycled: (R,) int64, 1 once the cargo has been recycled.
+        leg: (R,) float64 [m], way to the next station from where the cargo was picked or recycled.
+        blind: (R,) int64, ticks for which the robot sees no item that lies.
         done: (W,) int64, items dumped.
         arrived: (W,) int64, items that have come into the world.
 
@@ -43,8 +47,11 @@ class Garbage:
         self.positions: Floats = np.zeros((worlds, items, 2))
         self.stage: Ints = np.zeros((worlds, items), dtype=np.int64)
         self.leftover: Ints = np.zeros((worlds, items), dtype=np.int64)
+        self.handed: Ints = np.zeros((worlds, items), dtype=np.int64)
         self.cargo: Ints = np.full(worlds * robots, NOTHING, dtype=np.int64)
         self.recycled: Ints = np.zeros(worlds * robots, dtype=np.int64)
+        self.leg: Floats = np.zeros(worlds * robots)
+        self.blind: Ints = np.zeros(worlds * robots, dtype=np.int64)
         self.done: Ints = np.zeros(worlds, dtype=np.int64)
         self.arrived: Ints = np.zeros(worlds, dtype=np.int64)
 
@@ -54,10 +61,11 @@ class Garbage:
         self.positions[world, : len(positions)] = positions
         self.stage[world] = ABSENT
         self.stage[world, : len(positions)] = LYING
-        self.leftover[world] = 0
+        self.leftover[world] = self.handed[world] = 0
         rows = slice(world * self.robots, (world + 1) * self.robots)
         self.cargo[rows] = NOTHING
-        self.recycled[rows] = 0
+        self.recycled[rows] = self.blind[rows] = 0
+        self.leg[rows] = 0.0
         self.done[world] = 0
         self.arrived[world] = len(positions)
 
@@ -68,7 +76,7 @@ class Garbage:
             return False
         self.positions[world, free[0]] = position
         self.stage[world, free[0]] = LYING
-        self.leftover[world, free[0]] = 0
+        self.leftover[world, free[0]] = self.handed[world, free[0]] = 0
         self.arrived[world] += 1
         return True
 
@@ -82,6 +90,15 @@ class Garbage:
         self.leftover[world, item] = self.recycled[row]
         self.cargo[row] = NOTHING
         self.recycled[row] = 0
+        return True
+
+    def hand_over(self, row: int, position: Floats, blind: int) -> bool:
+        """Drop the cargo of a robot for others; the robot sees no item for `blind` ticks."""
+        item = int(self.cargo[row])
+        if not self.drop(row, position):
+            return False
+        self.handed[row // self.robots, item] = 1
+        self.blind[row] = blind
         return True
 
 

@@ -22,6 +22,8 @@ class FloorRecord(NamedTuple):
     leftover: Annotated[Ints, "W M"]  # 1 where what lies has been recycled already
     cargo: Annotated[Ints, "R"]  # the item that a robot carries, or NOTHING
     recycled: Annotated[Ints, "R"]  # 1 once the cargo has been recycled
+    leg: Annotated[Floats, "R"]  # way to the next station from where the cargo was picked or recycled [m]
+    blind: Annotated[Ints, "R"]  # ticks for which a robot sees no item that lies
     done: Annotated[Ints, "W"]  # items dumped
     nearest: Annotated[Ints, "R"]  # the nearest item when the robot last sensed; NOTHING where none is near
     picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones

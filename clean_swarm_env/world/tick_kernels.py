@@ -44,7 +44,9 @@ def read_sensors(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> None:
         for row in range(world * per_world, (world + 1) * per_world):
             x, y = f.robots[row, 0], f.robots[row, 1]
             f.nearest[row], near = NOTHING, np.inf
-            if items > 0:
+            if f.blind[row] > 0:
+                f.blind[row] -= 1
+            elif items > 0:
                 f.nearest[row], near = nearest_point(x, y, sight, f.items[world], f.lying, f.extent, f.cells, f.links)
             carrying = f.cargo[row] != NOTHING
             _, to_recycling = nearest_of_kind(x, y, RECYCLING, stations, f.kinds, f.extent)
@@ -99,8 +101,8 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
     A robot picks the item that was nearest when it sensed. If another robot has just taken that, it picks the item that
     is nearest now. Fills `picked` and returns how many items were picked.
     """
-    f, starting = open_floor(floor), open_minds(minds).starting
-    count = 0
+    f, m = open_floor(floor), open_minds(minds)
+    starting, count = m.starting, 0
     per_world = f.robots.shape[0] // f.items.shape[0]
     for row in range(f.robots.shape[0]):
         world = row // per_world
@@ -115,11 +117,14 @@ def handle_cargo(floor: Words[FloorRecord], minds: Words[MindsRecord]) -> int:
             if item != NOTHING and near <= f.pick_distance:
                 f.cargo[row] = item
                 f.recycled[row] = f.leftover[world, item]
+                place, kind = f.items[world, item], DUMP if f.recycled[row] else RECYCLING
+                _, f.leg[row] = nearest_of_kind(place[0], place[1], kind, f.stations[world], f.kinds, f.extent)
                 f.stage[world, item] = CARRIED
                 f.picked[count, 0], f.picked[count, 1] = row, item
                 count += 1
         if starting[row, START_RECYCLE] and f.cargo[row] != NOTHING:
             f.recycled[row] = 1
+            f.leg[row] = m.readings[row, DIST_DUMP]
         if starting[row, START_DUMP] and f.cargo[row] != NOTHING and f.recycled[row]:
             f.stage[world, f.cargo[row]] = DONE
             f.cargo[row] = NOTHING

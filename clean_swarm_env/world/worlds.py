@@ -176,6 +176,7 @@ class Worlds:
             if self._correction is not None:
                 minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
+            self._hand_over()
         else:
             minds.sense_floor(floor.packed)
             self._hide(handle_cargo_in_reach(floor.packed.words, minds.packed.words, working))
@@ -189,6 +190,15 @@ class Worlds:
         """Hide the first `picked` items picked in this tick."""
         if picked:
             self.hide_items(*self.floor.picked(picked))
+
+    def _hand_over(self) -> None:
+        """Put down the cargo that options hand over to others, unless its robot stands after a collision."""
+        asked, garbage = self.minds.hand_over, self.garbage
+        for row in np.flatnonzero(asked).tolist():
+            place, blind = self.physics.positions[row], max(round(asked[row] / self.period), 1)
+            if not self.floor.consequences.standing[row] and garbage.hand_over(row, place, blind):
+                self.minds.show_items(row // self.robots, place[None], self._clock.now)
+        asked[:] = 0.0
 
     def _bear_collisions(self) -> Ints:
         """Let the collisions of the tick have their consequences, and return them (R,)."""

@@ -9,14 +9,14 @@ from selector.documents.fields import Closed, Flag, Name, Number
 from selector.vocabulary.components import ActionSpecs, ComponentSpec, MechanismSpec, SensorSpec, TargetSpec
 from selector.vocabulary.conditions import BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
-from selforg.components import Steer
+from selforg.components import HandOver, Steer
 from selforg.mechanisms import MECHANISMS
 from selforg.network.model.behaviours import Behaviour, Goal, Sensor, SensorKind
 from selforg.network.model.model import NetworkModel
 from selforg.registry import unknown
 
-STEER = Steer.__name__
-"""Type of the action that changes what others command."""
+BESIDE = {Steer.__name__, HandOver.__name__}
+"""Types of the actions that robots do beside what other behaviours command."""
 
 
 class ActingBehaviourSpec(BehaviourSpec):
@@ -71,8 +71,8 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour, AnyGoal]):
 
     @property
     def steers(self) -> bool:
-        """Whether all that the behaviours do is to change what others command, so that they need no turn."""
-        return all(action.type == STEER for behaviour in self.behaviours.values() for action in behaviour.action)
+        """Whether all that the behaviours do is done beside what others command, so that they need no turn."""
+        return all(action.type in BESIDE for behaviour in self.behaviours.values() for action in behaviour.action)
 
     @property
     def calls(self) -> tuple[str, ...]:

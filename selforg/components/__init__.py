@@ -5,6 +5,7 @@ from selforg.components.actions import Act as Act
 from selforg.components.actions import Action as Action
 from selforg.components.actions import Decide as Decide
 from selforg.components.actions import DecideState as DecideState
+from selforg.components.actions import HandOver as HandOver
 from selforg.components.actions import Move as Move
 from selforg.components.actions import SetState as SetState
 from selforg.components.actions import Spread as Spread

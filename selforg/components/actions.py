@@ -12,11 +12,12 @@ from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
+from selforg.mechanisms.base import at_least
 from selforg.mechanisms.decision_base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.mechanisms.spreading import SpreadGradient
 from selforg.mechanisms.steering import SteeringMechanism
-from selforg.parameters import Finite
+from selforg.parameters import AtLeastZero, Finite
 from selforg.registry import Registry
 
 Call: TypeAlias = Callable[[float, Ints], None]
@@ -211,3 +212,41 @@ class SetState(Action):
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         self._remembered.write(started, self._value)
+
+
+@ACTIONS.register
+class HandOver(Action):
+    """Ask the host to put down cargo for others once it has come nearer to its goal, unless it is nearly there.
+
+    Args:
+        gained: way by which the goal has come nearer since the robot took the cargo, from the host [m].
+        left: way to the goal, from the host [m].
+        ask: what the host is asked by: the time `blind`, where cargo is to be put down [s].
+        span: way from which it is put down [m]; 0: it never is.
+        near: way to the goal up to which the robot carries on [m].
+        blind: time for which the robot then looks for no other cargo [s].
+
+    """
+
+    def __init__(
+        self,
+        gained: Remembered,
+        left: Remembered,
+        ask: Remembered,
+        *,
+        span: AtLeastZero,
+        near: AtLeastZero,
+        blind: Finite,
+    ) -> None:
+        self._gained, self._left, self._ask = gained, left, ask
+        self._span, self._near, self._blind = span, near, at_least(self, "blind", blind, 1e-6)
+
+    @classmethod
+    def example(cls) -> dict[str, Any]:
+        """Return distances and a time."""
+        return {"span": 4.0, "near": 2.0, "blind": 10.0}
+
+    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+        if self._span > 0.0:
+            ends = (self._gained.values[rows] >= self._span) & (self._left.values[rows] > self._near)
+            self._ask.values[rows[ends]] = self._blind

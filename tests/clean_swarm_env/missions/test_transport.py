@@ -212,7 +212,7 @@ def test_damaged_robots_are_mended_at_every_station():
 def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations():
     env = parallel_env("transport")
     observations, _ = env.reset(seed=1)
-    assert env.action_space("robot_0").nvec.tolist() == [2, 4, 4]
+    assert env.action_space("robot_0").nvec.tolist() == [2, 6, 4]
     kinds = [name for name in env.state_names if name.startswith(("recycling", "dump"))]
     expected = ("recycling", "dump", "recycling_2", "recycling_3", "dump_2", "dump_3")
     assert kinds == [f"{station}_{axis}" for station, axis in itertools.product(expected, "xy")]

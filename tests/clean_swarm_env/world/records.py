@@ -16,7 +16,9 @@ def floor_record(garbage, robots, extent, **fields):
         "picked": np.zeros((rows, 2), np.int64), "sight": 0.0, "at_item": 0.0, "at_station": 0.0, "pick_distance": 0.0,
         "lying": np.zeros(items, np.bool_), "cells": np.empty((0, 0), np.int64), "links": np.empty(items, np.int64),
     }  # fmt: skip
-    lying = {name: getattr(garbage, name) for name in ("stage", "leftover", "cargo", "recycled", "done")}
+    lying = {
+        name: getattr(garbage, name) for name in ("stage", "leftover", "cargo", "recycled", "leg", "blind", "done")
+    }
     return FloorRecord(robots=robots, extent=extent, items=garbage.positions, **lying, **blank | fields)
 
 

@@ -117,3 +117,21 @@ def test_worlds_have_items_of_their_own_and_are_laid_out_one_by_one():
     assert garbage.stage.tolist() == [[LYING], [LYING]]
     assert garbage.cargo.tolist() == [NOTHING, NOTHING]
     assert garbage.positions.tolist() == [[[1.0, 1.0]], [[2.0, 2.0]]]
+
+
+def test_what_was_put_down_for_others_stays_so_until_another_item_takes_its_row():
+    garbage = _garbage([[1.0, 1.0]])
+    assert not garbage.hand_over(0, np.array([2.0, 2.0]), 5)
+    _handle(garbage, [[1.0, 1.0], [4.0, 4.0]], _starting(2, r0=PICK))
+    assert garbage.hand_over(0, np.array([2.0, 2.0]), 5)
+    assert (garbage.stage.tolist(), garbage.positions.tolist()) == ([[LYING]], [[[2.0, 2.0]]])
+    assert (garbage.handed.tolist(), garbage.blind.tolist()) == ([[1]], [5, 0])
+    _handle(garbage, [[4.0, 4.0], [2.0, 2.0]], _starting(2, r1=PICK))
+    _handle(garbage, [[4.0, 4.0], [2.0, 2.0]], _starting(2, r1=RECYCLE))
+    assert garbage.handed.tolist() == [[1]]
+    _handle(garbage, [[4.0, 4.0], [2.0, 2.0]], _starting(2, r1=DUMP))
+    assert garbage.arrive(0, np.array([3.0, 3.0]))
+    assert garbage.handed.tolist() == [[0]]
+    garbage.hand_over(0, np.array([2.0, 2.0]), 5)
+    garbage.place(0, np.array([[1.0, 1.0]]))
+    assert (garbage.handed.tolist(), garbage.blind.tolist()) == ([[0]], [0, 0])

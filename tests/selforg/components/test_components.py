@@ -16,6 +16,7 @@ from selforg.components import (
     GoalPresent,
     GoalReached,
     GoalSource,
+    HandOver,
     Known,
     Move,
     MovementSource,
@@ -179,6 +180,21 @@ def test_a_set_state_is_known_from_the_start_of_its_behaviour_on():
     assert Known(memory["role"]).read(SOME).tolist() == [4.0, 4.0]
     memory.reset([0, 1])
     assert (memory["role"].values.tolist(), memory["home"].values.tolist()) == ([0.0, 0.0, 4.0], [1.0, 1.0, 1.0])
+
+
+def test_cargo_is_handed_over_once_it_has_gained_its_span_unless_it_is_near():
+    memory = RobotMemory(4, {"gained": 0.0, "left": 0.0, "ask": 0.0})
+    names = [memory[name] for name in ("gained", "left", "ask")]
+    memory["gained"].write(range(4), [3.9, 4.0, 9.0, 9.0])
+    memory["left"].write(range(4), [5.0, 2.1, 2.0, 5.0])
+    hand_over = HandOver(*names, span=4.0, near=2.0, blind=7.0)
+    hand_over.act(1.0, np.arange(3), np.arange(0), Commands.none(4, 2))
+    assert memory["ask"].values.tolist() == [0.0, 7.0, 0.0, 0.0]
+    memory.reset(range(4))
+    HandOver(*names, span=0.0, near=0.0, blind=7.0).act(1.0, np.arange(4), np.arange(4), Commands.none(4, 2))
+    assert not memory["ask"].values.any()
+    with pytest.raises(ValueError, match=r"HandOver: blind must be at least 1e-06, got 0\.0"):
+        HandOver(*names, span=4.0, near=2.0, blind=0.0)
 
 
 def test_what_cannot_be_known_is_refused():
