@@ -58,9 +58,10 @@ class Results:
         return tables
 
     def summary(self) -> str:
-        """Return the claimed learner, rules and chance beside the best fixed option of each family."""
-        rows = []
-        for label in (self._manifest.claimed, *self._by_hand):
+        """Return learners with as many seeds as the claimed one, rules and chance beside the best fixed option."""
+        learners, rows = self._manifest.learners, []
+        seeds = len(learners[self._manifest.claimed].seeds)
+        for label in (*(name for name, one in learners.items() if len(one.seeds) >= seeds), *self._by_hand):
             claims = self.claims(label)
             rows.append([f"`{label}` / best fixed", *(_ratio(claims[name]) for name in self._manifest.families)])
         return markdown_table(["", *(f"`{name}`" for name in self._manifest.families)], rows)
