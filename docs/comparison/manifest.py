@@ -37,16 +37,20 @@ class Configured(Closed):
 
 
 class Ablation(Closed):
-    """The claimed training with something else or less."""
+    """A training with something else or less."""
 
+    learner: Name | None = None
+    """Label of the learner whose training it is; none: the claimed one."""
     changes: dict[Name, Any] = Field(default_factory=dict)
     """Entries of the training -> what they are instead."""
     without: Name | None = None
     """Option that the library lacks."""
+    only: Name | None = None
+    """The only option that the library has."""
 
 
 class Ablations(Closed):
-    """What the claimed training is compared with."""
+    """What trainings are compared with."""
 
     seeds: Annotated[tuple[int, ...], Field(min_length=1)]
     """Seeds of each."""
@@ -74,7 +78,7 @@ class Manifest(Closed):
     configured: Configured | None = None
     """The option that is configured; none: no such comparison."""
     ablations: Ablations | None = None
-    """What the claimed training needs; none: no such comparison."""
+    """What the trainings need; none: no such comparison."""
 
     @property
     def claimed(self) -> str:

@@ -69,13 +69,17 @@ def _trained(folder: Path, label: str, learner: Learner) -> str:
 
 def _ablated(folder: Path, manifest: Manifest, ablations: Ablations) -> dict[str, Learner]:
     """Write the trainings and the knowledge of what is left out or other; return label -> trainings."""
-    base = load_file("training", manifest.learners[manifest.claimed].training, TrainingConfig).model_dump(mode="json")
     learners = {}
     for label, ablation in ablations.of.items():
-        training = {**base, **ablation.changes}
-        if ablation.without is not None:
+        whole = manifest.learners[ablation.learner or manifest.claimed].training
+        training = {**load_file("training", whole, TrainingConfig).model_dump(mode="json"), **ablation.changes}
+        if ablation.without is not None or ablation.only is not None:
             options = _options(manifest)
-            options[manifest.goal] = [one for one in options[manifest.goal] if one["name"] != ablation.without]
+            options[manifest.goal] = [
+                one
+                for one in options[manifest.goal]
+                if one["name"] != ablation.without and ablation.only in (None, one["name"])
+            ]
             knowledge = _written(folder / f"{label}.knowledge.yaml", {"goals": options})
             training["tasks"] = [{**task, "knowledge": str(knowledge)} for task in training["tasks"]]
         given = {name: value for name, value in training.items() if value is not None}

@@ -140,13 +140,13 @@ class Results:
         )
 
     def _ablated(self, ablations: Ablations) -> str:
-        """Return each ablation beside the claimed learner."""
-        claimed, families = self._manifest.claimed, self._manifest.families
+        """Return each ablation beside the learner whose training it is."""
         rows = []
-        for label in ablations.of:
-            claims = self.claims(label, claimed)
-            rows.append([label, *(_ratio(claims[name]) for name in families)])
-        return markdown_table([f"beside {claimed}", *(f"`{name}`" for name in families)], rows)
+        for label, ablation in ablations.of.items():
+            whole = ablation.learner or self._manifest.claimed
+            claims = self.claims(label, whole)
+            rows.append([label, whole, *(_ratio(claims[name]) for name in self._manifest.families)])
+        return markdown_table(["", "beside", *(f"`{name}`" for name in self._manifest.families)], rows)
 
     def _statistics(self) -> str:
         """Return interquartile means of the excess, and how often the claimed learner is better."""

@@ -62,7 +62,7 @@ class Network:
 
     def __init__(self, policy: TrainedPolicy) -> None:
         spec = policy.spec
-        self._mean, self._clip = np.array(spec.mean), spec.clip
+        self._mean, self._clip, self._reach = np.array(spec.mean), spec.clip, spec.reach
         self._deviation = np.sqrt(np.array(spec.variance) + spec.epsilon)
         self._activation = ACTIVATIONS[spec.activation]
         layers = {
@@ -83,7 +83,10 @@ class Network:
         for layer in self._hidden:
             values = passed(values, layer, self._activation)
         none = ACTIVATIONS["none"]
-        return {name: passed(values, head, none).astype(np.float64) for name, head in self._heads.items()}
+        heads = {name: passed(values, head, none).astype(np.float64) for name, head in self._heads.items()}
+        if "vector" in heads:
+            heads["vector"] = np.clip(heads["vector"], -self._reach, self._reach)
+        return heads
 
 
 def passed(values: Floats32, layer: tuple[Floats32, Floats32], activation: int) -> Floats32:

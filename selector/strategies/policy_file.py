@@ -42,6 +42,8 @@ class PolicySpec(Closed):
     """(O,) names of the options, in the order of the network's outputs; none if it only steers."""
     vector: bool = False
     """Whether the network gives a movement vector: ahead and left, in shares of the largest speed."""
+    reach: Annotated[Positive, Field(le=1.0)] = 1.0
+    """Largest absolute value of a component of the vector."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=100_000)], ...], Field(max_length=100)]

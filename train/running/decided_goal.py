@@ -39,6 +39,7 @@ class DecidedGoal:
         problem: goal, options and scores; the features are all components of the observation. The score of a
             combination is the sum of its options' scores.
         parts: (G,) for each of the goals that are decided, its options.
+        goals: C.
 
     Raises:
         DocumentError: the mission does not coordinate the goal, or has several goals of which none is named.
@@ -53,6 +54,7 @@ class DecidedGoal:
         self._goals, self._columns = names, [list(models).index(name) for name in names]
         self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder = batch.choices.default, batch.recorder
+        self.goals = len(self._default)
         self.problem = models[names[0]].problem(batch.observer.names)
         if len(names) > 1:
             options = tuple(JOINT.join(each) for each in product(*self.parts))

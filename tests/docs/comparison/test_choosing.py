@@ -28,6 +28,7 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
             "of": {
                 "no crowd": {"changes": {"observation": {"terms": ["situation"]}}},
                 "never off": {"without": "Off"},
+                "one option": {"learner": "ES", "only": "ORCA"},
             },
         },
     )
@@ -41,12 +42,14 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
     assert f"| {best:.1f} |" in tables["main"]
     assert f"{own / best:.3f}" in tables["main"]
     assert f"{own / best:.3f}" in tables["learners"]
-    full, no_crowd, never_off = (
+    full, no_crowd, never_off, one_option = (
         json.loads((folder / name / "policy" / "policy.json").read_text())
-        for name in ("ES-1", "no crowd-1", "never off-1")
+        for name in ("ES-1", "no crowd-1", "never off-1", "one option-1")
     )
     assert set(full["observations"]) - set(no_crowd["observations"]) == {"crowd_1m", "crowd_1.5m", "crowd_2.5m"}
     assert set(full["options"]) - set(never_off["options"]) == {"Off"}
+    assert one_option["options"] == ["ORCA"]
+    assert means["one option"]["excess_s"]["mean"] == means["fixed:ORCA"]["excess_s"]["mean"]
     for label in manifest.ablations.of:
         assert f"{means[label]['excess_s']['mean'] / own:.3f}" in tables["ablations"]
     wrong = results.broken()

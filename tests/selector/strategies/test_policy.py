@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from selector.documents.errors import DocumentError
+from selector.strategies.policy import Network
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy, load_policy, save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, create
@@ -51,6 +52,17 @@ def test_a_policy_that_steers_is_no_strategy_and_one_that_gives_nothing_is_refus
         strategy_of(tmp_path)
     with pytest.raises(ValueError, match="options: expected at least one, or a vector, got none"):
         untrained("Goal", (), OBSERVATIONS)
+
+
+def test_vectors_are_no_longer_than_their_reach():
+    context = np.random.default_rng(0).normal(size=(200, 7))
+    free, bounded = (
+        Network(untrained("Goal", OPTIONS, OBSERVATIONS, vector=True, reach=reach)).heads(context)
+        for reach in (1.0, 0.25)
+    )
+    assert np.abs(free["vector"]).max() == 1.0
+    np.testing.assert_array_equal(bounded["vector"], np.clip(free["vector"], -0.25, 0.25))
+    np.testing.assert_array_equal(bounded["options"], free["options"])
 
 
 @pytest.mark.parametrize("activation", ["tanh", "relu"])

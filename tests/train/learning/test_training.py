@@ -134,6 +134,10 @@ def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp
         assert torch.equal(model.predict_values(normal), values) == (kind == "ppo")
     heads = Network(policy.ordered_for(training.goal.problem, "here")).heads(seen[:, :own].astype(np.float64))
     assert list(heads) == {"both": ["options", "vector"], "velocity": ["vector"]}.get(kind, ["options"])
+    if policy.spec.vector:
+        for given in (expected, likeliest):
+            given[:, -2:] = given[:, -2:].clip(-policy.spec.reach, policy.spec.reach)
+        assert policy.spec.reach == training.settings.reach == training.normal.action_space.high[-1]
     np.testing.assert_allclose(np.hstack(list(heads.values())), expected, atol=1e-4)
     decided = [heads["options"].argmax(axis=1)[:, None]] if "options" in heads else []
     np.testing.assert_allclose(
@@ -185,13 +189,24 @@ def test_the_critic_sees_the_state_of_its_world_also_at_the_end_of_a_mission():
     assert ended == 2 * 10 + 2 * 5
 
 
-def test_a_critic_of_the_team_needs_families_with_states_alike(tmp_path):
-    from train.learning.ppo.training import PpoTraining
+def test_the_states_of_worlds_that_differ_in_size_have_zeros_for_what_they_lack():
+    from train.learning.ppo.worlds import TeamEnv
 
-    tasks = [{"family": "random", "worlds": 1}, {"family": "crowded", "worlds": 1}]
-    config = load_training(str(written(tmp_path, "team", tasks=tasks)), "ppo")
-    with pytest.raises(DocumentError, match=r"critic: expected families of as many robots .*, got 5 and 10, 20 and 20"):
-        PpoTraining(job(config, tmp_path / "run"))
+    batches = [Batch(mission(robots={"count": robots}, time_limit=2.0), worlds=1) for robots in (3, 5)]
+    states = [batch.global_state() for batch in batches]
+    envs = TeamEnv(batches)
+    envs.seed(1)
+    rows = envs.reset()
+    over, infos = np.zeros(8, bool), []
+    while not over.any():
+        told = [[dict(zip(envs.names, row[-len(envs.names) :], strict=True)) for row in rows]]
+        for batch, state, seen in zip(batches, states, (told[0][:3], told[0][3:]), strict=True):
+            expected = dict(zip(state.names, state.now()[0], strict=True))
+            assert all(row == {**dict.fromkeys(envs.names, 0.0), **expected} for row in seen), batch.robots
+        rows, _, over, infos = envs.step(np.zeros(8, np.int64))
+    last = [info["terminal_observation"][-len(envs.names) :] for info in infos]
+    assert [row[envs.names.index("time")] for row in last] == [1.0] * 8
+    assert [row[envs.names.index("robot_4_works")] for row in last] == [0.0] * 3 + [1.0] * 5
 
 
 def test_learned_scores_go_to_the_knowledge_store(tmp_path):

@@ -18,7 +18,17 @@ COMMON = {
 KINDS = {
     "ppo": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}},
     "team": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8], "critic": "team"}},
-    "both": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8], "critic": "team", "action": "both"}},
+    "both": {
+        "ppo": {
+            "steps": 20,
+            "minibatch": 100,
+            "epochs": 2,
+            "hidden": [8],
+            "critic": "team",
+            "action": "both",
+            "reach": 0.125,
+        }
+    },
     "velocity": {
         "ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [], "critic": "team", "action": "velocity"}
     },

@@ -1,9 +1,9 @@
 """A bound by looking ahead: at each decision of the team, copies of the world try every option before one is taken.
 
 A copy holds an option for some seconds, then follows a base to the end or up to a horizon: an option, or a policy by
-which each robot chooses for itself. Further copies follow a policy at once. What cost least in the mean of its copies
-is done: a rollout (Bertsekas, Tsitsiklis & Wu 1997, doi:10.1023/A:1009635226865). Nobody can know in a mission what
-copies tell; so this is what choosing for the whole team could bring, not a strategy.
+which each robot chooses for itself, and may correct its movement. Further copies follow a policy at once. What cost
+least in the mean of its copies is done: a rollout (Bertsekas, Tsitsiklis & Wu 1997, doi:10.1023/A:1009635226865).
+Nobody can know in a mission what copies tell; so this is what choosing for the whole team could bring, not a strategy.
 
 A copy has the random numbers of its world, and would know what is drawn. Therefore in each copy one robot drawn at
 random holds an option drawn at random for the first period: a course that differs a little soon is another one.
@@ -18,22 +18,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig, Scenario
+from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
-from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.analysis.claims import claims_of
-from train.evaluation.entrants import FIXED, POLICY, member_pilot
+from train.evaluation.entrants import FIXED, POLICY, any_pilot, mode_of
 from train.reports.text_table import Grid, flat
 from train.running.decided_goal import DecidedGoal
+from train.running.pilots import AnyPilot
 from train.running.trials import TrialSettings, run_trials
 
 LOOKING = "look-ahead"
@@ -71,10 +74,11 @@ class LookingTeam:
     def __init__(self, request: LookAheadRequest, scenario: Scenario, number: int) -> None:
         waiting = iter([scenario])
         seen = ObservationConfig.usual(request.family.terms)
-        batch = partial(Batch, scenario.mission, observation=seen, directories=request.directories)
+        action = _action(as_member(request.base), request.directories)
+        batch = partial(Batch, scenario.mission, observation=seen, directories=request.directories, action=action)
         self._batch = batch(source=lambda _: next(waiting, None))
         self._decided = DecidedGoal(self._batch, request.goal)
-        self._base = _Base(request, self._decided.problem)
+        self._base = _Base(request, self._decided)
         self.alternatives = self._base.alternatives
         worlds = len(self.alternatives) * request.copies
         self._ahead = batch(worlds, begin_anew=False, reward={"cost": -1.0})
@@ -91,8 +95,7 @@ class LookingTeam:
             best = self._best(batch.get_state(), observations)
             self.taken[self.alternatives[best]] += 1
             for _ in range(self._hold):
-                options = self._base.followed(np.full(batch.rows, best), observations)
-                observations = batch.step(self._decided.actions(options)).observations
+                observations = batch.step(self._base.actions(np.full(batch.rows, best), observations)).observations
                 if batch.finished:
                     return batch.finished[0].result
 
@@ -109,7 +112,7 @@ class LookingTeam:
         costs: Floats = np.zeros(ahead.count)
         for period in range(self._horizon):
             held = first if period == 0 else tried if period < self._hold else np.full_like(tried, base.number)
-            step = ahead.step(self._decided.actions(base.followed(held.ravel(), seen)))
+            step = ahead.step(base.actions(held.ravel(), seen))
             rewards, seen = step.rewards.reshape(ahead.count, robots), step.observations
             costs -= rewards.sum(axis=1) / np.maximum(ahead.took_part.reshape(ahead.count, robots).sum(axis=1), 1)
             if ahead.over.all():
@@ -126,21 +129,27 @@ class _Base:
 
     """
 
-    def __init__(self, request: LookAheadRequest, problem: Problem) -> None:
-        options, self._policy = problem.options, None
+    def __init__(self, request: LookAheadRequest, decided: DecidedGoal) -> None:
+        options, self._decided = decided.problem.options, decided
+        self._policy: AnyPilot | None = None
         self.alternatives: tuple[str, ...] = options
         if request.base.startswith(f"{POLICY}:"):
-            self._policy = member_pilot(request.base, problem, np.zeros(0, dtype=np.int64), request.directories)
+            self._policy = any_pilot(request.base, decided.problem, np.zeros(0, dtype=np.int64), request.directories)
             self.alternatives = (*options, request.base)
         elif request.base not in options:
             raise ConfigurationError(f"--base: {unknown('option', request.base, options)}")
         self.number = self.alternatives.index(request.base)
 
-    def followed(self, alternatives: Ints, observations: Observations) -> Ints:
-        """Return the options (R,) of rows with alternatives (R,) that see `observations` (R, F)."""
+    def actions(self, alternatives: Ints, observations: Observations) -> NDArray[Any]:
+        """Return the actions (R, ...) of rows with alternatives (R,) that see `observations` (R, F).
+
+        A policy that corrects the movement corrects that of all rows, whatever option they hold.
+        """
         if self._policy is None:
-            return alternatives
-        return np.where(alternatives == self.number, self._policy.choose(observations), alternatives)
+            return self._decided.actions(alternatives)
+        actions, held = self._decided.decide(self._policy, observations), alternatives != self.number
+        actions[held, : self._decided.goals] = self._decided.actions(alternatives[held])
+        return actions
 
 
 @dataclass(frozen=True)
@@ -172,8 +181,9 @@ def look_ahead_table(request: LookAheadRequest) -> Grid:
     seen = ObservationConfig.usual(request.family.terms)
     settings = TrialSettings(request.goal, observation=seen, directories=request.directories)
     for member in looked.alternatives:
-        maker = partial(member_pilot, member, directories=request.directories)
-        excesses[member] = _excess(run_trials(scenarios, maker, settings))
+        maker = partial(any_pilot, member, directories=request.directories)
+        given = replace(settings, action=_action(member, request.directories))
+        excesses[member] = _excess(run_trials(scenarios, maker, given))
     base, family = as_member(request.base), request.family.name
     claims = claims_of({family: excesses}, [label for label in excesses if label != base], {family: base})
     ratios = {claim.strategy: f"{claim.ratio:.2f} [{claim.ci95[0]:.2f}, {claim.ci95[1]:.2f}]" for claim in claims}
@@ -191,6 +201,14 @@ def as_member(alternative: str) -> str:
 def shares_of(taken: Counter[str], most: int | None = None) -> str:
     """Return the options taken most often, all unless `most` is given, with their shares."""
     return ", ".join(f"{option} {number / taken.total():.0%}" for option, number in taken.most_common(most))
+
+
+def _action(member: str, directories: Sequence[Path]) -> ActionConfig:
+    """Return what a member gives; ConfigurationError for one that steers."""
+    mode = mode_of(member, directories)
+    if mode == "velocity":
+        raise ConfigurationError(f"--base: expected an option or a policy that chooses options, got {member}")
+    return ActionConfig(mode=mode)
 
 
 def _scenarios(request: LookAheadRequest) -> list[Scenario]:

@@ -13,7 +13,9 @@ from selector.strategies.policy_file import PolicySpec, TrainedPolicy
 from selector.strategies.problem import Problem
 
 
-def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[str, Any]) -> TrainedPolicy:
+def exported(
+    model: PPO, normal: VecNormalize, problem: Problem, reach: float, training: dict[str, Any]
+) -> TrainedPolicy:
     """Return the network of `model` as a policy for a problem; `training` describes the training.
 
     The policy sees the features of the problem, which come first in what `normal` gives.
@@ -28,6 +30,7 @@ def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[
         goal=problem.goal,
         options=options,
         vector="vector.bias" in state,
+        reach=reach,
         observations=problem.features,
         hidden=hidden,
         activation="tanh",

@@ -55,7 +55,8 @@ class PpoTraining(Training):
         self._costs: list[float] = []
         batches = self.curriculum.batches
         envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
-        self.normal = VecNormalize(OneGoalEnv(envs, self.goal, self.settings.action), gamma=self.settings.discount)
+        decided = OneGoalEnv(envs, self.goal, self.settings.action, self.settings.reach)
+        self.normal = VecNormalize(decided, gamma=self.settings.discount)
         self.model = _model(self.settings, self.normal, self.goal.problem, job.seed)
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
@@ -72,7 +73,7 @@ class PpoTraining(Training):
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
-        return exported(self.model, self.normal, self.goal.problem, training)
+        return exported(self.model, self.normal, self.goal.problem, self.settings.reach, training)
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""

@@ -18,23 +18,22 @@ from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.errors import DocumentError
 from train.running.decided_goal import DecidedGoal
 
 
 class OneGoalEnv(VecEnvWrapper):
     """An environment whose actions are the option of one goal, a vector, or both in a row, the option first.
 
-    Other goals keep the option of the highest score.
+    Other goals keep the option of the highest score. The components of vectors lie within [-`reach`, `reach`].
     """
 
-    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode) -> None:
+    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode, reach: float = 1.0) -> None:
         count = len(goal.problem.options)
-        highest = np.array([count - 1.0, 1.0, 1.0], dtype=np.float32)
+        highest = np.array([count - 1.0, reach, reach], dtype=np.float32)
         spaces = {
             "option": Discrete(count),
             "velocity": Box(-highest[1:], highest[1:]),
-            "both": Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), highest),
+            "both": Box(np.array([0.0, -reach, -reach], dtype=np.float32), highest),
         }
         super().__init__(envs, action_space=spaces[mode])
         self._goal, self._mode = goal, mode
@@ -59,19 +58,20 @@ class OneGoalEnv(VecEnvWrapper):
 class TeamEnv(VecEnvWrapper):
     """An environment in which the global state of its world follows the observation of each robot: (R, F + G).
 
-    Raises:
-        DocumentError: global states of the batches differ in their components.
+    A state has the components of all batches; those that a world lacks, as of robots and items beyond its own, are 0.
+
+    Attributes:
+        names: (G,) names of the components of a state.
 
     """
 
     def __init__(self, batches: Sequence[Batch]) -> None:
         self._batches, self._states = batches, [batch.global_state() for batch in batches]
-        if len({state.names for state in self._states}) > 1:
-            sizes = ", ".join(f"{b.robots} and {b.worlds.garbage.stage.shape[1]}" for b in batches)
-            expected = "families of as many robots and items and with the same options"
-            raise DocumentError(f"ppo: critic: expected {expected}, because it sees the state of all, got {sizes}")
+        self.names = tuple(dict.fromkeys(name for state in self._states for name in state.names))
+        column = {name: number for number, name in enumerate(self.names)}
+        self._columns = [[column[name] for name in state.names] for state in self._states]
         envs = RobotVecEnv(batches=batches)
-        highest = np.append(envs.observation_space.high, np.ones(len(self._states[0].names), np.float32))
+        highest = np.append(envs.observation_space.high, np.ones(len(self.names), np.float32))
         super().__init__(envs, observation_space=Box(-highest, highest, dtype=np.float32))
 
     def reset(self) -> Observations:
@@ -82,15 +82,24 @@ class TeamEnv(VecEnvWrapper):
         """Return the results of the step."""
         observations, rewards, over, infos = self.venv.step_wait()
         first = 0
-        for batch, state in zip(self._batches, self._states, strict=True):
+        for number, batch in enumerate(self._batches):
             for end in batch.finished:
+                final = self._filled(number, self._states[number].final[end.world])
                 for info in infos[first + end.world * batch.robots :][: batch.robots]:
-                    info["terminal_observation"] = np.append(info["terminal_observation"], state.final[end.world])
+                    info["terminal_observation"] = np.append(info["terminal_observation"], final)
             first += batch.rows
         return self._followed(observations), rewards, over, infos
 
     def _followed(self, observations: Observations) -> Observations:
         """Return observations (R, F) with the states of the worlds as they are behind them."""
-        robots = [batch.robots for batch in self._batches]
-        states = [np.repeat(state.now(), count, axis=0) for state, count in zip(self._states, robots, strict=True)]
+        states = [
+            np.repeat(self._filled(number, state.now()), self._batches[number].robots, axis=0)
+            for number, state in enumerate(self._states)
+        ]
         return np.hstack([observations, np.concatenate(states)])
+
+    def _filled(self, number: int, states: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return states (..., components of batch `number`) with zeros for the components that it lacks (..., G)."""
+        filled = np.zeros((*states.shape[:-1], len(self.names)), dtype=np.float32)
+        filled[..., self._columns[number]] = states
+        return filled
