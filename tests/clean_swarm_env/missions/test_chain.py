@@ -7,6 +7,8 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.progress import PICKINGS, RECYCLINGS, MissionProgress
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.world.cleaning_robot import GARBAGE_AT, GARBAGE_FOUND, GARBAGE_SEEN, coordinators_of
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
@@ -173,6 +175,23 @@ def test_worlds_go_on_alike_alone_in_a_batch_and_from_a_state():
             alone[world].reset(0, random_start(mission, 9, 9), 9)
             alone[world].set_state(state)
     assert seen > 0
+
+
+def test_a_recording_holds_what_was_put_down_and_where(tmp_path):
+    worlds = one_robot((1.0, 10.0))
+    recorder = MissionRecorder(worlds, RecordSettings(tmp_path))
+    path = recorder.begin(0, {})
+    frames = []
+    while not frames or not worlds.garbage.recycled[0]:
+        worlds.tick()
+        recorder.take()
+        frames.append((worlds.garbage.stage[0, 0], *worlds.garbage.positions[0, 0]))
+    recorder.close()
+    recorded = RecordedMission(path)
+    stages, *places = np.array(frames).T
+    assert recorded["item_stage"][:, 0].tolist() == stages.tolist()
+    np.testing.assert_allclose([recorded["item_x"][:, 0], recorded["item_y"][:, 0]], places, atol=0.0006)
+    assert len({tuple(place) for place in np.transpose(places)}) == 2
 
 
 def whole(worlds, world):
