@@ -1,14 +1,17 @@
 """Looking ahead: the mission is not disturbed by its copies, and bad options are seen."""
 
+import numpy as np
 import pytest
 import yaml
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.observation.config import ObservationConfig
+from tests.selector.strategies.policies import exported
 from train import cli
 from train.evaluation.choosing.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
-from train.evaluation.entrants import member_pilot
+from train.evaluation.entrants import any_pilot, member_pilot, mode_of
 from train.running.trials import TrialSettings, run_trials
 
 GOOD = {"configuration": "PredictiveSteering"}
@@ -47,22 +50,40 @@ def test_an_option_that_costs_much_is_not_taken(tmp_path):
     assert note.startswith("taken by the look-ahead: PredictiveSteering")
 
 
-def test_a_policy_is_followed_where_no_option_is_better(tmp_path):
+@pytest.mark.parametrize("policy", ["policy:exploring-ppo", "policy:exploring-both"])
+def test_a_policy_is_followed_where_no_option_is_better(policy):
     asked = LookAheadRequest(
-        load_family("clustered"), "policy:exploring-ppo", 1, 1, 1, hold=60.0, horizon=60.0, goal="ExplorationPatrol"
+        load_family("clustered"), policy, 1, 1, 1, hold=60.0, horizon=60.0, goal="ExplorationPatrol"
     )
     scenario = asked.family.scenario(1, 0, "test")
     team = LookingTeam(asked, scenario, 0)
-    assert team.alternatives[-1] == "policy:exploring-ppo"
+    assert team.alternatives[-1] == policy
     team._best = lambda state, observations: len(team.alternatives) - 1
 
     def pilot(problem, teams):
-        return member_pilot("policy:exploring-ppo", problem, teams)
+        return any_pilot(policy, problem, teams)
 
-    seen = ObservationConfig.usual(asked.family.terms)
-    (alone,) = run_trials([scenario], pilot, TrialSettings("ExplorationPatrol", observation=seen))
+    seen, action = ObservationConfig.usual(asked.family.terms), ActionConfig(mode=mode_of(policy))
+    (alone,) = run_trials([scenario], pilot, TrialSettings("ExplorationPatrol", observation=seen, action=action))
     assert team.result() == alone
-    assert team.taken.keys() == {"policy:exploring-ppo"}
+    assert team.taken.keys() == {policy}
+
+
+def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_of_its_corrections():
+    asked = LookAheadRequest(
+        load_family("clustered"), "policy:exploring-both", 1, 1, 1, hold=1.0, horizon=1.0, goal="ExplorationPatrol"
+    )
+    team = LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
+    seen, options = team._batch.reset(), np.arange(team._batch.rows) % len(team.alternatives)
+    followed, tried = (
+        team._base.actions(np.full_like(options, team._base.number), seen),
+        team._base.actions(options, seen),
+    )
+    assert np.array_equal(followed[:, -2:], tried[:, -2:])
+    assert np.abs(followed[:, -2:]).max() > 0.0
+    goal = [coordinator.model.goal for coordinator in team._batch.worlds.coordinators].index("ExplorationPatrol")
+    follows = options == team._base.number
+    assert np.array_equal(tried[:, goal], np.where(follows, followed[:, goal], options))
 
 
 @pytest.mark.parametrize(
@@ -70,9 +91,11 @@ def test_a_policy_is_followed_where_no_option_is_better(tmp_path):
     [
         ("PredictiveSteerin", r"--base: unknown option 'PredictiveSteerin'.*PredictiveSteering"),
         ("policy:nobody", r"nobody"),
+        ("policy:steers", r"--base: expected an option or a policy that chooses options, got policy:steers"),
     ],
 )
 def test_a_base_that_does_not_exist_is_one_line(tmp_path, base, line):
+    exported(tmp_path / "policies" / "steers", "AvoidCollision", (), ("idle",), vector=True)
     asked = request(tmp_path, GOOD, base=base)
     with pytest.raises(ConfigurationError, match=line):
         LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
