@@ -25,7 +25,7 @@ class Compared(Closed):
     control: Flag = False
     """Whether nothing is to be gained there: the learner has to be no worse than the best fixed choice."""
     looked_ahead: int = 0
-    """Number of the first test scenarios on which teams look ahead, too."""
+    """Number of the first test scenarios on which teams look ahead, too, from what the claimed learner does."""
 
 
 class Configured(Closed):
@@ -77,8 +77,6 @@ class Manifest(Closed):
     """Further strategies to beat."""
     configured: Configured | None = None
     """The option that is configured; none: no such comparison."""
-    looks_from: Name | None = None
-    """Label of the learner whose first training teams look ahead from; none: the claimed one."""
     ablations: Ablations | None = None
     """What the trainings need; none: no such comparison."""
 

@@ -112,17 +112,17 @@ def _with_configured(folder: Path, manifest: Manifest, configured: Configured) -
 
 
 def _look_ahead(folder: Path, manifest: Manifest, family: str, compared: Compared) -> None:
-    """Let teams look ahead from what the first training of a learner does, unless they did."""
+    """Let teams look ahead from what the first training of the claimed learner does, unless they did."""
     file = looked_ahead_file(folder, family)
     if file.exists():
         return
-    learner = manifest.looks_from or manifest.claimed
-    base = f"{POLICY}:{folder / f'{learner}-{manifest.learners[learner].seeds[0]}' / 'policy'}"
+    claimed, first = manifest.claimed, manifest.learners[manifest.claimed].seeds[0]
+    base = f"{POLICY}:{folder / f'{claimed}-{first}' / 'policy'}"
     request = LookAheadRequest(
         load_family(family), base, 1, compared.looked_ahead, COPIES, HOLD, HORIZON, manifest.goal
     )
     looked = looked_ahead(request)
-    taken = {learner if name == base else name: number for name, number in looked.taken.items()}
+    taken = {claimed if name == base else name: number for name, number in looked.taken.items()}
     content = {"excess_s": [result.excess_s for result in looked.results], "taken": taken}
     write_whole(file, json.dumps(content).encode())
 

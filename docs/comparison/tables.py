@@ -163,8 +163,7 @@ class Results:
         return markdown_table(heads, rows)
 
     def _looking(self) -> str:
-        """Return how far learners come on the way from the best fixed option to looking ahead."""
-        labels = list(dict.fromkeys((self._manifest.claimed, self._manifest.looks_from or self._manifest.claimed)))
+        """Return how far the claimed learner comes on the way from the best fixed option to looking ahead."""
         rows = []
         for name, compared in self._manifest.families.items():
             if not compared.looked_ahead:
@@ -173,15 +172,12 @@ class Results:
             own = {label: values[:, : compared.looked_ahead] for label, values in self._excesses[name].items()}
             own[LOOKING] = np.array(content["excess_s"])[None, :, None]
             claim, *_ = claims_of({name: own}, [LOOKING], {name: self.best[name]})
-            best, looked = own[self.best[name]].mean(), own[LOOKING].mean()
-            row = [f"`{name}`", f"{best:.1f}", f"{looked:.1f}", _ratio(claim)]
-            for label in labels:
-                mean = own[label].mean()
-                share = f"{(best - mean) / (best - looked):.0%}" if claim.ci95[1] < 1.0 else "no gap is shown"
-                row.append(f"{mean:.1f}, {share}")
-            rows.append([*row, shares_of(Counter(content["taken"]), 3)])
-        heads = ["family", "best fixed, excess s", LOOKING, "to best fixed"]
-        return markdown_table([*heads, *(f"{label}, share of the way" for label in labels), "it takes"], rows)
+            best, claimed, looked = (own[label].mean() for label in (self.best[name], self._manifest.claimed, LOOKING))
+            share = f"{(best - claimed) / (best - looked):.0%}" if claim.ci95[1] < 1.0 else "no gap is shown"
+            taken = shares_of(Counter(content["taken"]), 3)
+            rows.append([f"`{name}`", f"{best:.1f}", f"{claimed:.1f}", f"{looked:.1f}", _ratio(claim), share, taken])
+        heads = ["family", "best fixed, excess s", self._manifest.claimed, LOOKING, "to best fixed", "share of the way"]
+        return markdown_table([*heads, "it takes"], rows)
 
 
 def _curve(history: Path, family: str) -> list[float]:
