@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
+
+import numpy as np
 
 from clean_swarm_env.config.network import NetworkConfig
 from selector.configurations.library import Library
@@ -13,6 +16,8 @@ from selector.coordination.robot_network import RobotNetwork
 from selector.documents.errors import DocumentError, shown
 from selector.documents.find import find_file
 from selector.knowledge import Knowledge
+from selforg.arrays import Floats, Ints
+from selforg.components.memory import RobotMemory
 from selforg.network.model.behaviours import Sensor
 
 GOAL = "AvoidCollision"
@@ -75,3 +80,31 @@ def robot_network(
     if missing:
         raise DocumentError(f"{shown(path)}: expected the behaviours {', '.join(BEHAVIOURS)}; {missing[0]} is missing")
     return robot
+
+
+class CargoMemory:
+    """What configurations expect to know of the cargo of their robots, and ask for, by names in their memory.
+
+    Attributes:
+        handed: (R,) time for which a robot that now puts down its cargo is to see no garbage [s], 0: it keeps it; None
+            if no configuration can ask for that.
+
+    """
+
+    TOLD: Final = ("recycled", "left", "gained")
+    """Whether the cargo has been recycled, its way to the next station [m], and by how much that is shorter than from
+    where it was picked or recycled [m]."""
+    HAND_OVER: Final = "hand_over"
+
+    def __init__(self, memory: RobotMemory) -> None:
+        self._told = {name: memory[name] for name in self.TOLD if name in memory.kinds}
+        self.handed = memory[self.HAND_OVER] if self.HAND_OVER in memory.kinds else None
+
+    def tell(self, recycled: Ints, leg: Floats, readings: Floats) -> None:
+        """Remember the cargo, whether `recycled` (R,), with the length `leg` (R,) [m] of its way, and `readings`."""
+        if not self._told:
+            return
+        left = np.where(recycled == 1, readings[:, DIST_DUMP], readings[:, DIST_RECYCLING])
+        known = {"recycled": recycled, "left": left, "gained": leg - left}
+        for name, remembered in self._told.items():
+            remembered.values[:] = known[name]

@@ -13,7 +13,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.cleaning_robot import DIST_DUMP, DIST_RECYCLING, robot_network
+from clean_swarm_env.world.cleaning_robot import CargoMemory, robot_network
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
 from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
 from clean_swarm_env.world.tick_kernels import begin_commands, read_sensors
@@ -40,11 +40,6 @@ PHEROMONES: Final = "pheromone"
 """Channel of the pheromones that patrolling robots deposit."""
 STATION_CHANNELS: Final = ("recycling", "dump")
 """Channels of the stations, by their kinds."""
-TOLD: Final = ("recycled", "left", "gained")
-"""Names under which configurations may expect to know of the cargo: whether it has been recycled, its way to the next
-station [m], and by how much that is shorter than from where it was picked or recycled [m]."""
-HAND_OVER: Final = "hand_over"
-"""Name under which configurations ask to put down cargo: by the time for which the robot then sees no garbage [s]."""
 
 
 class Inner(Protocol):
@@ -87,7 +82,7 @@ class Minds:
         to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
             behaviour moves the robots.
         commands: the commands to the robots in this tick.
-        hand_over: (R,) time for which a robot that now puts down its cargo is to see no garbage [s], 0: it keeps it.
+        cargo: what configurations know of the robots' cargo, and ask for.
         packed: the record that compiled code takes.
 
     """
@@ -164,9 +159,7 @@ class Minds:
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
-        self._told = {name: self._memory[name] for name in TOLD if name in self._memory.kinds}
-        asked = HAND_OVER in self._memory.kinds
-        self.hand_over: Floats = self._memory[HAND_OVER].values if asked else np.zeros(self.rows)
+        self.cargo = CargoMemory(self._memory)
         host = Host(self.poses, self.buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(
             Coordinator(m, self.network, host, during=robot.during.get(m.goal, ()), explained=explained) for m in models
@@ -258,22 +251,13 @@ class Minds:
     def sense(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
         self.sense_floor(floor)
-        if self._told:
-            self._tell(floor.record)
+        self.cargo.tell(floor.record.recycled, floor.record.leg, self.network.readings)
         for inner in self._inner:
             inner.sense(now)
 
     def sense_floor(self, floor: Packed[FloorRecord]) -> None:
         """Write the robots' own sensors into the readings."""
         read_sensors(floor.words, self.packed.words)
-
-    def _tell(self, floor: FloorRecord) -> None:
-        """Write what configurations expect to know of the cargo into the memory."""
-        readings = self.network.readings
-        left = np.where(floor.recycled == 1, readings[:, DIST_DUMP], readings[:, DIST_RECYCLING])
-        known = {"recycled": floor.recycled, "left": left, "gained": floor.leg - left}
-        for name, remembered in self._told.items():
-            remembered.values[:] = known[name]
 
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""

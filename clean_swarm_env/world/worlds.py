@@ -176,7 +176,8 @@ class Worlds:
             if self._correction is not None:
                 minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
-            self._hand_over()
+            if minds.cargo.handed is not None:
+                self._hand_over(minds.cargo.handed.values)
         else:
             minds.sense_floor(floor.packed)
             self._hide(handle_cargo_in_reach(floor.packed.words, minds.packed.words, working))
@@ -191,9 +192,9 @@ class Worlds:
         if picked:
             self.hide_items(*self.floor.picked(picked))
 
-    def _hand_over(self) -> None:
-        """Put down the cargo that options hand over to others, unless its robot stands after a collision."""
-        asked, garbage = self.minds.hand_over, self.garbage
+    def _hand_over(self, asked: Floats) -> None:
+        """Put down the cargo for which options `asked` (R,), unless its robot stands after a collision."""
+        garbage = self.garbage
         for row in np.flatnonzero(asked).tolist():
             place, blind = self.physics.positions[row], max(round(asked[row] / self.period), 1)
             if not self.floor.consequences.standing[row] and garbage.hand_over(row, place, blind):

@@ -11,6 +11,8 @@ WINDING_UP = 10.0
 """Seconds for which a command that is ending ignores further signals, so that nothing is left behind."""
 AGAIN = 0.05
 """Seconds after which a signal that had to wait is tried again."""
+TIMED = hasattr(signal, "setitimer")
+"""Whether the system can try it again."""
 
 
 class _Ending:
@@ -34,7 +36,7 @@ class _Ending:
 
     def __exit__(self, *_: object) -> None:
         sys.unraisablehook = sys.__unraisablehook__
-        if hasattr(signal, "setitimer"):
+        if TIMED:
             signal.setitimer(signal.ITIMER_REAL, 0.0)  # SIGALRM would kill a process whose handlers are gone
         if self._latest == float("-inf"):
             for number, before in self._before.items():
@@ -49,7 +51,7 @@ class _Ending:
         now = time.monotonic()
         if now - self._latest < WINDING_UP:
             return
-        if _has_to_wait(frame) and hasattr(signal, "setitimer"):
+        if _has_to_wait(frame) and TIMED:
             self._try_again()
             return
         self._latest = now
@@ -60,7 +62,7 @@ class _Ending:
         signal.setitimer(signal.ITIMER_REAL, AGAIN)
 
     def _dropped(self, what: "sys.UnraisableHookArgs") -> None:
-        if what.exc_type is KeyboardInterrupt and hasattr(signal, "setitimer"):
+        if what.exc_type is KeyboardInterrupt and TIMED:
             self._latest = float("-inf")
             self._try_again()
         else:

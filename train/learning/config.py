@@ -84,8 +84,7 @@ class PpoConfig(Closed):
     deviation: Positive = 1.0
     """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
     reach: Annotated[Positive, Field(le=1.0)] = 1.0
-    """Largest absolute value of a component of vectors, in shares of the largest speed. With corrections below 1 robots
-    cannot come to rest for ever where all of them keep away from each other."""
+    """Largest absolute value of a component of vectors, in shares of the largest speed."""
     critic: Literal["own", "team"] = "own"
     """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
     training only."""

@@ -43,6 +43,10 @@ def handles_sigterm(process):
     return bool(int(caught.split()[1], 16) >> signal.SIGTERM - 1 & 1)
 
 
+def run_code(code):
+    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+
+
 @pytest.mark.parametrize("workers", ["1", "2"])
 @pytest.mark.parametrize("gap", [0.0, 0.02, 0.3])
 def test_ctrl_c_twice_in_the_runs_leaves_nothing_behind(tmp_path, workers, gap):
@@ -89,7 +93,7 @@ def test_a_signal_waits_until_an_import_or_llvm_is_done(module):
         "    except KeyboardInterrupt:\n"
         "        print(2)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    done = run_code(code)
     assert done.stdout.split() == ["1", "2"]
 
 
@@ -109,7 +113,7 @@ def test_no_signal_that_waited_comes_after_the_end(ends):
         "    pass\n"
         "print(signal.getitimer(signal.ITIMER_REAL)[0] > 0.0)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    done = run_code(code)
     assert done.stdout.split() == ["True", "False"]
 
 
@@ -123,7 +127,7 @@ def test_ctrl_c_before_a_command_begins_is_one_line(place):
         "sys.argv = ['clean-swarm', 'list']\n"
         "main()\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    done = run_code(code)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
 
 
@@ -142,5 +146,5 @@ def test_a_signal_comes_again_where_its_exception_was_dropped():
         "    except KeyboardInterrupt:\n"
         "        print(1)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=50)
+    done = run_code(code)
     assert (done.stdout, done.stderr) == ("1\n", "")

@@ -199,8 +199,8 @@ def test_the_states_of_worlds_that_differ_in_size_have_zeros_for_what_they_lack(
     rows = envs.reset()
     over, infos = np.zeros(8, bool), []
     while not over.any():
-        told = [[dict(zip(envs.names, row[-len(envs.names) :], strict=True)) for row in rows]]
-        for batch, state, seen in zip(batches, states, (told[0][:3], told[0][3:]), strict=True):
+        told = [dict(zip(envs.names, row[-len(envs.names) :], strict=True)) for row in rows]
+        for batch, state, seen in zip(batches, states, (told[:3], told[3:]), strict=True):
             expected = dict(zip(state.names, state.now()[0], strict=True))
             assert all(row == {**dict.fromkeys(envs.names, 0.0), **expected} for row in seen), batch.robots
         rows, _, over, infos = envs.step(np.zeros(8, np.int64))

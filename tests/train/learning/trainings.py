@@ -15,23 +15,12 @@ COMMON = {
     "decisions": 600,
     "validation": {"scenarios": 1, "every": 3},
 }
+SMALL = {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}
 KINDS = {
-    "ppo": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}},
-    "team": {"ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8], "critic": "team"}},
-    "both": {
-        "ppo": {
-            "steps": 20,
-            "minibatch": 100,
-            "epochs": 2,
-            "hidden": [8],
-            "critic": "team",
-            "action": "both",
-            "reach": 0.125,
-        }
-    },
-    "velocity": {
-        "ppo": {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [], "critic": "team", "action": "velocity"}
-    },
+    "ppo": {"ppo": SMALL},
+    "team": {"ppo": SMALL | {"critic": "team"}},
+    "both": {"ppo": SMALL | {"critic": "team", "action": "both", "reach": 0.125}},
+    "velocity": {"ppo": SMALL | {"hidden": [], "critic": "team", "action": "velocity"}},
     "bandit": {
         "bandit": {
             "strategy": {"name": "LinearThompson"},
