@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from reprlib import repr as brief
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from clean_swarm_env.learning.phases import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name
+from selector.documents.fields import Closed, Name, Positive
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
@@ -32,8 +32,16 @@ class ActionConfig(Closed):
     mode: Mode = "option"
     """Whether an action is the option that serves each goal, the movement vector in the robot's frame, or both: options
     and a correction of the movement."""
+    patience: Positive | None = None
+    """Time after which a robot that has not got on is pushed at random in place of its correction [s]; none: never."""
     serves: dict[Name, tuple[Phase, ...]] = Field(default={})
     """Option -> the only phases in which it can serve; an option that is not named can always serve."""
+
+    @model_validator(mode="after")
+    def _corrects(self) -> Self:
+        if self.patience is not None and self.mode != "both":
+            raise ValueError(f"patience: expected with corrections, mode both, got mode {self.mode}")
+        return self
 
 
 class OptionActions:
@@ -106,8 +114,8 @@ class Controls:
     of behaviours instead, and the network decides as ever.
     """
 
-    def __init__(self, worlds: Worlds, choices: OptionActions, mode: Mode) -> None:
-        self._worlds, self._choices, self._mode = worlds, choices, mode
+    def __init__(self, worlds: Worlds, choices: OptionActions, config: ActionConfig) -> None:
+        self._worlds, self._choices, self._mode, self._patience = worlds, choices, config.mode, config.patience
         self._vectors: Floats = np.zeros((worlds.rows, 2))
         self._max_speed = worlds.mission.robots.max_speed
 
@@ -125,7 +133,10 @@ class Controls:
         """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
         given = checked_vectors(actions, self._worlds.rows)
         turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
-        self._worlds.steer(self._vectors, added=self._mode == "both")
+        if self._mode == "both":
+            self._worlds.correct(self._vectors, self._patience)
+        else:
+            self._worlds.steer(self._vectors)
 
 
 def parted(actions: NDArray[Any], rows: int, goals: int) -> tuple[Ints, NDArray[Any]]:

@@ -105,7 +105,7 @@ class Batch(AnyBatch):
         self.period, self.decision_period = self.worlds.period, self.mission.decision_period
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         self.choices = OptionActions(models, self.action)
-        self._controls = Controls(self.worlds, self.choices, self.action.mode)
+        self._controls = Controls(self.worlds, self.choices, self.action)
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.rewards = Rewards(reward, self.worlds.period)

@@ -33,6 +33,7 @@ from selforg.network.planning.names import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 from selforg.space import Torus
+from selforg.standstill import Standstill
 
 ITEM_CHANNEL: Final = "garbage"
 """Channel of the items."""
@@ -82,6 +83,7 @@ class Minds:
         to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
             behaviour moves the robots.
         commands: the commands to the robots in this tick.
+        standstill: for how long robots that are corrected have not got on.
         cargo: what configurations know of the robots' cargo, and ask for.
         packed: the record that compiled code takes.
 
@@ -101,6 +103,7 @@ class Minds:
         self._build_buffers(mission, worlds)
         self._build_network(mission, models, directories, explained)
         self.commands = Commands.none(self.rows, 2)
+        self.standstill = Standstill(self.rows, self.poses.space)
         index = self.network.model.behaviour_index
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
@@ -198,7 +201,7 @@ class Minds:
         """Return what robots hand on to the next tick, but for the buffers and the random draws."""
         own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
         inner = (part.lasting() for part in self._inner)
-        return together((own, self.network.lasting(), self._memory.lasting(), *inner))
+        return together((own, self.network.lasting(), self._memory.lasting(), self.standstill.lasting(), *inner))
 
     def restore(self) -> None:
         """Go on from what has been written to those arrays."""
@@ -211,6 +214,7 @@ class Minds:
         for buffer in self.buffers.values():
             buffer.clear_rows(rows)
         self.network.reset(rows)
+        self.standstill.reset(rows)
         self._memory.reset(rows)
         for inner in self._inner:
             inner.reset(rows)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from clean_swarm_env.world.world_state import WorldState, WorldStates, from_byte
 from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
+
+PUSH: Final = 0.2
+"""Speed with which robots that do not get on are pushed, in shares of the largest one."""
 
 
 class Worlds:
@@ -143,13 +147,24 @@ class Worlds:
         """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""
         hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
-    def steer(self, vectors: Floats | None, *, added: bool = False) -> None:
+    def steer(self, vectors: Floats | None) -> None:
         """Make robots follow vectors (R, 2) [m/s] from the next tick on; None: their behaviours again.
 
         The networks of steered robots decide nothing. The robots pick, recycle and dump wherever their sensors allow
-        it. If vectors are `added` to those of behaviours, networks decide as ever.
+        it.
         """
-        self._steered, self._correction = (None, vectors) if added else (vectors, None)
+        self._steered, self._correction = vectors, None
+
+    def correct(self, vectors: Floats, patience: float | None = None) -> None:
+        """Add vectors (R, 2) [m/s] to what behaviours command from the next tick on; networks decide as ever.
+
+        A robot that has not got on for `patience` [s] is pushed in a random direction instead: robots that keep away
+        from each other might stand for ever.
+        """
+        self._steered, self._correction = None, vectors.copy()
+        if patience is not None:
+            stuck = np.flatnonzero(self.minds.standstill.waited > patience / self.period)
+            self._correction[stuck] = PUSH * self.mission.robots.max_speed * self.minds.directions.take(stuck)[:, :2]
 
     def hide_items(self, worlds: Ints, places: Floats) -> None:
         """Delete the gradients of items that lay at `places` (K, 2) [m] of `worlds` (K,), unless others lie there."""
@@ -174,6 +189,7 @@ class Worlds:
             self._hide(handle_cargo_as_decided(floor.packed.words, minds.packed.words))
             minds.act(floor.packed, now)
             if self._correction is not None:
+                minds.standstill.note(self.physics.positions)
                 minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
             if minds.cargo.handed is not None:

@@ -44,6 +44,8 @@ class PolicySpec(Closed):
     """Whether the network gives a movement vector: ahead and left, in shares of the largest speed."""
     reach: Annotated[Positive, Field(le=1.0)] = 1.0
     """Largest absolute value of a component of the vector."""
+    patience: Positive | None = None
+    """Time after which a robot that has not got on is pushed at random in place of its correction [s]; none: never."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=100_000)], ...], Field(max_length=100)]

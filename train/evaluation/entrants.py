@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
-from clean_swarm_env.learning.actions import Mode
+from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observer
@@ -104,7 +104,7 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
 
     """
     kind, _, name = member.partition(":")
-    if mode_of(member, directories) != "option":
+    if action_of(member, directories).mode != "option":
         raise ConfigurationError(f"{member}: expected a strategy that chooses options, got one that steers")
     if kind == POLICY and Path(name).suffix in LOADERS:
         return ModelPilot(Path(name), problem)
@@ -131,13 +131,14 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     return StrategyPilot(strategy, columns, problem)
 
 
-def mode_of(member: str, directories: Sequence[Path] = ()) -> Mode:
+def action_of(member: str, directories: Sequence[Path] = ()) -> ActionConfig:
     """Return what a member gives: options, movement vectors, or options and corrections."""
     kind, _, name = member.partition(":")
     if kind != POLICY or Path(name).suffix in LOADERS:
-        return "velocity" if kind == VELOCITY else "option"
+        return ActionConfig(mode="velocity" if kind == VELOCITY else "option")
     spec = load_policy(find_policy(name, directories)).spec
-    return "velocity" if not spec.options else "both" if spec.vector else "option"
+    mode: Mode = "velocity" if not spec.options else "both" if spec.vector else "option"
+    return ActionConfig(mode=mode, patience=spec.patience)
 
 
 def any_pilot(member: str, problem: Problem, teams: Ints, directories: Sequence[Path] = ()) -> AnyPilot:
@@ -162,7 +163,7 @@ def check_fit(
     for entrant in entrants:
         for member in entrant.members:
             try:
-                seen = steered if mode_of(member, directories) == "velocity" else problem
+                seen = steered if action_of(member, directories).mode == "velocity" else problem
                 any_pilot(member, seen, teams, directories)
             except DocumentError as error:
                 raise DocumentError(f"--strategy {entrant.label}: {error}") from error

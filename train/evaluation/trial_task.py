@@ -19,7 +19,7 @@ from selector.documents.errors import DocumentError
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
-from train.evaluation.entrants import FIXED, any_pilot, mode_of
+from train.evaluation.entrants import FIXED, action_of, any_pilot
 from train.running.finished_runs import natural_order
 from train.running.pilots import AnyPilot
 from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
@@ -130,7 +130,7 @@ class TrialTask:
     @cached_property
     def action(self) -> ActionConfig:
         """What the member gives: options, movement vectors or both."""
-        return ActionConfig(mode=mode_of(self.member, self.directories))
+        return action_of(self.member, self.directories)
 
     @property
     def observation(self) -> ObservationConfig:

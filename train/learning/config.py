@@ -85,6 +85,8 @@ class PpoConfig(Closed):
     """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
     reach: Annotated[Positive, Field(le=1.0)] = 1.0
     """Largest absolute value of a component of vectors, in shares of the largest speed."""
+    patience: Positive | None = None
+    """Time after which a robot that has not got on is pushed at random in place of its correction [s]; none: never."""
     critic: Literal["own", "team"] = "own"
     """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
     training only."""
@@ -237,7 +239,7 @@ class TrainingConfig(Closed):
     @property
     def action(self) -> ActionConfig:
         """What a learner gives."""
-        return ActionConfig(mode=self.ppo.action if self.ppo is not None else "option")
+        return ActionConfig(mode=self.ppo.action, patience=self.ppo.patience) if self.ppo else ActionConfig()
 
 
 def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> TrainingConfig:

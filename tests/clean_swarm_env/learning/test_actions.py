@@ -197,6 +197,56 @@ def test_a_correction_is_added_to_what_behaviours_command():
     assert before.any()
 
 
+def braking(patience):
+    """A batch whose robots are corrected backwards all the time: they turn and turn."""
+    batch = Batch(action={"mode": "both", "patience": patience})
+    batch.reset([1])
+    return batch, np.tile([0.0, -1.0, 0.0], (5, 1))
+
+
+def test_robots_that_do_not_get_on_are_pushed_at_random_until_they_do():
+    batch, actions = braking(2.0)
+    worlds, given = batch.worlds, np.zeros((5, 2))
+    add, space = worlds.minds.commands.add, worlds.minds.poses.space
+
+    def add_and_note(vectors):
+        given[:] = vectors
+        add(vectors)
+
+    object.__setattr__(worlds.minds.commands, "add", add_and_note)
+    places, since, shares, pushes = np.zeros((5, 2)), np.zeros(5, int), [], []
+    for tick in range(600):
+        if tick % 5 == 0:
+            ticks, stuck = batch.ticks(actions), worlds.period * (tick - 1 - since) > 2.0 + 1e-9
+        positions = worlds.physics.positions.copy()
+        next(ticks)
+        got_on = np.hypot(*space.offsets(places, positions).T) > 0.5
+        places[got_on], since[got_on] = positions[got_on], tick
+        np.testing.assert_allclose(np.hypot(*given.T), np.where(stuck, 0.2, 1.0))
+        shares.append(stuck)
+        pushes.extend(given[stuck].tolist() if tick % 5 == 0 else [])
+    assert 0.05 < np.mean(shares) < 0.95
+    assert np.abs(np.mean(pushes, axis=0)).max() < 0.06
+    assert len(set(map(tuple, pushes))) == len(pushes) > 50
+
+
+def test_the_patience_is_part_of_the_state_of_a_world():
+    batch, actions = braking(2.0)
+    for _ in range(17):
+        batch.step(actions)
+    other, _ = braking(2.0)
+    other.step(actions)
+    other.set_state(batch.get_state())
+    for _ in range(20):
+        assert batch.step(actions).observations.tobytes() == other.step(actions).observations.tobytes()
+
+
+@pytest.mark.parametrize("mode", ["option", "velocity"])
+def test_patience_without_corrections_is_refused(mode):
+    with pytest.raises(ValueError, match=f"patience: expected with corrections, mode both, got mode {mode}"):
+        ActionConfig(mode=mode, patience=2.0)
+
+
 @pytest.mark.parametrize("actions", [np.zeros((5, 2)), np.zeros(5), np.full((5, 3), np.nan), np.full((5, 3), 0.5)])
 def test_wrong_options_with_corrections_are_refused(actions):
     batch = Batch(action={"mode": "both"})

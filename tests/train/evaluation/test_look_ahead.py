@@ -6,12 +6,11 @@ import yaml
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from tests.selector.strategies.policies import exported
 from train import cli
 from train.evaluation.choosing.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
-from train.evaluation.entrants import any_pilot, member_pilot, mode_of
+from train.evaluation.entrants import action_of, any_pilot, member_pilot
 from train.running.trials import TrialSettings, run_trials
 
 GOOD = {"configuration": "PredictiveSteering"}
@@ -63,7 +62,7 @@ def test_a_policy_is_followed_where_no_option_is_better(policy):
     def pilot(problem, teams):
         return any_pilot(policy, problem, teams)
 
-    seen, action = ObservationConfig.usual(asked.family.terms), ActionConfig(mode=mode_of(policy))
+    seen, action = ObservationConfig.usual(asked.family.terms), action_of(policy)
     (alone,) = run_trials([scenario], pilot, TrialSettings("ExplorationPatrol", observation=seen, action=action))
     assert team.result() == alone
     assert team.taken.keys() == {policy}

@@ -108,16 +108,17 @@ def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahe
     assert sum(1 for _ in trial_steps(task)) == task.run()[0].result.ticks
 
 
-def constant(folder, batch, options, vector):
+def constant(folder, batch, options, vector, patience=None):
     """Write a policy that always prefers the second option and gives a vector, where it has them; return its name."""
-    policy = untrained("AvoidCollision", options, batch.observer.names, hidden=(), vector=vector is not None)
+    given = {"vector": vector is not None, "patience": patience}
+    policy = untrained("AvoidCollision", options, batch.observer.names, hidden=(), **given)
     for weights in policy.weights.values():
         weights[:] = 0.0
     if options:
         policy.weights["options.bias"][1] = 1.0
     if vector is not None:
         policy.weights["vector.bias"][:] = vector
-    directory = folder / f"policy-{len(options)}-{vector}"
+    directory = folder / f"policy-{len(options)}-{vector}-{patience}"
     save_policy(directory, policy)
     return f"policy:{directory}"
 
@@ -137,6 +138,14 @@ def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(fol
     for member in (steering, still):
         with pytest.raises(DocumentError, match="expected a strategy that chooses options, got one that steers"):
             member_pilot(member, PROBLEM, TEAMS)
+
+
+def test_the_patience_of_a_policy_holds_in_evaluations(folder):
+    batch = Batch(family="table1")
+    options = batch.options["AvoidCollision"]
+    braking = [constant(folder, batch, options, [-1.0, 0.0], patience) for patience in (None, 4.0)]
+    tasks = FamilyEvaluation(FamilyRequest("table1", tuple(braking), 3, scenarios=1)).tasks(())[:2]
+    assert [task.run()[0].result.completed for task in tasks] == [False, True]
 
 
 def test_strategies_see_the_terms_of_a_family(folder):

@@ -19,7 +19,7 @@ SMALL = {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}
 KINDS = {
     "ppo": {"ppo": SMALL},
     "team": {"ppo": SMALL | {"critic": "team"}},
-    "both": {"ppo": SMALL | {"critic": "team", "action": "both", "reach": 0.125}},
+    "both": {"ppo": SMALL | {"critic": "team", "action": "both", "reach": 0.125, "patience": 4.0}},
     "velocity": {"ppo": SMALL | {"hidden": [], "critic": "team", "action": "velocity"}},
     "bandit": {
         "bandit": {

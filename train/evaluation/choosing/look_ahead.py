@@ -33,7 +33,7 @@ from clean_swarm_env.world.mission import MissionResult
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.analysis.claims import claims_of
-from train.evaluation.entrants import FIXED, POLICY, any_pilot, mode_of
+from train.evaluation.entrants import FIXED, POLICY, action_of, any_pilot
 from train.reports.text_table import Grid, flat
 from train.running.decided_goal import DecidedGoal
 from train.running.pilots import AnyPilot
@@ -205,10 +205,10 @@ def shares_of(taken: Counter[str], most: int | None = None) -> str:
 
 def _action(member: str, directories: Sequence[Path]) -> ActionConfig:
     """Return what a member gives; ConfigurationError for one that steers."""
-    mode = mode_of(member, directories)
-    if mode == "velocity":
+    action = action_of(member, directories)
+    if action.mode == "velocity":
         raise ConfigurationError(f"--base: expected an option or a policy that chooses options, got {member}")
-    return ActionConfig(mode=mode)
+    return action
 
 
 def _scenarios(request: LookAheadRequest) -> list[Scenario]:

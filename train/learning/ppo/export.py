@@ -11,12 +11,13 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy
 from selector.strategies.problem import Problem
+from train.learning.config import PpoConfig
 
 
 def exported(
-    model: PPO, normal: VecNormalize, problem: Problem, reach: float, training: dict[str, Any]
+    model: PPO, normal: VecNormalize, problem: Problem, settings: PpoConfig, training: dict[str, Any]
 ) -> TrainedPolicy:
-    """Return the network of `model` as a policy for a problem; `training` describes the training.
+    """Return the network of `model` as a policy for a problem; `training` describes the training, made by `settings`.
 
     The policy sees the features of the problem, which come first in what `normal` gives.
     """
@@ -30,7 +31,8 @@ def exported(
         goal=problem.goal,
         options=options,
         vector="vector.bias" in state,
-        reach=reach,
+        reach=settings.reach,
+        patience=settings.patience,
         observations=problem.features,
         hidden=hidden,
         activation="tanh",

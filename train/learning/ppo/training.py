@@ -73,7 +73,7 @@ class PpoTraining(Training):
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
-        return exported(self.model, self.normal, self.goal.problem, self.settings.reach, training)
+        return exported(self.model, self.normal, self.goal.problem, self.settings, training)
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
