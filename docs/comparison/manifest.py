@@ -63,6 +63,8 @@ class Manifest(Closed):
 
     name: Name
     """Directory of the results, below results/."""
+    page: Flag = False
+    """Whether there is a page docs/NAME.md with its tables and a picture docs/pictures/NAME.png with its curves."""
     goal: Name
     """Goal that the strategies choose options for."""
     knowledge: DocumentName

@@ -1,7 +1,8 @@
-"""Trains a selector and others, compares them with every fixed choice, and writes docs/choosing.md.
+"""Trains a selector and others, compares them with every fixed choice, and writes a page such as docs/choosing.md.
 
-`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given. What
-results/NAME holds already is kept. Tables of another manifest are printed. What has to hold is checked.
+`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given, which also
+fills the table of the README. What results/NAME holds already is kept. Tables of a manifest without a page are printed.
+What has to hold is checked.
 """
 
 import sys
@@ -15,7 +16,7 @@ from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 
 OWN = Path(__file__).with_name("choosing.yaml")
-PAGE, CURVES = ROOT / "docs" / "choosing.md", ROOT / "docs" / "pictures" / "choosing.png"
+DOCS = ROOT / "docs"
 
 
 def main(arguments: list[str]) -> int:
@@ -26,16 +27,18 @@ def main(arguments: list[str]) -> int:
     make(manifest, folder)
     results = Results(manifest, folder)
     wrong = results.broken()
-    if given == OWN:
-        text = PAGE.read_text(encoding="utf-8")
+    if manifest.page:
+        page = DOCS / f"{manifest.name}.md"
+        text = page.read_text(encoding="utf-8")
         for name, table in results.tables().items():
             text = put(text, name, table)
         text = put(text, "broken", "\n".join(f"- {line}." for line in wrong) or "Nothing.")
-        PAGE.write_text(text, encoding="utf-8")
-        README.write_text(put(README.read_text(encoding="utf-8"), "choosing", results.summary()), encoding="utf-8")
-        results.draw_curves(CURVES)
+        page.write_text(text, encoding="utf-8")
+        results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
     else:
         print("\n\n".join(results.tables().values()))
+    if given == OWN:
+        README.write_text(put(README.read_text(encoding="utf-8"), "choosing", results.summary()), encoding="utf-8")
     for line in wrong:
         print(line)
     return 1 if wrong else 0

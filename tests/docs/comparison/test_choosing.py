@@ -64,9 +64,15 @@ def test_the_tables_come_from_trainings_and_evaluations_which_are_kept(tmp_path,
     assert (folder / runs.CPU_TIMES).read_bytes() == times
 
 
-@pytest.mark.parametrize("file", [write_choosing.OWN, write_choosing.OWN.with_name("learning.yaml")])
+@pytest.mark.parametrize("file", sorted(write_choosing.OWN.parent.glob("*.yaml")), ids=lambda file: file.stem)
 def test_manifests_that_ship_name_what_there_is(file):
     manifest = Manifest(**read_mapping(file))
+    assert (manifest.name, manifest.page) == (file.stem, file.stem != "learning")
+    if manifest.page:
+        page = (write_choosing.DOCS / f"{manifest.name}.md").read_text(encoding="utf-8")
+        assert f"pictures/{manifest.name}.png" in page
+        for label in manifest.learners:
+            assert f"| `{label}` |" in page
     for learner in manifest.learners.values():
         config = load_file("training", learner.training, TrainingConfig)
         assert config.goal in (manifest.goal, None)
