@@ -33,7 +33,7 @@ examples:  ## every example in an environment of its own, with its framework; FR
 soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
 	$(BIN)python -m tests.soak
 
-learning:  ## a small version of docs/choosing.md, some minutes; fails where its main claims do not hold
+learning:  ## a small version of docs/options.md, some minutes; fails where its main claims do not hold
 	$(BIN)python -m docs.comparison.write_choosing docs/comparison/learning.yaml
 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise

@@ -1,4 +1,4 @@
-"""How long robots have not got on, whatever they do meanwhile."""
+"""For how long robots have not got on; who turns or goes in circles stands still, too."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from selforg.arrays import Floats, Ints, Lasting
 from selforg.compiler.decorators import lean_kernel
 from selforg.space import Space, nearest_image
 
-WAY: Final = 0.5
-"""A robot has got on when it is farther than this from where it was [m]."""
+CIRCLE: Final = 0.5
+"""Radius of the circle that a robot that gets on leaves [m]."""
 
 
 class Standstill:
     """For how long each of R robots in the plane has not got on.
+
+    At the beginning a robot is taken to come from the origin, so that it waits from its first tick on.
 
     Attributes:
         waited: (R,) int64, ticks since it got on; the same array all the time.
@@ -53,11 +55,11 @@ class Standstill:
 
 @lean_kernel
 def note_rows(positions: Floats, extent: Floats, places: Floats, waited: Ints) -> None:
-    """Count in `waited` (R,) the ticks since rows were farther than `WAY` from `places` (R, 2), or move these there."""
+    """Count in `waited` (R,) the ticks since rows left their circles about `places` (R, 2), or move these along."""
     for row in range(positions.shape[0]):
         x = nearest_image(positions[row, 0] - places[row, 0], extent[0])
         y = nearest_image(positions[row, 1] - places[row, 1], extent[1])
-        if x * x + y * y > WAY * WAY:
+        if x * x + y * y > CIRCLE * CIRCLE:
             places[row, 0], places[row, 1] = positions[row, 0], positions[row, 1]
             waited[row] = 0
         else:

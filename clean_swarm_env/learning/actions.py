@@ -33,7 +33,8 @@ class ActionConfig(Closed):
     """Whether an action is the option that serves each goal, the movement vector in the robot's frame, or both: options
     and a correction of the movement."""
     patience: Positive | None = None
-    """Time after which a robot that has not got on is pushed at random in place of its correction [s]; none: never."""
+    """Corrections only: a robot that has not got on for more than this is sent off in a random direction instead [s];
+    none: never. See `Worlds.correct`."""
     serves: dict[Name, tuple[Phase, ...]] = Field(default={})
     """Option -> the only phases in which it can serve; an option that is not named can always serve."""
 

@@ -1,4 +1,4 @@
-"""The cleaning robot's behaviour network (the paper's Fig. 6), and the names of its own sensors."""
+"""The cleaning robot's behaviour network (the paper's Fig. 6), the names of its sensors, and its memory of cargo."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class CargoMemory:
 
     def __init__(self, memory: RobotMemory) -> None:
         self._told = {name: memory[name] for name in self.TOLD if name in memory.kinds}
-        self.handed = memory[self.HAND_OVER] if self.HAND_OVER in memory.kinds else None
+        self.handed: Floats | None = memory[self.HAND_OVER].values if self.HAND_OVER in memory.kinds else None
 
     def tell(self, recycled: Ints, leg: Floats, readings: Floats) -> None:
         """Remember the cargo, whether `recycled` (R,), with the length `leg` (R,) [m] of its way, and `readings`."""

@@ -27,6 +27,7 @@ from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
+from selforg.gradients.store.columns import X, Y
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.names import planner_named
@@ -84,7 +85,7 @@ class Minds:
             behaviour moves the robots.
         commands: the commands to the robots in this tick.
         standstill: for how long robots that are corrected have not got on.
-        cargo: what configurations know of the robots' cargo, and ask for.
+        cargo_memory: what configurations know of the robots' cargo, and ask for.
         packed: the record that compiled code takes.
 
     """
@@ -162,7 +163,7 @@ class Minds:
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
         self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
-        self.cargo = CargoMemory(self._memory)
+        self.cargo_memory = CargoMemory(self._memory)
         host = Host(self.poses, self.buffers, self.directions, self._chances, self._memory)
         self.coordinators = tuple(
             Coordinator(m, self.network, host, during=robot.during.get(m.goal, ()), explained=explained) for m in models
@@ -255,13 +256,17 @@ class Minds:
     def sense(self, floor: Packed[FloorRecord], now: float) -> None:
         """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
         self.sense_floor(floor)
-        self.cargo.tell(floor.record.recycled, floor.record.leg, self.network.readings)
+        self.cargo_memory.tell(floor.record.recycled, floor.record.leg, self.network.readings)
         for inner in self._inner:
             inner.sense(now)
 
     def sense_floor(self, floor: Packed[FloorRecord]) -> None:
         """Write the robots' own sensors into the readings."""
         read_sensors(floor.words, self.packed.words)
+
+    def note_standstill(self) -> None:
+        """Note where robots take themselves to be, see `standstill`."""
+        self.standstill.note(self.poses.own[:, 0, [X, Y]])
 
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""

@@ -25,7 +25,7 @@ from selforg.gradients.store.columns import POSE_STAMP, ROW_TEAM
 from selforg.gradients.team_state import TeamState, put_team_state, state_of_team
 
 HEADER: Final = b"clean-swarm state "
-STATE_VERSION: Final = 3
+STATE_VERSION: Final = 4
 
 Streams = list[dict[str, Any] | None]
 """States of random generators, None where there is none."""

@@ -25,8 +25,8 @@ from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
 
-PUSH: Final = 0.2
-"""Speed with which robots that do not get on are pushed, in shares of the largest one."""
+ESCAPE_SPEED: Final = 0.2
+"""Speed at which robots that do not get on are sent off, in shares of the largest one."""
 
 
 class Worlds:
@@ -154,17 +154,20 @@ class Worlds:
         it.
         """
         self._steered, self._correction = vectors, None
+        self.minds.standstill.reset(np.arange(self.rows))
 
     def correct(self, vectors: Floats, patience: float | None = None) -> None:
         """Add vectors (R, 2) [m/s] to what behaviours command from the next tick on; networks decide as ever.
 
-        A robot that has not got on for `patience` [s] is pushed in a random direction instead: robots that keep away
-        from each other might stand for ever.
+        A robot that has not got on for more than `patience` [s] is sent off in a random direction until the next call
+        instead: robots that keep away from each other might stand for ever. Time at a bumper or a station counts.
         """
         self._steered, self._correction = None, vectors.copy()
         if patience is not None:
-            stuck = np.flatnonzero(self.minds.standstill.waited > patience / self.period)
-            self._correction[stuck] = PUSH * self.mission.robots.max_speed * self.minds.directions.take(stuck)[:, :2]
+            waits = self.minds.standstill.waited > patience / self.period
+            stuck = np.flatnonzero(waits & self.team.working)
+            speed = ESCAPE_SPEED * self.mission.robots.max_speed
+            self._correction[stuck] = speed * self.minds.directions.take(stuck)[:, :2]
 
     def hide_items(self, worlds: Ints, places: Floats) -> None:
         """Delete the gradients of items that lay at `places` (K, 2) [m] of `worlds` (K,), unless others lie there."""
@@ -189,11 +192,11 @@ class Worlds:
             self._hide(handle_cargo_as_decided(floor.packed.words, minds.packed.words))
             minds.act(floor.packed, now)
             if self._correction is not None:
-                minds.standstill.note(self.physics.positions)
+                minds.note_standstill()
                 minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
-            if minds.cargo.handed is not None:
-                self._hand_over(minds.cargo.handed.values)
+            if minds.cargo_memory.handed is not None:
+                self._hand_over(minds.cargo_memory.handed)
         else:
             minds.sense_floor(floor.packed)
             self._hide(handle_cargo_in_reach(floor.packed.words, minds.packed.words, working))

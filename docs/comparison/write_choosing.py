@@ -1,8 +1,8 @@
 """Trains a selector and others, compares them with every fixed choice, and writes a page such as docs/choosing.md.
 
-`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given, which also
-fills the table of the README. What results/NAME holds already is kept. Tables of a manifest without a page are printed.
-What has to hold is checked.
+`python -m docs.comparison.write_choosing [MANIFEST]`: MANIFEST is docs/comparison/choosing.yaml unless given, which
+fills the table of the README, too. What results/NAME holds already is kept. Tables of a manifest without a page are
+printed. What has to hold is checked.
 """
 
 import sys
@@ -15,7 +15,7 @@ from docs.figures.update_readme import README, ROOT, put
 from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 
-OWN = Path(__file__).with_name("choosing.yaml")
+OWN = Path(__file__).resolve().with_name("choosing.yaml")
 DOCS = ROOT / "docs"
 
 
@@ -37,7 +37,7 @@ def main(arguments: list[str]) -> int:
         results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
     else:
         print("\n\n".join(results.tables().values()))
-    if given == OWN:
+    if given.resolve() == OWN:
         README.write_text(put(README.read_text(encoding="utf-8"), "choosing", results.summary()), encoding="utf-8")
     for line in wrong:
         print(line)

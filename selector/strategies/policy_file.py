@@ -45,7 +45,7 @@ class PolicySpec(Closed):
     reach: Annotated[Positive, Field(le=1.0)] = 1.0
     """Largest absolute value of a component of the vector."""
     patience: Positive | None = None
-    """Time after which a robot that has not got on is pushed at random in place of its correction [s]; none: never."""
+    """Time after which robots that do not get on are not corrected [s], see `clean_swarm_env.learning.actions`."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=100_000)], ...], Field(max_length=100)]
@@ -69,6 +69,8 @@ class PolicySpec(Closed):
     def _widths(self) -> Self:
         if not self.options and not self.vector:
             raise ValueError("options: expected at least one, or a vector, got none")
+        if self.patience is not None and not (self.options and self.vector):
+            raise ValueError("patience: expected with options and a vector")
         for name in ("mean", "variance"):
             count = len(getattr(self, name))
             if count != len(self.observations):

@@ -30,7 +30,8 @@ def random_batch(rng: np.random.Generator, worlds: int | None = None, velocity: 
     """Return a batch of a random kind that has just begun."""
     worlds = int(rng.integers(1, 4)) if worlds is None else worlds
     velocity = rng.random() < 0.25 if velocity is None else velocity
-    action = ActionConfig(mode="velocity" if velocity else "option")
+    correcting = {"mode": "both", "patience": 1.0} if rng.random() < 0.25 else {"mode": "option"}
+    action = ActionConfig(**{"mode": "velocity"} if velocity else correcting)
     kinds = [*MISSIONS, *FAMILIES]
     kind = kinds[int(rng.integers(len(kinds)))]
     if kind in MISSIONS:
@@ -48,7 +49,8 @@ def actions_of(batch: Batch, rng: np.random.Generator) -> np.ndarray:
     """Return random actions of all rows."""
     if batch.action.mode == "velocity":
         return rng.uniform(-1.0, 1.0, (batch.rows, 2))
-    return np.stack([rng.integers(len(options), size=batch.rows) for options in batch.options.values()], axis=1)
+    options = np.stack([rng.integers(len(options), size=batch.rows) for options in batch.options.values()], axis=1)
+    return np.hstack([options, rng.uniform(-1.0, 0.0, (batch.rows, 2))]) if batch.action.mode == "both" else options
 
 
 def advance(batch: Batch, rng: np.random.Generator, steps: int) -> list[bytes]:

@@ -167,8 +167,8 @@ def test_what_does_not_fit_is_refused_in_one_line():
     batch = Batch(SHORT, 2)
     batch.reset([1, 2])
     state = batch.get_state()
-    with pytest.raises(ValueError, match="state: expected bytes that begin with b'clean-swarm state 3"):
-        batch.set_state(state.replace(HEADER + b"3", HEADER + b"9", 1))
+    with pytest.raises(ValueError, match="state: expected bytes that begin with b'clean-swarm state 4"):
+        batch.set_state(state.replace(HEADER + b"4", HEADER + b"9", 1))
     with pytest.raises(ValueError, match="state: expected one world, or 1, got 2"):
         batch.set_state(state, [0])
     with pytest.raises(ValueError, match="worlds: expected 0 to 1, got 2"):

@@ -3,17 +3,17 @@
 import numpy as np
 
 from selforg.space import Torus
-from selforg.standstill import WAY, Standstill
+from selforg.standstill import CIRCLE, Standstill
 
 
-def test_robots_wait_until_they_are_farther_away_than_the_way():
+def test_robots_wait_until_they_are_outside_their_circle():
     rng, space, rows = np.random.default_rng(1), Torus(3.0, 2.0), 6
     standstill = Standstill(rows, space)
     positions, places = rng.uniform(0.0, 1.0, (rows, 2)) * space.extent, np.zeros((rows, 2))
     waited, longest = np.zeros(rows, int), 0
     for tick in range(300):
         positions = space.wrap(positions + rng.normal(size=(rows, 2)) * np.linspace(0.01, 0.2, rows)[:, None])
-        got_on = np.hypot(*space.offsets(places, positions).T) > WAY
+        got_on = np.hypot(*space.offsets(places, positions).T) > CIRCLE
         places[got_on] = positions[got_on]
         waited = np.where(got_on, 0, waited + 1)
         standstill.note(positions)

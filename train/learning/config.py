@@ -86,10 +86,16 @@ class PpoConfig(Closed):
     reach: Annotated[Positive, Field(le=1.0)] = 1.0
     """Largest absolute value of a component of vectors, in shares of the largest speed."""
     patience: Positive | None = None
-    """Time after which a robot that has not got on is pushed at random in place of its correction [s]; none: never."""
+    """Corrections only: time after which robots that do not get on are not corrected [s], see `ActionConfig`."""
     critic: Literal["own", "team"] = "own"
     """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
     training only."""
+
+    @model_validator(mode="after")
+    def _corrects(self) -> Self:
+        if self.patience is not None and self.action != "both":
+            raise ValueError(f"patience: expected with action both, got {self.action}")
+        return self
 
 
 class CreditConfig(Closed):

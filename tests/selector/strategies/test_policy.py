@@ -52,6 +52,9 @@ def test_a_policy_that_steers_is_no_strategy_and_one_that_gives_nothing_is_refus
         strategy_of(tmp_path)
     with pytest.raises(ValueError, match="options: expected at least one, or a vector, got none"):
         untrained("Goal", (), OBSERVATIONS)
+    for options, vector in ((OPTIONS, False), ((), True)):
+        with pytest.raises(ValueError, match="patience: expected with options and a vector"):
+            untrained("Goal", options, OBSERVATIONS, vector=vector, patience=3.0)
 
 
 def test_vectors_are_no_longer_than_their_reach():

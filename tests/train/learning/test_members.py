@@ -246,3 +246,5 @@ def test_one_learner_is_given(tmp_path):
         load_training(str(written(tmp_path, "es", **both)), "es")
     with pytest.raises(DocumentError, match="expected one of ppo, bandit, es, design, got none"):
         load_training(str(written(tmp_path, "es", es=None)), "es")
+    with pytest.raises(DocumentError, match="ppo: patience: expected with action both, got option"):
+        load_training(str(written(tmp_path, "ppo", ppo={"patience": 8.0})), "ppo")
