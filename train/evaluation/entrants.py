@@ -105,7 +105,7 @@ def member_pilot(member: str, problem: Problem, teams: Ints, directories: Sequen
     """
     kind, _, name = member.partition(":")
     if action_of(member, directories).mode != "option":
-        raise ConfigurationError(f"{member}: expected a strategy that chooses options, got one that steers")
+        raise ConfigurationError(f"{member}: expected a strategy that chooses options, got one that steers or corrects")
     if kind == POLICY and Path(name).suffix in LOADERS:
         return ModelPilot(Path(name), problem)
     if kind == POLICY:
