@@ -10,7 +10,7 @@ from selforg.arrays import Floats, Ints, Lasting
 from selforg.compiler.decorators import lean_kernel
 from selforg.space import Space, nearest_image
 
-CIRCLE: Final = 0.5
+GOT_ON_BEYOND: Final = 0.5
 """Radius of the circle that a robot that gets on leaves [m]."""
 
 
@@ -59,7 +59,7 @@ def note_rows(positions: Floats, extent: Floats, places: Floats, waited: Ints) -
     for row in range(positions.shape[0]):
         x = nearest_image(positions[row, 0] - places[row, 0], extent[0])
         y = nearest_image(positions[row, 1] - places[row, 1], extent[1])
-        if x * x + y * y > CIRCLE * CIRCLE:
+        if x * x + y * y > GOT_ON_BEYOND * GOT_ON_BEYOND:
             places[row, 0], places[row, 1] = positions[row, 0], positions[row, 1]
             waited[row] = 0
         else:

@@ -64,7 +64,7 @@ class Manifest(Closed):
     name: Name
     """Directory of the results, below results/."""
     page: Flag = False
-    """Whether there is a page docs/NAME.md with its tables and a picture docs/pictures/NAME.png with its curves."""
+    """Whether there is a page with its tables, below docs/, and a picture with its curves, below docs/pictures/."""
     goal: Name
     """Goal that the strategies choose options for."""
     knowledge: DocumentName

@@ -3,7 +3,7 @@
 import numpy as np
 
 from selforg.space import Torus
-from selforg.standstill import CIRCLE, Standstill
+from selforg.standstill import GOT_ON_BEYOND, Standstill
 
 
 def test_robots_wait_until_they_are_outside_their_circle():
@@ -13,7 +13,7 @@ def test_robots_wait_until_they_are_outside_their_circle():
     waited, longest = np.zeros(rows, int), 0
     for tick in range(300):
         positions = space.wrap(positions + rng.normal(size=(rows, 2)) * np.linspace(0.01, 0.2, rows)[:, None])
-        got_on = np.hypot(*space.offsets(places, positions).T) > CIRCLE
+        got_on = np.hypot(*space.offsets(places, positions).T) > GOT_ON_BEYOND
         places[got_on] = positions[got_on]
         waited = np.where(got_on, 0, waited + 1)
         standstill.note(positions)
