@@ -27,7 +27,6 @@ from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.columns import X, Y
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.names import planner_named
@@ -84,7 +83,7 @@ class Minds:
         to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
             behaviour moves the robots.
         commands: the commands to the robots in this tick.
-        standstill: for how long robots that are corrected have not got on.
+        standstill: for how long robots that are corrected have not got on, by where they take themselves to be.
         cargo_memory: what configurations know of the robots' cargo, and ask for.
         packed: the record that compiled code takes.
 
@@ -263,10 +262,6 @@ class Minds:
     def sense_floor(self, floor: Packed[FloorRecord]) -> None:
         """Write the robots' own sensors into the readings."""
         read_sensors(floor.words, self.packed.words)
-
-    def note_standstill(self) -> None:
-        """Note where robots take themselves to be, see `standstill`."""
-        self.standstill.note(self.poses.own[:, 0, [X, Y]])
 
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""

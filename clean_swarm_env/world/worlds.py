@@ -192,7 +192,7 @@ class Worlds:
             self._hide(handle_cargo_as_decided(floor.packed.words, minds.packed.words))
             minds.act(floor.packed, now)
             if self._correction is not None:
-                minds.note_standstill()
+                minds.standstill.note(minds.poses.positions)
                 minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
             if minds.cargo_memory.handed is not None:

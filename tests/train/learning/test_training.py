@@ -134,6 +134,7 @@ def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp
         assert torch.equal(model.predict_values(normal), values) == (kind == "ppo")
     heads = Network(policy.ordered_for(training.goal.problem, "here")).heads(seen[:, :own].astype(np.float64))
     assert list(heads) == {"both": ["options", "vector"], "velocity": ["vector"]}.get(kind, ["options"])
+    assert policy.spec.patience == training.settings.patience == (4.0 if kind == "both" else None)
     if policy.spec.vector:
         for given in (expected, likeliest):
             given[:, -2:] = given[:, -2:].clip(-policy.spec.reach, policy.spec.reach)
