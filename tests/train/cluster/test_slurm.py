@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -51,6 +52,21 @@ def states(cluster: slurm.Slurm) -> list[str]:
     return cluster.do("squeue", "--noheader", "--array", "--states=all", "--format=%t").split()
 
 
+def kill(folder: Path, words: bytes) -> None:
+    """Kill what runs in the folder with these words: other tests may use the same words at the same time."""
+    killed = 0
+    for entry in Path("/proc").iterdir():
+        with suppress(FileNotFoundError, ProcessLookupError):  # it has ended since
+            if (
+                entry.name.isdecimal()
+                and words in (entry / "cmdline").read_bytes()
+                and (entry / "cwd").samefile(folder)
+            ):
+                os.kill(int(entry.name), signal.SIGKILL)
+                killed += 1
+    assert killed
+
+
 def test_a_job_array_gives_what_one_command_gives_after_scancel_and_kill(cluster, tmp_path, given):
     printed = fake(cluster, tmp_path, "script", "slurm", "--shares", "3", *WORDS, "--output", "array", **given)
     (tmp_path / "array.sh").write_text(printed.replace("-m clean_swarm_env", "-m tests.train.fake_mission"))
@@ -58,12 +74,7 @@ def test_a_job_array_gives_what_one_command_gives_after_scancel_and_kill(cluster
     shares = [tmp_path / "array" / "shares" / f"{number}-of-3" for number in (1, 2)]
     cluster.wait(lambda: all(journal(share) >= 2 for share in shares))
     cluster.do("scancel", f"{job}_1")
-    [pid] = [
-        int(entry.name)
-        for entry in Path("/proc").iterdir()
-        if entry.name.isdecimal() and b"--share\x002/3" in (entry / "cmdline").read_bytes()
-    ]
-    os.kill(pid, signal.SIGKILL)
+    kill(tmp_path, b"--share\x002/3")
     cluster.wait(lambda: sorted(states(cluster)) == ["CA", "CD", "F"])
     assert all(2 <= journal(share) < 8 for share in shares)
     cluster.do("sbatch", "array.sh", folder=tmp_path, **given)
