@@ -15,6 +15,8 @@ class Learner(Closed):
     """Name of the training."""
     seeds: Annotated[tuple[int, ...], Field(min_length=1)]
     """Seeds of the training."""
+    baseline: Flag = False
+    """Whether the claimed learner has to be better."""
 
 
 class Compared(Closed):

@@ -83,6 +83,9 @@ class PpoConfig(Closed):
     correction of the movement."""
     deviation: Positive = 1.0
     """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
+    chooser: DocumentName | None = None
+    """Corrections only: name or path of a policy that chooses the options, so that only corrections are learned; none:
+    options are learned, too."""
     reach: Annotated[Positive, Field(le=1.0)] = 1.0
     """Largest absolute value of a component of vectors, in shares of the largest speed."""
     patience: Positive | None = None
@@ -93,8 +96,9 @@ class PpoConfig(Closed):
 
     @model_validator(mode="after")
     def _corrects(self) -> Self:
-        if self.patience is not None and self.action != "both":
-            raise ValueError(f"patience: expected with action both, got {self.action}")
+        for name in ("chooser", "patience"):
+            if getattr(self, name) is not None and self.action != "both":
+                raise ValueError(f"{name}: expected with action both, got {self.action}")
         return self
 
 

@@ -246,5 +246,6 @@ def test_one_learner_is_given(tmp_path):
         load_training(str(written(tmp_path, "es", **both)), "es")
     with pytest.raises(DocumentError, match="expected one of ppo, bandit, es, design, got none"):
         load_training(str(written(tmp_path, "es", es=None)), "es")
-    with pytest.raises(DocumentError, match="ppo: patience: expected with action both, got option"):
-        load_training(str(written(tmp_path, "ppo", ppo={"patience": 8.0})), "ppo")
+    for name, value in (("patience", 8.0), ("chooser", "exploring-ppo")):
+        with pytest.raises(DocumentError, match=f"ppo: {name}: expected with action both, got option"):
+            load_training(str(written(tmp_path, "ppo", ppo={name: value})), "ppo")

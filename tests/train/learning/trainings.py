@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import yaml
 
+from tests.selector.strategies.policies import exported
 from train.learning.training import TrainingJob
 from train.running.run_folder import RunFolder
 
@@ -20,6 +21,7 @@ KINDS = {
     "ppo": {"ppo": SMALL},
     "team": {"ppo": SMALL | {"critic": "team"}},
     "both": {"ppo": SMALL | {"critic": "team", "action": "both", "reach": 0.125, "patience": 4.0}},
+    "beside": {"ppo": SMALL | {"action": "both", "reach": 0.125, "patience": 4.0}},
     "velocity": {"ppo": SMALL | {"hidden": [], "critic": "team", "action": "velocity"}},
     "bandit": {
         "bandit": {
@@ -47,9 +49,20 @@ KINDS = {
 }
 
 
+CHOSEN = ("ORCA", "RepulsionGradient")
+"""What the chooser of `beside` knows; the library has more."""
+SEEN = ("crowd_1m", "carrying_far", "free_far")
+"""What it sees; robots see more."""
+
+
 def written(directory, kind, **changes):
-    path = directory / f"{kind}.yaml"
-    path.write_text(yaml.safe_dump(COMMON | KINDS[kind] | changes))
+    """Write a training; that of corrections `beside` a chooser with the chooser."""
+    path, training = directory / f"{kind}.yaml", COMMON | KINDS[kind] | changes
+    if kind == "beside":
+        chooser = directory / "chooser"
+        exported(chooser, "AvoidCollision", CHOSEN, SEEN, hidden=(5,), seed=2)
+        training["ppo"] = {"chooser": str(chooser)} | training["ppo"]
+    path.write_text(yaml.safe_dump(training))
     return path
 
 

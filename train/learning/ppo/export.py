@@ -32,7 +32,7 @@ def exported(
         options=options,
         vector="vector.bias" in state,
         reach=settings.reach,
-        patience=settings.patience,
+        patience=settings.patience if options else None,
         observations=problem.features,
         hidden=hidden,
         activation="tanh",

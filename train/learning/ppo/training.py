@@ -23,9 +23,10 @@ from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from selector.strategies.problem import Problem
 from train.learning.config import PpoConfig
+from train.learning.ppo.chooser import Chooser
 from train.learning.ppo.export import exported
 from train.learning.ppo.networks import RobotPolicy
-from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
+from train.learning.ppo.worlds import CorrectionsEnv, OneGoalEnv, TeamEnv
 from train.learning.training import Training, TrainingJob
 from train.learning.validation import CheckpointHistory
 from train.running.pilots import PilotMaker, policy_pilot
@@ -55,8 +56,15 @@ class PpoTraining(Training):
         self._costs: list[float] = []
         batches = self.curriculum.batches
         envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
-        decided = OneGoalEnv(envs, self.goal, self.settings.action, self.settings.reach)
-        self.normal = VecNormalize(decided, gamma=self.settings.discount)
+        self.chooser: Chooser | None = None
+        if self.settings.chooser is None:
+            decided = OneGoalEnv(envs, self.goal, self.settings.action, self.settings.reach)
+            self.normal = VecNormalize(decided, gamma=self.settings.discount)
+        else:
+            self.chooser = Chooser(self.settings.chooser, self.goal.problem, self.settings, job.directories)
+            decided = CorrectionsEnv(envs, self.goal, self.chooser.choose, self.settings.reach)
+            self.normal = VecNormalize(decided, gamma=self.settings.discount)
+            self.normal.obs_rms = self.chooser.moments(*self.normal.observation_space.shape)
         self.model = _model(self.settings, self.normal, self.goal.problem, job.seed)
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
@@ -73,7 +81,8 @@ class PpoTraining(Training):
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
-        return exported(self.model, self.normal, self.goal.problem, self.settings, training)
+        policy = exported(self.model, self.normal, self.goal.problem, self.settings, training)
+        return policy if self.chooser is None else self.chooser.joined(policy, self.settings.patience)
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
@@ -107,6 +116,11 @@ class PpoTraining(Training):
         policy = self.policy()
         return lambda problem, _: policy_pilot(policy, problem)
 
+    @property
+    def _digest(self) -> str | None:
+        """Digest of the chooser."""
+        return None if self.chooser is None else self.chooser.digest
+
     def _weights(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
         statistics = self.normal.obs_rms
@@ -116,7 +130,8 @@ class PpoTraining(Training):
 
     def _take(self, weights: dict[str, Any]) -> None:
         self.model.policy.load_state_dict(weights["policy"])
-        self.normal.obs_rms = _statistics(weights["observations"])
+        if self.chooser is None:  # the moments of a chooser stay
+            self.normal.obs_rms = _statistics(weights["observations"])
 
     def _keep_best(self) -> None:
         self._best = self._weights()
@@ -134,6 +149,7 @@ class PpoTraining(Training):
             "decisions": self.model.num_timesteps,
             "updates": self.model._n_updates,
             "best": self._best,
+            "chooser": self._digest,
             "history": vars(self.history),
         }
         stream = io.BytesIO()
@@ -147,6 +163,8 @@ class PpoTraining(Training):
         counted = (content["checkpoint"], content["decisions"], content["updates"])
         if not all(isinstance(number, int) and number >= 0 for number in counted):
             raise ValueError(f"expected numbers of checkpoints, decisions and updates, got {counted}")
+        if content["chooser"] != self._digest:
+            raise ValueError(f"expected chooser {content['chooser']}, with which it began, got {self._digest}")
         self._take(content)
         self.model.policy.optimizer.load_state_dict(content["optimizer"])
         self.normal.ret_rms = _statistics(content["returns"])
@@ -176,7 +194,7 @@ def _model(settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int) 
             "net_arch": {"pi": layers, "vf": layers},
             "log_std_init": float(np.log(settings.deviation)),
             "own": len(problem.features),
-            "options": len(problem.options) if settings.action == "both" else 0,
+            "options": len(problem.options) if settings.action == "both" and settings.chooser is None else 0,
         },
         device="cpu",
     )

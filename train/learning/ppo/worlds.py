@@ -5,7 +5,7 @@ Shapes: R rows (robots), F components of an observation, G components of the glo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
+from selforg.arrays import Ints
 from train.running.decided_goal import DecidedGoal
 
 
@@ -53,6 +54,30 @@ class OneGoalEnv(VecEnvWrapper):
     def step_wait(self) -> VecEnvStepReturn:
         """Return the results of the step."""
         return self.venv.step_wait()
+
+
+class CorrectionsEnv(OneGoalEnv):
+    """An environment whose actions are corrections (R, 2) within [-`reach`, `reach`]; `choose` gives the options."""
+
+    def __init__(
+        self, envs: VecEnv, goal: DecidedGoal, choose: Callable[[Observations], Ints], reach: float = 1.0
+    ) -> None:
+        super().__init__(envs, goal, "velocity", reach)
+        self._choose, self._seen = choose, np.zeros(0, np.float32)
+
+    def reset(self) -> VecEnvObs:
+        """Begin all episodes."""
+        self._seen = self.venv.reset()
+        return self._seen
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Send the options and the corrections (R, 2) of all robots to the worlds."""
+        self.venv.step_async(np.hstack([self._goal.actions(self._choose(self._seen)), actions]))
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Return the results of the step."""
+        self._seen, rewards, over, infos = self.venv.step_wait()
+        return self._seen, rewards, over, infos
 
 
 class TeamEnv(VecEnvWrapper):
