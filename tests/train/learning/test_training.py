@@ -160,6 +160,7 @@ def test_corrections_are_learned_beside_a_chooser_that_stays_as_it_is(tmp_path):
     chooser = load_policy(tmp_path / "chooser")
     columns = [problem.features.index(name) for name in SEEN]
     known = Network(chooser.ordered_for(replace(problem, features=SEEN), "here"))
+    training.curriculum.begin(0)
     seen, taken = env.reset(), set()
     for _ in range(60):
         expected = known.outputs(seen[:, columns].astype(np.float64)).argmax(axis=1)
