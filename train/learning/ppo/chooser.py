@@ -18,7 +18,7 @@ from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import Floats32, PolicySpec, TrainedPolicy, find_policy, load_policy
 from selector.strategies.problem import Problem
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from train.learning.config import PpoConfig
 from train.running.pilots import PolicyPilot, columns_of
 
@@ -60,11 +60,9 @@ class Chooser:
         return self._pilot.choose(observations)
 
     def moments(self, components: int) -> RunningMeanStd:
-        """Return by what so many components are normalised for both networks: as the chooser knows them, or not."""
-        moments = KnownMoments(shape=(components,))
-        moments.mean[self._columns] = self._policy.spec.mean
-        moments.var[self._columns] = self._policy.spec.variance
-        return moments
+        """Return by what so many components are normalised for both networks: as the chooser does, or learned."""
+        spec = self._policy.spec
+        return PartlyKnownMoments(components, self._columns, np.array(spec.mean), np.array(spec.variance))
 
     def joined(self, corrections: TrainedPolicy, patience: float | None) -> TrainedPolicy:
         """Return one policy that chooses as this one, and corrects as `corrections`, which only steers."""
@@ -90,11 +88,22 @@ class Chooser:
         return TrainedPolicy(PolicySpec(**spec), joined)
 
 
-class KnownMoments(RunningMeanStd):
-    """Mean and variance that do not change; 0 and 1 unless set."""
+class PartlyKnownMoments(RunningMeanStd):
+    """Mean and variance of so many components; those of `known` (K,) do not change."""
+
+    def __init__(self, components: int, known: Ints, mean: Floats, variance: Floats) -> None:
+        super().__init__(shape=(components,))
+        self._known = known, mean, variance
+        self._keep()
 
     def update(self, arr: NDArray[np.float64]) -> None:
-        """Learn nothing."""
+        """Learn of the other components from observations (R, F)."""
+        super().update(arr)
+        self._keep()
+
+    def _keep(self) -> None:
+        known, mean, variance = self._known
+        self.mean[known], self.var[known] = mean, variance
 
 
 def _beside(one: Floats32, other: Floats32, *, same_inputs: bool) -> Floats32:

@@ -130,8 +130,7 @@ class PpoTraining(Training):
 
     def _take(self, weights: dict[str, Any]) -> None:
         self.model.policy.load_state_dict(weights["policy"])
-        if self.chooser is None:  # the moments of a chooser stay
-            self.normal.obs_rms = _statistics(weights["observations"])
+        _put(weights["observations"], self.normal.obs_rms)
 
     def _keep_best(self) -> None:
         self._best = self._weights()
@@ -167,7 +166,7 @@ class PpoTraining(Training):
             raise ValueError(f"expected chooser {content['chooser']}, with which it began, got {self._digest}")
         self._take(content)
         self.model.policy.optimizer.load_state_dict(content["optimizer"])
-        self.normal.ret_rms = _statistics(content["returns"])
+        _put(content["returns"], self.normal.ret_rms)
         self.checkpoint, self.model.num_timesteps = content["checkpoint"], content["decisions"]
         self.model._n_updates, self._best = content["updates"], content["best"]
         self.history = CheckpointHistory(**content["history"])
@@ -210,8 +209,7 @@ def _moments(statistics: RunningMeanStd) -> dict[str, Any]:
     return {"mean": mean, "variance": variance, "count": statistics.count}
 
 
-def _statistics(moments: dict[str, Any]) -> RunningMeanStd:
-    statistics = RunningMeanStd(shape=tuple(moments["mean"].shape))
-    statistics.mean, statistics.var = moments["mean"].numpy(), moments["variance"].numpy()
+def _put(moments: dict[str, Any], statistics: RunningMeanStd | dict[str, RunningMeanStd]) -> None:
+    assert isinstance(statistics, RunningMeanStd)
+    statistics.mean, statistics.var = moments["mean"].numpy().copy(), moments["variance"].numpy().copy()
     statistics.count = moments["count"]
-    return statistics
