@@ -75,14 +75,19 @@ class Manifest(Closed):
     """Label -> trainings. The first is what is claimed."""
     families: Annotated[dict[Name, Compared], Field(min_length=1)]
     """Families."""
-    rule: str
-    """The rule by hand, as `--strategy` takes it."""
+    rule: str | None = None
+    """The rule by hand, as `--strategy` takes it; none: no such comparison."""
     others: tuple[str, ...] = ()
     """Further strategies to beat."""
     configured: Configured | None = None
     """The option that is configured; none: no such comparison."""
     ablations: Ablations | None = None
     """What the trainings need; none: no such comparison."""
+
+    @property
+    def unlearned(self) -> tuple[str, ...]:
+        """The rule by hand, and further strategies."""
+        return (*filter(None, [self.rule]), *self.others)
 
     @property
     def claimed(self) -> str:

@@ -29,7 +29,7 @@ COPIES, HOLD, HORIZON = 3, 15.0, 180.0
 def make(manifest: Manifest, folder: Path) -> None:
     """Do what is missing in the directory of the results."""
     folder.mkdir(parents=True, exist_ok=True)
-    strategies = ["fixed", manifest.rule, *manifest.others]
+    strategies = ["fixed", *manifest.unlearned]
     for label, learner in manifest.learners.items():
         strategies.append(f"{label}={_trained(folder, label, learner)}")
     if manifest.ablations is not None:

@@ -97,7 +97,7 @@ class Results:
     @property
     def _by_hand(self) -> tuple[str, ...]:
         """Labels of the strategies that learn nothing, but for fixed options."""
-        return self._manifest.rule, *self._manifest.others, RANDOM
+        return *self._manifest.unlearned, RANDOM
 
     @property
     def _beside(self) -> dict[str, str]:
