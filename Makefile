@@ -8,7 +8,7 @@ UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/com
 	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
 	tests/clean_swarm_env/world/test_reception.py
 
-.PHONY: check lint test uncompiled golden examples soak learning bench
+.PHONY: check lint test uncompiled golden examples newest long soak mutants learning bench
 
 check: lint test  ## all that CI asks for
 
@@ -30,10 +30,19 @@ golden:  ## numbers of the original implementation, beside this checkout
 examples:  ## every example in an environment of its own, with its framework; FRAMEWORKS=tianshou for some
 	$(BIN)python -m tests.examples .frameworks $(FRAMEWORKS)
 
+newest:  ## the examples with today's newest versions of the frameworks, in further environments
+	$(BIN)python -m tests.examples --newest .frameworks/newest $(FRAMEWORKS)
+
+long:  ## every line of the README, whole, in an empty directory
+	CLEAN_SWARM_LONG=1 $(BIN)python -m pytest -q tests/docs/test_readme_commands.py
+
 soak:  ## all long random tests side by side, within half an hour on two CPUs: what was tried, what survived, seconds
 	$(BIN)python -m tests.soak
 
-learning:  ## a small version of docs/options.md, some minutes; fails where its main claims do not hold
+mutants:  ## random faults in the core, each with the tests of its folder: lists those that no test notices
+	$(BIN)python -m tests.mutants --random $(or $(N),30) --seed $(or $(SEED),0)
+
+learning:  ## a small version of docs/choosing.md, some minutes; fails where its main claims do not hold
 	$(BIN)python -m docs.comparison.write_choosing docs/comparison/learning.yaml
 
 bench:  ## figures into benchmarks/results.json and docs/benchmarks.md; fails where a ratio became worse beyond its noise

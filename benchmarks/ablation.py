@@ -21,7 +21,8 @@ from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.world.cleaning_robot import GOAL
 from clean_swarm_env.world.mission import run_mission
 from selforg.arrays import Floats
-from train.analysis.statistics import ratio_of_means, summarise
+from train.analysis.spread import Ratio
+from train.analysis.statistics import summarise
 
 OPTIONS = ("RepulsionFernandez", "RepulsionFernandez-view1.5", "RepulsionGradient")
 TERMS = ("situation", "goal", "conflictor", "predecessor", "successor", "plan")
@@ -75,7 +76,7 @@ def missions(mission: MissionConfig, option: str, starts: int, seed: int) -> tup
 
 def cells(durations: Floats, completed: Floats, whole: Floats) -> str:
     """Return mean with its interval, ratio to the `whole` network with its interval, and the share completed."""
-    summary, ratio = summarise(durations), ratio_of_means(durations, whole)
+    summary, ratio = summarise(durations), Ratio.of(durations, whole)
     mean = f"{summary.mean:.0f}" + (f" [{summary.ci95[0]:.0f}, {summary.ci95[1]:.0f}]" if summary.ci95 else "")
     times = "" if durations is whole else f"{ratio.ratio:.2f}"
     times += f" [{ratio.ci95[0]:.2f}, {ratio.ci95[1]:.2f}]" if times and ratio.ci95 else ""

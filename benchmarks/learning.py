@@ -43,7 +43,7 @@ def watched(model: PPO, envs: RobotVecEnv) -> Stopwatch:
     watch.watch(model, "collect_rollouts", "SB3: rollout")
     watch.watch(envs, "step_wait", "border")
     watch.watch(batch, "step", "batch: observation, reward, progress")
-    watch.watch(batch, "_begin", "batch: new episodes")
+    watch.watch(batch, "_start_episode", "batch: new episodes")
     watch.watch(batch.worlds, "hold", "selector")
     for owner, method, part in borders_of(batch.worlds):
         watch.watch(owner, method, part)

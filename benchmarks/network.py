@@ -70,7 +70,7 @@ def seconds_per_step(network: BehaviourNetwork, readings: NDArray[np.float64], r
             network.readings[:] = readings[step % len(readings)]
             network.step()
             if recorder is not None:
-                recorder.take()
+                recorder.record()
         best = min(best, (time.process_time() - begin) / steps)
         if recorder is not None:
             recorder.steps.clear()

@@ -75,8 +75,8 @@ def compare_with_original() -> list[Result]:
     """Return the three figures that the original has too."""
     buffer, _ = field_of(1000, 1000 / 121, rows=64)
     queries, everything = Queries(buffer), Filter(view_distance=np.inf, moving=False)
-    near = cpu_seconds(lambda: queries.see(0.0, None, Filter(moving=False))) / 64
-    whole = cpu_seconds(lambda: queries.see(0.0, None, everything)) / 64
+    near = cpu_seconds(lambda: queries.gather(0.0, None, Filter(moving=False))) / 64
+    whole = cpu_seconds(lambda: queries.gather(0.0, None, everything)) / 64
     space = Torus(20.0, 20.0)
     poses = OwnPoses(space, 501)
     poses.update(np.random.default_rng(1).random((501, 2)) * 20, None, 0.0)
@@ -105,7 +105,7 @@ def growth(rounds: int = 15, views: int = 50) -> list[Result]:
         for size, queries in enumerate(stores):
             start = time.process_time()
             for _ in range(views):
-                queries.see(0.0, None, look)
+                queries.gather(0.0, None, look)
             times[turn, size] = (time.process_time() - start) / (64 * views)
     grown = float(np.median(times[:, -1] / times[:, 0]))
     line = "  ".join(f"{t * 1e6:.2f} us" for t in np.median(times, axis=0))

@@ -48,7 +48,7 @@ def main() -> int:
     print(f"{ROWS} rows, {FEATURES} features [us/row]      shared: decide  learn    own: decide  learn")
     with TemporaryDirectory() as directory:
         exported(Path(directory), problem.goal, problem.options, features, hidden=(64, 64))
-        needed = {"Fixed": {"option": "two"}, "Policy": {"policy": directory}}
+        needed = {"Fixed": {"option": "two"}}
         for name in registered():
             costs = [seconds_a_row(name, needed.get(name, {}), problem, own) for own in (False, True)]
             late = max(sum(cost) for cost in costs) > LIMIT

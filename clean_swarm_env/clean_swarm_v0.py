@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from reprlib import repr as brief
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import gymnasium
 import numpy as np
@@ -29,6 +29,7 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from clean_swarm_env.borders.infos import robot_infos
+from clean_swarm_env.borders.settings import EnvSettings, GivenReward, spelled_out
 from clean_swarm_env.borders.spaces import (
     CORRECTION,
     OPTION,
@@ -59,8 +60,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         render_mode: None, "rgb_array", or "human", which shows every control period in a window.
         max_cycles: most steps of an episode, which is then truncated; None: as the mission has it.
         state: what `state` returns, the global state or all observations, one after the other.
-        settings: further arguments of `Batch`, such as `observation`, `action`, `family` and `knowledge`; or `goal` and
-            those of `GoalBatch`.
+        settings: see `EnvSettings`.
 
     Without `options={"start": StartConfiguration}` each reset draws a new start; episode k after `reset(seed=S)` is
     always the same. An episode terminates when all garbage is dumped and is truncated at the mission's time limit. The
@@ -82,15 +82,16 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         "is_parallelizable": True,
     }
 
+    @spelled_out
     def __init__(
         self,
         mission: GivenMission | None = None,
-        reward: Any = None,  # noqa: ANN401  (as that of Batch)
+        reward: GivenReward | None = None,
         render_mode: str | None = None,
         *,
         max_cycles: int | None = None,
         state: Literal["global", "observations"] = "global",
-        **settings: Any,  # noqa: ANN401  (those of Batch)
+        **settings: Unpack[EnvSettings],
     ) -> None:
         check_render_mode(render_mode, (WINDOW, PICTURE))
         if state not in ("global", "observations"):
@@ -127,7 +128,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         start = start_of(options, ("start", "options"))  # PettingZoo's own tests give {"options": 1}
         seen = self._batch.reset([seed], [start])
         self.agents, self._left = self.at_work(), self._cycles or 0
-        self._view.begin()
+        self._view.reset()
         return self._of(self.agents, seen.copy()), self._of(self.agents, robot_infos(self._batch))
 
     def step(self, actions: Mapping[str, AgentAction]) -> AgentsStep:
@@ -161,11 +162,12 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
     def set_state(self, state: bytes) -> tuple[dict[str, Observations], AgentInfos]:
         """Go on from a state of an environment or of a world of a batch; return observations and infos.
 
-        The counts of the last period are no part of it. ValueError says what does not fit.
+        The counts of the last period are no part of it. ValueError says what is damaged or does not fit, and then
+        nothing has changed.
         """
         seen = self._batch.set_state(state).copy()
         steps = self._batch.steps(0)
-        over = bool(self._batch.over[0]) or steps == self._cycles
+        over = bool(self._batch.over[0]) or (self._cycles is not None and steps >= self._cycles)
         self.agents, self._left = [] if over else self.at_work(), (self._cycles or 0) - steps
         return self._of(self.at_work(), seen), self._of(self.at_work(), robot_infos(self._batch))
 
@@ -225,24 +227,46 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         return np.array([given.get(agent, first) for agent in self.possible_agents])
 
 
+class WholeSettings(EnvSettings, total=False):
+    """All that `CleanSwarm` takes by name only."""
+
+    max_cycles: int | None
+    """Most steps of an episode, which is then truncated; None: as the mission has it."""
+    state: Literal["global", "observations"]
+    """What `state` returns."""
+
+
+@spelled_out
 def parallel_env(
     mission: GivenMission | None = None,
-    reward: Any = None,  # noqa: ANN401  (as that of Batch)
+    reward: GivenReward | None = None,
     render_mode: str | None = None,
-    **settings: Any,  # noqa: ANN401  (the rest of the arguments of CleanSwarm)
+    **settings: Unpack[WholeSettings],
 ) -> CleanSwarm:
     """Return the environment in which all robots act at once; see `CleanSwarm` for the arguments."""
     return CleanSwarm(mission, reward, render_mode, **settings)
 
 
-def raw_env(*arguments: Any, **settings: Any) -> AECEnv[str, Observations, AgentAction]:  # noqa: ANN401
+@spelled_out
+def raw_env(
+    mission: GivenMission | None = None,
+    reward: GivenReward | None = None,
+    render_mode: str | None = None,
+    **settings: Unpack[WholeSettings],
+) -> AECEnv[str, Observations, AgentAction]:
     """Return the environment in which robots act one after the other (by PettingZoo's own conversion).
 
     The arguments are those of `CleanSwarm`.
     """
-    return parallel_to_aec_wrapper(CleanSwarm(*arguments, **settings))
+    return parallel_to_aec_wrapper(CleanSwarm(mission, reward, render_mode, **settings))
 
 
-def env(*arguments: Any, **settings: Any) -> AECEnv[str, Observations, AgentAction]:  # noqa: ANN401
+@spelled_out
+def env(
+    mission: GivenMission | None = None,
+    reward: GivenReward | None = None,
+    render_mode: str | None = None,
+    **settings: Unpack[WholeSettings],
+) -> AECEnv[str, Observations, AgentAction]:
     """Return the environment of `raw_env`, which also raises an error for calls in a wrong order."""
-    return OrderEnforcingWrapper(raw_env(*arguments, **settings))
+    return OrderEnforcingWrapper(raw_env(mission, reward, render_mode, **settings))

@@ -1,6 +1,6 @@
 """BenchMARL: the cleaning swarm as a task, for MAPPO and IPPO, QMIX with masks and global state, MASAC with vectors.
 
-pip install benchmarl && pip install .
+pip install -c constraints.txt benchmarl==1.5.2 torchrl==0.11.1 .
 python examples/benchmarl_task.py mappo --frames 60000
 clean-swarm evaluate --family table1 --strategy policy:benchmarl.pt --scenarios 10  (velocity: after masac)
 """

@@ -1,6 +1,6 @@
 """PPO in one file, in the manner of CleanRL: every robot of every world is a row, all rows share one network.
 
-pip install '.[train]'
+pip install -c constraints.txt '.[train]'
 python examples/ppo_one_file.py --updates 40
 clean-swarm evaluate --family table1 --strategy fixed --strategy policy:ppo_one_file.pt --scenarios 10
 """

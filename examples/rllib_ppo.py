@@ -1,6 +1,6 @@
 """PPO of RLlib with masks and an open team: robots join and are gone, all share one policy.
 
-pip install 'ray[rllib]' torch && pip install .
+pip install -c constraints.txt 'ray[rllib]==2.60.0' torch .
 python examples/rllib_ppo.py --iterations 20
 clean-swarm evaluate --family table1 --strategy fixed --strategy policy:rllib_ppo.pt --scenarios 10
 """

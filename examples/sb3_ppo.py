@@ -1,10 +1,12 @@
 """PPO of Stable-Baselines3 on 16 worlds, with options or, end to end, with movement vectors as actions.
 
-pip install '.[train]'
+pip install -c constraints.txt stable-baselines3==2.9.2 '.[train]'
 python examples/sb3_ppo.py --steps 200000
 clean-swarm evaluate --family table1 --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
 python examples/sb3_ppo.py --velocity --family crowded
-clean-swarm evaluate --family crowded --strategy fixed --strategy velocity:sb3_ppo.zip --scenarios 10
+clean-swarm evaluate --family crowded --strategy fixed --strategy policy:sb3_ppo.zip --scenarios 10
+
+Episodes are cut after `--limit` seconds: until the first one ends, `ep_rew_mean` is nan.
 """
 
 import argparse
@@ -15,7 +17,7 @@ from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 from clean_swarm_env.sb3 import RobotVecEnv
 
 OWN_WORK = {"own_picked": 1.0, "own_recycled": 1.0, "own_dumped": 1.0, "collision": -0.2}
-"""By the cost of missions alone robots that steer learn to stand still."""
+"""By the cost of missions alone robots that drive learn to stand still."""
 
 
 def main() -> None:
@@ -23,12 +25,14 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--steps", type=int, default=200_000)
     parser.add_argument("--family", default="table1")
+    parser.add_argument("--limit", type=float, default=300.0)
     parser.add_argument("--velocity", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    steered = {"action": {"mode": "velocity"}, "reward": OWN_WORK} if given.velocity else {}
+    driven = {"action": {"mode": "velocity"}, "reward": OWN_WORK} if given.velocity else {}
     figures = ("duration_s", "garbage_done", "mission_collision_events", "completed")
-    envs = VecNormalize(VecMonitor(RobotVecEnv(worlds=16, family=given.family, **steered), info_keywords=figures))
+    robots = RobotVecEnv(worlds=16, family=given.family, time_limit=given.limit, **driven)
+    envs = VecNormalize(VecMonitor(robots, info_keywords=figures))
     model = PPO("MlpPolicy", envs, n_steps=64, batch_size=1024, gamma=0.98, seed=given.seed, device="cpu", verbose=1)
     model.learn(given.steps)
     model.save("sb3_ppo.zip")

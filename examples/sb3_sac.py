@@ -1,6 +1,6 @@
 """SAC of Stable-Baselines3 with movement vectors as actions.
 
-pip install '.[train]'
+pip install -c constraints.txt stable-baselines3==2.9.2 '.[train]'
 python examples/sb3_sac.py --steps 100000
 clean-swarm evaluate --family table1 --strategy fixed --strategy velocity:sb3_sac.zip --scenarios 10
 """
@@ -17,7 +17,7 @@ MISSION = {"base": "table1", "garbage": {"count": 4}, "time_limit": 100.0}
 
 
 def make(worlds: int) -> VecMonitor:
-    """Return the robots of many worlds, each steered by a vector and paid for its own part of the work."""
+    """Return the robots of many worlds, each driven by a vector and paid for its own part of the work."""
     own = {"own_picked": 0.5, "own_recycled": 0.5}
     return VecMonitor(RobotVecEnv(worlds=worlds, mission=MISSION, action={"mode": "velocity"}, reward=own))
 

@@ -1,6 +1,6 @@
 """DQN of Tianshou, one network for each robot, with masks, in a team that changes.
 
-pip install tianshou && pip install .
+pip install -c constraints.txt tianshou==2.0.1 .
 python examples/tianshou_dqn.py --epochs 10
 clean-swarm evaluate --family table1 --strategy fixed --strategy policy:tianshou_dqn.pt --scenarios 10
 """

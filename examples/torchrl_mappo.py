@@ -1,6 +1,6 @@
 """MAPPO with TorchRL: robots share an actor, one critic sees the global state and values each robot.
 
-pip install torchrl && pip install .
+pip install -c constraints.txt torchrl==0.14.1 .
 python examples/torchrl_mappo.py --frames 60000
 clean-swarm evaluate --family table1 --strategy fixed --strategy policy:torchrl_mappo.pt --scenarios 10
 """
@@ -10,7 +10,7 @@ import argparse
 import torch
 from robot_policy import save
 from tensordict.nn import TensorDictModule
-from torchrl.collectors import SyncDataCollector
+from torchrl.collectors import Collector
 from torchrl.envs import PettingZooWrapper
 from torchrl.modules import MLP, MaskedCategorical, ProbabilisticActor
 from torchrl.objectives import ClipPPOLoss
@@ -61,7 +61,7 @@ def main() -> None:
     loss.set_keys(**KEYS, terminated=("robot", "terminated"), value=value)
     loss.make_value_estimator(gamma=0.98, lmbda=0.95)
     optimiser = torch.optim.Adam(loss.parameters(), lr=3e-4)
-    for batch in SyncDataCollector(env, actor, frames_per_batch=given.batch, total_frames=given.frames):
+    for batch in Collector(env, actor, frames_per_batch=given.batch, total_frames=given.frames):
         with torch.no_grad():
             weights = loss.critic_network_params
             loss.value_estimator(batch, params=weights, target_params=loss.target_critic_network_params)

@@ -47,7 +47,7 @@ class Commands:
         for array in self.packed.record:
             array[:] = 0
 
-    def take(self, others: Commands) -> None:
+    def copy_from(self, others: Commands) -> None:
         """Take over the commands of as many robots."""
         for array, given in zip(self.packed.record, others.packed.record, strict=True):
             array[:] = given

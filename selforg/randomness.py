@@ -14,7 +14,7 @@ GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 class DirectionStream:
     """Unit vectors drawn ahead, one `Generator` per row, so that the draws of a row depend on no other row.
 
-    Nothing is drawn at construction. `take_direction` sets `low` when a row has used half of its block, and `refill`
+    Nothing is drawn at construction. `next_direction` sets `low` when a row has used half of its block, and `refill`
     then draws more. A row that takes more than half a block in one call gets its last vector again.
 
     Attributes:
@@ -66,8 +66,8 @@ class DirectionStream:
         """Draw what is missing, after `vectors`, `cursor` and `generators` have been written to."""
         self.low[0] = True
 
-    def take(self, rows: Ints) -> Floats:
-        """Return the next unit vectors (K, 3) of `rows` (K,), each once at most; for kernels `take_direction`."""
+    def next_directions(self, rows: Ints) -> Floats:
+        """Return the next unit vectors (K, 3) of `rows` (K,), each once at most; for kernels `next_direction`."""
         self.refill()
         places = np.minimum(self.cursor[rows], self.block - 1)
         self.cursor[rows] += 1
@@ -102,7 +102,7 @@ def draw_directions(generator: np.random.Generator, count: int, dim: int) -> Flo
 
 
 @kernel
-def take_direction(vectors: Floats, cursor: Ints, low: Flags, row: int) -> tuple[float, float, float]:
+def next_direction(vectors: Floats, cursor: Ints, low: Flags, row: int) -> tuple[float, float, float]:
     """Return the next unit vector of `row`, advance its cursor, and set `low` where half of its block is used."""
     block = vectors.shape[1]
     index = min(int(cursor[row]), block - 1)

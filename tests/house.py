@@ -20,6 +20,14 @@ COMPILED = {"kernel", "lean_kernel", "part", "inlined", "sums", "combines"}
 MOST_COMPILED, MOST_PLAIN, MOST_MODULES = 8, 6, 15
 SAME_MEANING = {"app"}
 """Names that several modules may define: each file of commands has its `app`."""
+RETIRED = {
+    "begin": "reset, start, open or the verb of what is done",
+    "take": "record, apply, read, collect or the verb of what is done",
+    "see": "gather, write_row or the verb of what is done",
+    "told": "the verb of what is done",
+    "steered": "driven: a learner drives, a mechanism steers",
+}
+"""Names of functions, methods and fields that had too many meanings: what to say instead."""
 
 
 @cache
@@ -108,6 +116,19 @@ def names_defined_twice(root: Path = ROOT, *, across_packages: bool = False) -> 
         name: sorted(modules)
         for name, modules in sorted(where.items())
         if len({m.partition(".")[0] if across_packages else m for m in modules}) > 1
+    }
+
+
+def retired_names(root: Path = ROOT) -> dict[str, str]:
+    """Return the functions, methods and fields with a name that no longer is one, and what to say instead."""
+    found = []
+    for module, tree in sources(root).items():
+        found += [(module, owner, function.name) for function, owner in functions(tree)]
+        for cls in (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)):
+            fields = (node.target for node in cls.body if isinstance(node, ast.AnnAssign))
+            found += [(module, cls.name, field.id) for field in fields if isinstance(field, ast.Name)]
+    return {
+        ".".join(filter(None, names)): RETIRED[word] for names in found if (word := names[-1].lstrip("_")) in RETIRED
     }
 
 

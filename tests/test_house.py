@@ -44,6 +44,10 @@ def test_a_public_name_has_one_meaning_across_the_packages():
     assert house.names_defined_twice(across_packages=True) == {}
 
 
+def test_no_function_or_field_has_a_name_that_meant_too_much():
+    assert house.retired_names() == {}
+
+
 def test_signatures_are_short():
     assert house.long_signatures() == []
 
@@ -83,6 +87,15 @@ def test_hidden_circles_are_found(tmp_path, text, found):
     )
     (package / "b.py").write_text("import selforg.a\n")
     assert house.circles(tmp_path) == ([[f"selforg.{name}" for name in found]] if found else [])
+
+
+def test_retired_names_are_found(tmp_path):
+    package = tmp_path / "selforg"
+    package.mkdir()
+    (package / "a.py").write_text(
+        "class A:\n    told: int\n    tolds: int\n    def _begin(self): ...\ndef begin_a(): ...\n"
+    )
+    assert list(house.retired_names(tmp_path)) == ["selforg.a.A._begin", "selforg.a.A.told"]
 
 
 def test_long_signatures_are_found(tmp_path):

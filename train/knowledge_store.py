@@ -32,14 +32,13 @@ class StoreRequest:
             raise DocumentError("--learn: expected --store URL, the knowledge store to give to")
 
     @property
-    def words(self) -> list[str]:
-        """The words of this request on the command line, without the password of the store."""
-        named = ["--store", public_url(self.url)] if self.url is not None else []
-        return named + (["--learn"] if self.learn else [])
+    def shown(self) -> str | None:
+        """URL of the store without its password."""
+        return None if self.url is None else public_url(self.url)
 
     def memory(self, knowledge: Knowledge, context: str, source: str) -> "Memory | None":
         """Return the memory of a run; None without a store."""
-        if self.url is None:
+        if not self.url:
             return None
         return Memory(opened(self.url, create=self.learn), knowledge, context, source if self.learn else "")
 

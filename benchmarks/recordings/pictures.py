@@ -53,7 +53,7 @@ def videos(folder: Path) -> dict[str, dict[str, float]]:
     for suffix in SUFFIXES:
         path = folder / f"run{suffix}"
         try:
-            check_video(path, count)
+            check_video(path)
         except ConfigurationError as error:
             print(error)
             continue

@@ -48,7 +48,7 @@ class Going:
         if mode != MODES[0]:
             settings = RecordSettings(folder, minds=minds, name=name, thinking=True)
             self.recorder = MissionRecorder(self.course.worlds, settings)
-            self.recorder.begin(0, {"scenario": name})
+            self.recorder.open(0, {"scenario": name})
 
     def block(self) -> float:
         """Run a block of control periods; return the CPU seconds."""
@@ -56,7 +56,7 @@ class Going:
         for _ in range(BLOCK):
             self.course.tick()
             if self.recorder is not None:
-                self.recorder.take()
+                self.recorder.record()
         return process_time() - begin
 
 
@@ -68,9 +68,10 @@ def by_blocks(scenario: Scenario, modes: Sequence[str], folder: Path) -> dict[st
 
 
 def together(mode: str, folder: Path) -> Callable[[], float]:
-    """Return a contestant that gives the CPU seconds of missions under the policy `general`."""
+    """Return a contestant that gives the CPU seconds of missions under the policy `exploring-ppo`."""
     places = tuple((k, 0) for k in range(TOGETHER))
-    task = TrialTask(load_family("crowded"), 0, places, "policy", "policy:general", "AvoidCollision", ())
+    family, member = load_family("crowded-exploring"), "policy:exploring-ppo"
+    task = TrialTask(family, 0, places, "policy", member, "ExplorationPatrol", ())
     wanted = task if mode == MODES[0] else task.recorded(RecordSettings(folder / mode, minds=mode == MODES[2]))
 
     def spent() -> float:

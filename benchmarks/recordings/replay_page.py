@@ -2,7 +2,7 @@
 
     python -m benchmarks.recordings.replay_page
 
-All layers are on, who-sees-whom too. Two runs of 20 robots with minds, one under the policy `general`; a thousand
+All layers are on, who-sees-whom too. Two runs of 20 robots with minds, one under the policy `exploring-ppo`; a thousand
 robots for a minute; and the longest mission of Table 1, with minds. Wall time, the least of some repeats. Needs
 Chromium and Playwright.
 """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
+from clean_swarm_env.borders.settings import EnvSettings, GivenReward, spelled_out
 from clean_swarm_env.borders.spaces import check_render_mode, start_of
 from clean_swarm_env.borders.views import PICTURE, PICTURES, WINDOW, View
 from clean_swarm_env.learning.given import GivenMission, seeds_from
@@ -28,23 +29,26 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         one_for_all: whether one option serves all robots.
         render_mode: None; "rgb_array"; "human", which shows every control period in a window; or "rgb_array_list", by
             which `render` returns 20 pictures for each second of the mission, those since the last call.
-        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
+        reward: weights of the reward's terms, or a function, see `Batch`.
+        settings: see `EnvSettings`.
 
     """
 
     metadata = {"render_modes": [WINDOW, PICTURE, PICTURES], "render_fps": 1}  # noqa: RUF012
 
+    @spelled_out
     def __init__(
         self,
         mission: GivenMission | None = None,
         *,
         one_for_all: bool = False,
         render_mode: str | None = None,
-        **settings: Any,  # noqa: ANN401  (those of Batch)
+        reward: GivenReward | None = None,
+        **settings: Unpack[EnvSettings],
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
-        whole = {"mission": mission, "autoreset_mode": AutoresetMode.DISABLED}
-        self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **whole, **settings)
+        given = {"mission": mission, "reward": reward, "autoreset_mode": AutoresetMode.DISABLED}
+        self._envs = TeamVectorEnv(1, one_for_all=one_for_all, **given, **settings)  # type: ignore[arg-type]
         self.batch = self._envs.batch
         self._view = self._envs.view = View(self.batch, render_mode)
         self.metadata = {**self.metadata, "render_fps": self._view.fps}
@@ -61,7 +65,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         super().reset(seed=seeds_from([seed], 1)[0])
         observations, infos = self._envs.reset(seed=[seed], options=options)
         self._over = False
-        self._view.begin()
+        self._view.reset()
         return observations[0], _first(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
@@ -77,7 +81,7 @@ class CleanSwarmTeam(gymnasium.Env[Observations, NDArray[Any]]):
         return self.batch.get_state()
 
     def set_state(self, state: bytes) -> Observations:
-        """Go on from a state; return the observation. ValueError says what does not fit."""
+        """Go on from a state; return the observation. ValueError: damaged, or does not fit; nothing has changed."""
         observation: Observations = self._envs.set_state(state)[0]
         self._over = bool(self.batch.over[0])
         return observation

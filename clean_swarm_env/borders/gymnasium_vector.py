@@ -17,7 +17,7 @@ World w of `reset(seed=S)` has the seed S + w.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.borders.infos import MASK, Info, team_infos
 from clean_swarm_env.borders.members import Member
+from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
     action_space,
     batch_of,
@@ -48,7 +49,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         worlds: W.
         autoreset_mode: what happens when the mission of a world is over.
         render_mode: None or "rgb_array".
-        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
+        settings: see `VectorSettings`.
 
     Attributes:
         autoreset_mode: the mode, as a member of `AutoresetMode`.
@@ -65,7 +66,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
-        **settings: Any,  # noqa: ANN401  (those of Batch)
+        **settings: Unpack[VectorSettings],
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
         self.autoreset_mode = AutoresetMode(autoreset_mode)
@@ -98,7 +99,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         if len(worlds) == len(self._over):
             observations = self.batch.reset(seeds, [start] * len(seeds))
         else:
-            observations = self.batch.begin(worlds, seeds, [start] * len(seeds))
+            observations = self.batch.reset_worlds(worlds, seeds, [start] * len(seeds))
         self._over[worlds] = False
         return self._joined(observations), self._infos()
 
@@ -110,7 +111,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         step = self.view.step(rows)
         terminated, truncated = step.terminated & ~self._over, step.truncated & ~self._over
         if len(waiting):
-            self.batch.begin(waiting)
+            self.batch.reset_worlds(waiting)
         infos = self._infos()
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._add_final(infos, step.final_observations)
@@ -210,16 +211,26 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         infos |= {"final_obs": last, "_final_obs": ended, "_final_info": ended.copy()}
 
 
+class ViewedSettings(VectorSettings, total=False):
+    """Settings of both kinds, as keyword arguments."""
+
+    autoreset_mode: AutoresetMode | str
+    """What happens when the mission of a world is over."""
+    render_mode: str | None
+    """None or "rgb_array"."""
+
+
 class RobotVectorEnv(BatchVectorEnv):
     """Every robot of every world is an environment; learners share parameters among them (rows = worlds * robots).
 
     Args:
         worlds: W.
-        settings: further arguments of `BatchVectorEnv`.
+        settings: see `ViewedSettings`.
 
     """
 
-    def __init__(self, worlds: int = 1, **settings: Any) -> None:  # noqa: ANN401
+    @spelled_out
+    def __init__(self, worlds: int = 1, **settings: Unpack[ViewedSettings]) -> None:
         super().__init__(1, worlds, **settings)
 
 
@@ -229,11 +240,12 @@ class TeamVectorEnv(BatchVectorEnv):
     Args:
         num_envs: W.
         one_for_all: whether one option serves all robots of a team.
-        settings: further arguments of `BatchVectorEnv`.
+        settings: see `ViewedSettings`.
 
     """
 
-    def __init__(self, num_envs: int = 1, *, one_for_all: bool = False, **settings: Any) -> None:  # noqa: ANN401
+    @spelled_out
+    def __init__(self, num_envs: int = 1, *, one_for_all: bool = False, **settings: Unpack[ViewedSettings]) -> None:
         super().__init__(0, whole_number(num_envs, "num_envs", 1), **settings)
         self._one_for_all = one_for_all
         if one_for_all:

@@ -22,12 +22,17 @@ OPTION, CORRECTION = "option", "correction"
 """Keys of an action that is both an option and a vector."""
 
 
+NAMES = "names"
+"""Attribute of a space: names of the components of an observation, or goal -> names of its options. Whatever keeps a
+space, as the files of Stable-Baselines3 do, keeps the names."""
+
+
 def batch_of(
     mission: GivenMission | None = None,
     worlds: int = 1,
     *,
     goal: str | None = None,
-    **settings: Any,  # noqa: ANN401  (those of Batch or GoalBatch)
+    **settings: Any,  # noqa: ANN401  (those of `EnvSettings`)
 ) -> AnyBatch:
     """Return a batch of worlds with a mission or a family, or with a goal of self-organisation."""
     if goal is None:
@@ -40,7 +45,9 @@ def batch_of(
 def observation_space(batch: AnyBatch, robots: int = 1) -> spaces.Box:
     """Return the space of the observations of `robots` robots, one after the other."""
     bounds = np.tile(batch.observer.bounds, robots)
-    return spaces.Box(-bounds, bounds, dtype=np.float32)
+    space = spaces.Box(-bounds, bounds, dtype=np.float32)
+    vars(space)[NAMES] = tuple(batch.observer.names) * robots
+    return space
 
 
 def action_space(batch: AnyBatch, robots: int = 1) -> spaces.Space[Any]:
@@ -54,7 +61,27 @@ def action_space(batch: AnyBatch, robots: int = 1) -> spaces.Space[Any]:
         return vectors
     counts = list(batch.choices.counts) * robots
     options = spaces.Discrete(counts[0]) if len(counts) == 1 else spaces.MultiDiscrete(counts)
+    vars(options)[NAMES] = dict(batch.options)
     return options if batch.action.mode == "option" else spaces.Dict({OPTION: options, CORRECTION: vectors})
+
+
+def flat_space(batch: AnyBatch) -> spaces.Space[Any]:
+    """Return the space of the actions of a robot for learners that know no dictionaries.
+
+    Actions of both kinds are a Box: a number for each option, the largest of which is taken, and the correction.
+    """
+    space = action_space(batch)
+    if not isinstance(space, spaces.Dict):
+        return space
+    box = spaces.Box(-1.0, 1.0, (sum(batch.choices.counts) + 2,), np.float32)
+    vars(box)[NAMES] = dict(batch.options)
+    return box
+
+
+def preferred(numbers: NDArray[Any], counts: Sequence[int]) -> NDArray[Any]:
+    """Return actions (R, C + ...) of numbers (R, O + ...): of each goal the option with the largest, then the rest."""
+    *parts, rest = np.split(numbers, np.cumsum(counts), axis=1)
+    return np.column_stack([*(part.argmax(axis=1) for part in parts), rest])
 
 
 def rows_of(actions: Any, space: spaces.Space[Any], rows: int) -> NDArray[Any]:  # noqa: ANN401  (what a user gave)

@@ -12,30 +12,37 @@ mission is over begins anew in the same step. Infos hold in every step what `cle
 - `terminal_observation` and `TimeLimit.truncated` (the time was over and garbage was left),
 - `episode`: return, length and time, as `VecMonitor` writes them.
 
+Making it sets one torch thread, unless OMP_NUM_THREADS says otherwise: networks of this size take several times the CPU
+time with more. `ep_rew_mean` is nan until the first mission ends; `time_limit=300.0` ends those of "table1" after 300
+decisions in place of 3,000.
+
 World w of `seed(S)` has the seed S + w. Options of `set_options` may hold a `start`, in the row of the first robot of a
 world.
 """
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from clean_swarm_env.borders.infos import Info, robot_infos
 from clean_swarm_env.borders.members import Member
-from clean_swarm_env.borders.spaces import action_space, batch_of, observation_space, start_of
+from clean_swarm_env.borders.settings import VectorSettings, spelled_out
+from clean_swarm_env.borders.spaces import batch_of, flat_space, observation_space, preferred, start_of
 from clean_swarm_env.learning.given import seeds_from
 from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
-from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from selforg.arrays import Flags
+from selforg.sealing import check_alike, sealed, unsealed
 
 
 class RobotVecEnv(VecEnv):
@@ -44,7 +51,7 @@ class RobotVecEnv(VecEnv):
     Args:
         worlds: W, for worlds of one mission or family.
         batches: batches that are used in place of `worlds` and `settings`; see `clean_swarm_env.learning.joined`.
-        settings: further arguments of `Batch`, or `goal` and those of `GoalBatch`.
+        settings: see `VectorSettings`.
 
     Attributes:
         batches: the batches, one unless others are given.
@@ -52,13 +59,16 @@ class RobotVecEnv(VecEnv):
 
     """
 
+    @spelled_out
     def __init__(
         self,
         worlds: int = 1,
         *,
         batches: Sequence[AnyBatch] = (),
-        **settings: Any,  # noqa: ANN401  (those of Batch)
+        **settings: Unpack[VectorSettings],
     ) -> None:
+        if "OMP_NUM_THREADS" not in os.environ:
+            torch.set_num_threads(1)
         if batches and (settings or worlds != 1):
             raise ValueError(
                 f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
@@ -76,7 +86,8 @@ class RobotVecEnv(VecEnv):
         self._lengths = np.zeros(self._joined.worlds, dtype=np.int64)
         self._began = time.monotonic()
         first = self.batches[0]
-        super().__init__(self._joined.rows, observation_space(first), action_space(first))
+        self._choices = first.choices.counts if first.action.mode == "both" else ()
+        super().__init__(self._joined.rows, observation_space(first), flat_space(first))
 
     def reset(self) -> Observations:
         """Begin an episode in every world; seeds and options given before are used once."""
@@ -99,6 +110,8 @@ class RobotVecEnv(VecEnv):
     def step_async(self, actions: NDArray[Any]) -> None:
         """Note the actions of the coming step."""
         self._actions = np.asarray(actions)
+        if self._actions.shape[1:] == self.action_space.shape and self._choices:
+            self._actions = preferred(self._actions, self._choices)
 
     def step_wait(self) -> VecEnvStepReturn:
         """Run one decision period."""
@@ -124,16 +137,23 @@ class RobotVecEnv(VecEnv):
 
     def get_state(self) -> bytes:
         """Return the states of all worlds, with what episodes have brought so far; see `Batch.get_state`."""
-        return to_bytes(([batch.get_state() for batch in self.batches], self._returns, self._lengths))
+        own = (self._sizes(), [batch.get_state() for batch in self.batches], self._returns, self._lengths)
+        return sealed("robots", own)
 
     def set_state(self, state: bytes) -> Observations:
-        """Go on from a state of as many worlds; return the observations. ValueError says what does not fit."""
-        states, returns, lengths = from_bytes(state)
-        if len(states) != len(self.batches):
-            raise ValueError(f"state: expected {len(self.batches)} batches, got {len(states)}")
-        seen = [batch.set_state(own) for batch, own in zip(self.batches, states, strict=True)]
+        """Go on from a state of as many worlds; return the observations.
+
+        ValueError says what is damaged or does not fit, and then nothing has changed.
+        """
+        sizes, states, returns, lengths = unsealed("robots", state)
+        check_alike(self._sizes(), sizes)
+        fitting = [batch.open_state(own) for batch, own in zip(self.batches, states, strict=True)]
+        seen = [batch.enter_state(own) for batch, own in zip(self.batches, fitting, strict=True)]
         self._returns[:], self._lengths[:], self.finished = returns, lengths, ()
         return np.concatenate(seen)
+
+    def _sizes(self) -> dict[str, Any]:
+        return {"batches": len(self.batches), "worlds": self._joined.worlds, "robots": self._joined.rows}
 
     def action_masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve next."""

@@ -44,7 +44,7 @@ class View:
             return 1.0 / self._batch.decision_period
         return self._between / self._batch.period
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Show the beginning of an episode."""
         self._last, self._pictures = None, []
         self._look()

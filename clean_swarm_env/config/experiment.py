@@ -1,17 +1,31 @@
 """Typed configuration of an experiment: a mission, the conditions to compare on it, and where it starts."""
 
+from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.types import Scenarios
 from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Label, Name, Number
-from selector.strategies.registry import StrategySpec
+from selector.documents.trust import FILED_KINDS, FOREIGN_ENDINGS, check_trust
+from selector.strategies.registry import StrategySpec, spec_from_text
 
 ConditionScores = dict[str, dict[str, Number]]
+
+
+def _strategy_of(given: object) -> object:
+    """Return the strategy that a text describes; a text that names another kind of decider stays a text."""
+    if not isinstance(given, str):
+        return given
+    kind, _, name = given.partition(":")
+    if kind not in FILED_KINDS:
+        return spec_from_text(given)
+    if kind == "velocity" or Path(name).suffix in FOREIGN_ENDINGS:
+        check_trust(name, f"load {name}, a model of another library")
+    return given
 
 
 class ConditionConfig(Closed):
@@ -21,10 +35,17 @@ class ConditionConfig(Closed):
     """Name of the condition in all results."""
     scores: ConditionScores = Field(default={})
     """Goal -> option -> score, in place of those of the expert knowledge (so a mechanism can be forced)."""
-    strategy: StrategySpec = BY_SCORE
-    """Strategy that decides in every decision period which options serve the goals."""
+    strategy: Annotated[StrategySpec | str, BeforeValidator(_strategy_of)] = BY_SCORE
+    """Strategy that decides in every decision period, by its name and parameters or as `--strategy` takes it; a machine
+    or a policy decides for its own goal, and options of the highest score serve the others."""
     measured: Label | None = None
     """Name under which a file of start configurations holds the figures measured for this condition."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.scores and isinstance(self.strategy, str):
+            raise impossible("scores", f"none beside {self.strategy}", "some")
+        return self
 
 
 class PublishedFigures(Closed):

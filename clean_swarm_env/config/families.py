@@ -91,8 +91,6 @@ class FamilyConfig(Closed):
     """Start configurations of the split "test", taken in turn; random ones if empty, as in the split "train"."""
     scenarios: Scenarios = 100
     """Number of scenarios of an evaluation."""
-    terms: tuple[Name, ...] = ()
-    """Terms of the observation that strategies see in evaluations, beside the default ones."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -211,7 +209,7 @@ class FamilyConfig(Closed):
         own_contents = base.own_contents or "deliver" in self.changes.kinds
         delivery = {**base.delivery.model_dump(), "own_contents": own_contents}
         whole = {**base.model_dump(), **merged, "name": self.name, "events": events, "delivery": delivery}
-        return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m")
+        return validated(MissionConfig, whole, f"{robots} robots on {size[0]:g} m x {size[1]:g} m", own=True)
 
     @property
     def _rows(self) -> int:

@@ -1,6 +1,7 @@
 """Read missions, families and experiments from YAML files, by name or by path; see `selector.documents.find`.
 
-Every mistake raises ConfigurationError: one line with file, key, expected and given.
+Every mistake raises ConfigurationError: one line with file, key, expected and given. Files may ask for code and
+databases only with `trust` (docs/trust.md).
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,14 +13,16 @@ from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
-from selector.documents.find import find_file, load_file
+from selector.documents.find import files_of, find_file, load_file
 from selector.documents.reading import read_mapping
+from selector.documents.trust import reading_files
 
 
-def load_experiment(name_or_path: str, directories: Sequence[Path] = ()) -> ExperimentConfig:
+def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> ExperimentConfig:
     """Return the experiment of a name or of a path to a YAML file, its mission and start configurations resolved."""
     path = find_file("experiments", name_or_path, directories)
-    return validated(ExperimentConfig, _resolved(path, directories), shown(path))
+    with reading_files(trust=trust):
+        return validated(ExperimentConfig, _resolved(path, directories), shown(path))
 
 
 def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> RobustnessConfig | None:
@@ -36,15 +39,29 @@ def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> Robu
     return validated(RobustnessConfig, content, shown(path))
 
 
-def load_family(name_or_path: str, directories: Sequence[Path] = ()) -> FamilyConfig:
-    """Return the family of a name or of a path to a YAML file, its mission and start configurations resolved."""
+def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> FamilyConfig:
+    """Return the family of a name or of a path to a YAML file, its mission and start configurations resolved.
+
+    The name of a mission is that of its family, too: its random starts.
+    """
+    alone = name_or_path in files_of("missions", directories)
+    if alone and name_or_path not in files_of("families", directories):
+        mission = load_mission(name_or_path, directories, trust=trust)
+        robots, garbage = mission.robots.count, mission.garbage
+        counts = {"robots": (robots,) * 2, "items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
+        content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission, **counts}
+        return validated(FamilyConfig, content, name_or_path)
     path = find_file("families", name_or_path, directories)
-    return validated(FamilyConfig, _resolved(path, directories), shown(path))
+    with reading_files(trust=trust):
+        return validated(FamilyConfig, _resolved(path, directories), shown(path))
 
 
-def load_mission(name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> MissionConfig:
+def load_mission(
+    name_or_path: str, directories: Sequence[Path] = (), where: str = "", *, trust: bool = False
+) -> MissionConfig:
     """Return the mission of a name or of a path to a YAML file; `where` starts the line of an unknown one."""
-    return load_file("missions", name_or_path, MissionConfig, directories, where)
+    with reading_files(trust=trust):
+        return load_file("missions", name_or_path, MissionConfig, directories, where)
 
 
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

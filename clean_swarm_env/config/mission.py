@@ -28,7 +28,7 @@ from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds, Spots
 from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share, StoreName
 from selector.knowledge import LearnedScores, learned_from
 
 RANDOM_ITEMS = 40
@@ -170,7 +170,9 @@ class MissionConfig(Closed):
     """Time between two decisions of the selector [s]; a whole multiple of the control period."""
     knowledge: DocumentName = "cleaning"
     """Name of the expert knowledge file."""
-    store: str = ""
+    terms: tuple[Name, ...] = ()
+    """Terms of the observation beside the default ones, in environments and in evaluations alike."""
+    store: StoreName = ""
     """URL or path of a knowledge store, whose scores of missions of this name the mission begins with; empty: none."""
     learned: LearnedScores = Field(default={})
     """Rewards of options with which the mission begins, besides those in the file and the store."""

@@ -150,7 +150,9 @@ class StartsFile(Closed, extra="ignore"):
         world = mission.world.model_copy(update={"width": width, "height": height})
         stations = mission.stations.model_copy(update={"recycling": self.recycling, "dump": self.dump})
         parts = {"world": world.model_dump(), "stations": stations.model_dump()}
-        return validated(MissionConfig, {**mission.model_dump(), **parts}, "the mission on the torus of this file")
+        return validated(
+            MissionConfig, {**mission.model_dump(), **parts}, "the mission on the torus of this file", own=True
+        )
 
 
 def load_starts(path: Path) -> StartsFile:
@@ -178,4 +180,4 @@ def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfi
                 )
     counts = {"robots": {"count": len(robots)}, "garbage": {"count": len(start.items)}}
     parts = {name: {**getattr(mission, name).model_dump(), **change} for name, change in counts.items()}
-    return validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}")
+    return validated(MissionConfig, {**mission.model_dump(), **parts}, f"scenario {start.id}", own=True)

@@ -12,7 +12,6 @@ from pydantic import BaseModel
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.stations import StationsConfig
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
-from clean_swarm_env.recording.channels import AnyArray
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.garbage import ABSENT, DONE, LYING, NOTHING
@@ -39,6 +38,10 @@ CHANNELS = {
     "station_y": STATION,
 }
 """Channels of which a picture is made, and what each has a number for."""
+HELD = "held/"
+"""Beginning of the channels with the option that each robot holds, to be followed by a goal."""
+DRAWN = (*CHANNELS, HELD)
+"""How the names of the channels begin that pictures show; the others need not be kept for them."""
 TRAILS = (PHEROMONES, "trail")
 """Channels of the gradients that are drawn: those of missions and of the scene Foraging."""
 EDGE_OF_LAND = 2.0
@@ -93,27 +96,26 @@ class RecordedCourse:
         self._recording = recording
         shown = validated(_Shown, head, f"{recording.path}: head")
         self._sizes = shown.mission
-        self._options = {goal: names for goal, names in head["options"].items() if f"held/{goal}" in recording}
+        self._options = {goal: names for goal, names in head["options"].items() if f"{HELD}{goal}" in recording}
         counts = {ROBOT: head["robots"], ITEM: head["items"]}
-        kinds = CHANNELS | {f"held/{goal}": ROBOT for goal in self._options}
-        self._values: dict[str, AnyArray] = {}
-        for name, kind in kinds.items():
-            if shown.things is not None and kind in (ITEM, STATION):
-                self._values[name] = np.zeros((recording.frames, 0))
-                continue
+        kinds = CHANNELS | {f"{HELD}{goal}": ROBOT for goal in self._options}
+        scene = shown.things is not None
+        self._empty = {name: np.zeros(0) for name, kind in kinds.items() if scene and kind != ROBOT}
+        self._names = [name for name in kinds if name not in self._empty]
+        for name in self._names:
+            kind = kinds[name]
             shape = recording.channels[name].shape if name in recording else None
             if shape is None or (len(shape) != 1 or shape[0] != counts.get(kind, shape[0])):
                 expected = f"channel {name} with a number for each {kind}"
                 raise ConfigurationError(f"{recording.path}: expected {expected}, got shape {shape}")
-            self._values[name] = recording[name]
         self._corner, self._extent = np.zeros(2), (head["width"], head["height"])
         if shown.ground == "open":
-            places = np.stack([self._values["x"], self._values["y"]], axis=-1)
+            places = np.stack([recording["x"], recording["y"]], axis=-1)
             low, high = places.min(axis=(0, 1)) - EDGE_OF_LAND, places.max(axis=(0, 1)) + EDGE_OF_LAND
             side = float((high - low).max())
             self._corner, self._extent = low, (side, side)
         self._areas = areas_of(shown.things or (), self._corner)
-        stage = self._values["item_stage"]
+        stage = (recording["x"][:, :0] if scene else recording["item_stage"]).astype(np.int8)
         before = np.concatenate([np.full_like(stage[:1], ABSENT), stage[:-1]])
         self._dumped = ((stage == DONE) & (before != DONE)).sum(axis=1).cumsum()
         self._arrived = ((stage < DONE) & (before >= DONE)).sum(axis=1).cumsum()
@@ -135,7 +137,8 @@ class RecordedCourse:
 
     def _canvas(self, frame: int) -> Canvas:
         head = self._recording.head
-        now = {name: values[frame] for name, values in self._values.items()}
+        channels, own = self._recording.channels, slice(frame, frame + 1)
+        now = {name: channels[name].values(self._recording.whole(name)[own])[0] for name in self._names} | self._empty
         there, lying = now["present"] == 1, now["item_stage"] == LYING
         loaded = np.where(now["recycled"] == 1, LEFTOVERS, GARBAGE)
         goal = next(iter(self._options), None)
@@ -154,7 +157,7 @@ class RecordedCourse:
             cargo=np.where(now["cargo"] == NOTHING, SEARCHING, loaded)[there],
             working=now["working"][there] == 1,
             options=tuple(self._options[goal]) if goal is not None else (),
-            held=now[f"held/{goal}"][there] if goal is not None else None,
+            held=now[f"{HELD}{goal}"][there] if goal is not None else None,
             garbage=np.stack([now["item_x"], now["item_y"]], axis=1)[lying] if head["items"] else no_places(),
             leftover=now["item_leftover"][lying] == 1,
             stations=np.stack([now["station_x"], now["station_y"]], axis=1),

@@ -48,6 +48,6 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
 def trail_of(buffer: SoBuffer, row: int, now: float) -> tuple[Floats, Floats]:
     """Return positions (M, 2) [m] and diffusions (M,) [m] of the pheromones that a row finds at `now` [s]."""
     everything = Filter(TRAILS, moving=False, view_distance=np.inf)
-    pairs = Queries(buffer).see(now, [row], everything, without_pose=True).pairs
+    pairs = Queries(buffer).gather(now, [row], everything, without_pose=True).pairs
     slots = pairs[:, c.PAIR_SLOT].astype(np.int64)
     return buffer.table.record.near[slots][:, [c.X, c.Y]], pairs[:, c.PAIR_DIFFUSION].copy()

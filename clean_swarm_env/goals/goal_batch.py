@@ -29,8 +29,8 @@ from clean_swarm_env.scenes import find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
 from clean_swarm_env.scenes.scene import Scene
 from clean_swarm_env.scenes.served import KNOWLEDGE, expertise
-from clean_swarm_env.world.world_state import from_bytes, to_bytes
 from selforg.arrays import Flags, Floats, Ints
+from selforg.sealing import check_alike, sealed, unsealed
 
 TICKS_PER_STEP = 5
 """Control periods in a decision period, which thus lasts 1 s."""
@@ -107,7 +107,7 @@ class GoalBatch(AnyBatch):
         self.robots = self.setting.robots
         self.rows = self.count * self.robots
         seen = config_from(GoalObservation, observation, "observation")
-        self.observer = GoalObserver(seen if self.action.mode != "velocity" else seen.steered(), self.play)
+        self.observer = GoalObserver(seen if self.action.mode != "velocity" else seen.driven(), self.play)
         self.observations: Observations = np.zeros((self.rows, len(self.observer.names)), dtype=np.float32)
         self._final, self._gained = np.zeros_like(self.observations), np.zeros(self.rows)
         self.took_part: Flags = np.ones(self.rows, dtype=np.bool_)
@@ -132,11 +132,11 @@ class GoalBatch(AnyBatch):
                 self._series[world] = (int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed, 0)
         self._finished.clear()
         self._collisions[:] = 0
-        self._begin()
+        self._start_episode()
         self.observer.observe(self.play, self.observations)
         return self.observations
 
-    def begin(
+    def reset_worlds(
         self,
         worlds: Ints,
         seeds: Sequence[int | None] | None = None,
@@ -189,13 +189,13 @@ class GoalBatch(AnyBatch):
             for world, values in enumerate(zip(*columns.values(), strict=True))
         ]
         if self.begin_anew:
-            self._begin()
+            self._start_episode()
 
     def close(self) -> None:
         """End the recording of an episode, also of one that is still going on."""
         self.play.close()
 
-    def _begin(self) -> None:
+    def _start_episode(self) -> None:
         self.close()
         self._seeds = []
         for world, following in enumerate(self._series):
@@ -224,29 +224,31 @@ class GoalBatch(AnyBatch):
         return np.zeros(self.rows, dtype=np.int64)
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
-        """Return the state of all worlds as bytes that say their version; they cannot be taken one by one."""
+        """Return the state of all worlds as sealed bytes that say their version; they cannot be taken one by one."""
         self._check_all(worlds)
-        return to_bytes((self._likeness(), self.play, self._series, self.observations, self._begun))
+        own = (self._likeness(), self.play.unrecorded(), self._series, self.observations, self._begun)
+        return sealed("goal", own)
 
-    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
-        """Go on from `get_state` of a batch with the same goal, setting, options and terms; return the observations.
-
-        The further course has the same bits; what the last period counted is no part of a state.
-        """
+    def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> tuple[Any, ...]:
+        """Return a state, opened, of a batch with the same goal, setting, options and terms; see `set_state`."""
         if self._record is not None:
             raise ValueError(NO_JUMPS)
         self._check_all(worlds)
-        likeness, play, series, observations, begun = from_bytes(state)
-        if likeness != self._likeness():
-            raise ValueError(f"state: expected {self._likeness()}, got {likeness}")
-        self.play, self._begun = play, begun
-        self._series[:], self.observations[:], self._collisions[:] = series, observations, 0
+        likeness, *whole = unsealed("goal", state)
+        check_alike(self._likeness(), likeness)
+        return tuple(whole)
+
+    def enter_state(self, opened: tuple[Any, ...]) -> Observations:
+        """Go on from what `open_state` has returned; what the last period counted is no part of a state."""
+        self.play, self._series[:], self.observations[:], self._begun = opened
+        self._collisions[:] = 0
         self._finished.clear()
         return self.observations
 
-    def _likeness(self) -> tuple[Any, ...]:
+    def _likeness(self) -> dict[str, Any]:
         """Return what batches must have in common to go on from each other's states."""
-        return self._kind.goal, self.setting, self.count, self.options, self.action.mode, self.observer.names
+        own = {"goal": self._kind.goal, "setting": self.setting, "worlds": self.count, "options": self.options}
+        return own | {"action": self.action.mode, "terms": self.observer.names}
 
     def _check_all(self, worlds: Sequence[int] | None) -> None:
         if worlds is not None and list(worlds) != list(range(self.count)):

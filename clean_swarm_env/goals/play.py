@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Any, Final
 
 import numpy as np
@@ -38,7 +39,7 @@ class Play:
     def __init__(self, scene: Scene, expert: Expertise, mode: Mode, *, explained: bool = False) -> None:
         self.scene, self._mode = scene, mode
         self.team = ServedTeam(scene, expert, explained=explained)
-        scene.begin(lambda _: self.team)
+        scene.start(lambda _: self.team)
         self.asked: Floats = np.zeros((scene.arena.rows, 2))
         self._vectors: Floats = np.zeros((scene.arena.rows, 2))
         self._recorder: SceneRecorder | None = None
@@ -56,6 +57,12 @@ class Play:
             self._recorder.close()
             self._recorder = None
 
+    def unrecorded(self) -> Play:
+        """Return the episode without its recording, for a state."""
+        play = copy(self)
+        play._recorder = None
+        return play
+
     def act(self, actions: NDArray[Any], choices: OptionActions) -> None:
         """Take the actions of a period: options (R,), vectors (R, 2), or both (R, 3), the option first."""
         given, rows, arena = np.asarray(actions), len(self.asked), self.scene.arena
@@ -71,7 +78,7 @@ class Play:
         """Run one control period."""
         self.scene.advance(self._change)
         if self._recorder is not None:
-            self._recorder.take()
+            self._recorder.record()
 
     def _change(self, commands: Commands) -> None:
         """Note what the mechanisms ask for, and write what the learner makes of it."""

@@ -42,8 +42,8 @@ class GoalObservation(Closed):
     neighbour_range: Positive = 2.5
     """Centre distance within which robots are neighbours [m]."""
 
-    def steered(self) -> GoalObservation:
-        """Return the observation of robots that are steered by vectors: they hold no options."""
+    def driven(self) -> GoalObservation:
+        """Return the observation of robots that are driven by vectors: they hold no options."""
         if "holds" in self.terms and "terms" in self.model_fields_set:
             raise ConfigurationError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
         return self.model_copy(update={"terms": tuple(term for term in self.terms if term != "holds")})

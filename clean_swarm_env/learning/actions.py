@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from reprlib import repr as brief
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from clean_swarm_env.learning.phases import PHASES, Phase
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
-from selector.documents.fields import Closed, Name, Positive
+from selector.documents.fields import Closed, Name
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
@@ -32,17 +32,8 @@ class ActionConfig(Closed):
     mode: Mode = "option"
     """Whether an action is the option that serves each goal, the movement vector in the robot's frame, or both: options
     and a correction of the movement."""
-    patience: Positive | None = None
-    """Corrections only: a robot that has not got on for more than this is sent off in a random direction instead [s];
-    none: never. See `Worlds.correct`."""
     serves: dict[Name, tuple[Phase, ...]] = Field(default={})
     """Option -> the only phases in which it can serve; an option that is not named can always serve."""
-
-    @model_validator(mode="after")
-    def _corrects(self) -> Self:
-        if self.patience is not None and self.mode != "both":
-            raise ValueError(f"patience: expected with corrections, mode both, got mode {self.mode}")
-        return self
 
 
 class OptionActions:
@@ -116,28 +107,28 @@ class Controls:
     """
 
     def __init__(self, worlds: Worlds, choices: OptionActions, config: ActionConfig) -> None:
-        self._worlds, self._choices, self._mode, self._patience = worlds, choices, config.mode, config.patience
+        self._worlds, self._choices, self._mode = worlds, choices, config.mode
         self._vectors: Floats = np.zeros((worlds.rows, 2))
         self._max_speed = worlds.mission.robots.max_speed
 
-    def take(self, actions: NDArray[Any], phases: Ints) -> None:
-        """Take the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
+    def apply(self, actions: NDArray[Any], phases: Ints) -> None:
+        """Apply the actions of a period that begins with the robots in `phases` (R,); see `Batch.ticks`."""
         options = vectors = actions
         if self._mode == "both":
             options, vectors = parted(np.asarray(actions), self._worlds.rows, len(self._choices.counts))
         if self._mode != "velocity":
             self._worlds.hold(self._choices.able(self._choices.check(options, self._worlds.rows), phases))
         if self._mode != "option":
-            self._steer(vectors)
+            self._drive(vectors)
 
-    def _steer(self, actions: NDArray[Any]) -> None:
+    def _drive(self, actions: NDArray[Any]) -> None:
         """Make the robots follow the vectors `actions` (R, 2), whose components are clipped to [-1, 1]."""
         given = checked_vectors(actions, self._worlds.rows)
         turn_to_world(given, self._worlds.physics.headings, self._max_speed, self._vectors)
         if self._mode == "both":
-            self._worlds.correct(self._vectors, self._patience)
+            self._worlds.correct(self._vectors if given.any() else None)  # -0.0 + 0.0 would be another bit
         else:
-            self._worlds.steer(self._vectors)
+            self._worlds.drive(self._vectors)
 
 
 def parted(actions: NDArray[Any], rows: int, goals: int) -> tuple[Ints, NDArray[Any]]:

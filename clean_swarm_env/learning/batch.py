@@ -18,7 +18,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
-from clean_swarm_env.learning.batch_state import BatchStates
+from clean_swarm_env.learning.batch_state import BatchStates, Opened
 from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.given import (
@@ -51,7 +51,7 @@ class Batch(AnyBatch):
     Args:
         mission: its name in `configs/missions` ("table1" unless given), its path, its keys, or the model.
         worlds: W.
-        observation: terms of the observation.
+        observation: terms of the observation; the default ones, and those of the mission, unless given.
         reward: weights of the reward's terms, or a function of the batch that returns the rewards (R,) of the period.
         action: what an action is.
         settings: see `BatchSettings` and `EpisodeSettings`.
@@ -110,7 +110,8 @@ class Batch(AnyBatch):
         self.progress = MissionProgress(self.worlds)
         self.rewards = Rewards(reward, self.worlds.period)
         seen = config_from(ObservationConfig, observation, "observation")
-        self.observer = Observer(self.worlds, self.progress, seen.steered() if self.action.mode == "velocity" else seen)
+        seen = seen.beside(self.mission.terms, driven=self.action.mode == "velocity")
+        self.observer = Observer(self.worlds, self.progress, seen)
         self.width = self.observer.width
         self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
         self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
@@ -118,7 +119,9 @@ class Batch(AnyBatch):
         self._finished: list[Finished] = []
         self._state: GlobalState | None = None
         self.doing: list[Scenario | None] = [None] * worlds
-        self._states = BatchStates(self.worlds, self._series, self.doing, self.progress, self.observations)
+        self._states = BatchStates(
+            self.worlds, self._series, self.doing, self.progress, self.observations, self.observer.names
+        )
         self._begun = False
 
     def reset(
@@ -131,9 +134,9 @@ class Batch(AnyBatch):
         """
         self._finished.clear()
         self.progress.begin_period()
-        return self.begin(np.arange(self.worlds.worlds), seeds, starts)
+        return self.reset_worlds(np.arange(self.worlds.worlds), seeds, starts)
 
-    def begin(
+    def reset_worlds(
         self,
         worlds: Ints,
         seeds: Sequence[int | None] | None = None,
@@ -147,30 +150,36 @@ class Batch(AnyBatch):
         if starts is not None and len(starts) != len(known):
             raise ValueError(f"starts: expected one for each of {len(known)} worlds, got {len(starts)}")
         if self._source is self._series:
-            self._series.begin(known)
+            self._series.reset(known)
         elif any(seed is not None for seed in known):
             raise ValueError("seeds: expected none, because a source says what the worlds do")
         for world in worlds.tolist():
-            self._begin(world, None if starts is None else starts[world])
+            self._start_episode(world, None if starts is None else starts[world])
             self.progress.elapsed[world] = 0
         self._begun = True
         self.observer.observe(self.observations, worlds)
         return self.observations
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
-        """Return the states of `worlds` (K,), or of all, as bytes that say their version."""
+        """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
         return self._states.get(worlds)
 
-    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
-        """Make `worlds` (K,), or all, go on from `get_state`, of this or another batch of the same frame and options.
+    def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Opened:
+        """Return a state, opened, of this or another batch of the same frame, options and terms; see `set_state`.
 
-        The state holds K worlds, or one that all K go on from. Returns the observations (R, F), valid until the next
-        call. The further course has the same bits; what ended in the last period, and vectors of the last action, are
-        no part of a state. ValueError says what does not fit.
+        It holds K worlds, or one that all K go on from.
         """
         if self.recorder is not None:
             raise ValueError(NO_JUMPS)
-        chosen = self._states.set(state, worlds)
+        return self._states.open(state, worlds)
+
+    def enter_state(self, opened: Opened) -> Observations:
+        """Go on from what `open_state` has returned; the observations (R, F) are valid until the next call.
+
+        What ended in the last period, and vectors of the last action, are no part of a state.
+        """
+        self._states.put(opened)
+        chosen = [world for world, _ in opened]
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
         self._finished.clear()
         self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
@@ -224,7 +233,7 @@ class Batch(AnyBatch):
             self._state = GlobalState(self.worlds, self.progress, options=self.action.mode != "velocity")
         return self._state
 
-    def _begin(self, world: int, start: StartConfiguration | None = None) -> None:
+    def _start_episode(self, world: int, start: StartConfiguration | None = None) -> None:
         """Begin the next episode of a world; robots hold the options of the highest expert score."""
         scenario = self._source(world)
         if scenario is None:
@@ -239,7 +248,7 @@ class Batch(AnyBatch):
         self.worlds.hold(np.tile(self.choices.default, (self.robots, 1)), rows)
         self.progress.reset(world)
         if self.recorder is not None:
-            self.recorder.begin(world, {"scenario": scenario.id, "seed": scenario.seed})
+            self.recorder.open(world, {"scenario": scenario.id, "seed": scenario.seed})
 
     def close(self) -> None:
         """End the recordings of missions that are still going on."""
@@ -254,14 +263,14 @@ class Batch(AnyBatch):
         """
         if not self._begun:
             raise RuntimeError("step: call reset first")
-        self._controls.take(actions, self.phases)
+        self._controls.apply(actions, self.phases)
         self._finished.clear()
         progress = self.progress
         progress.begin_period()
         for _ in range(self._ticks_per_step):
             entered = self.worlds.tick()
             if self.recorder is not None:
-                self.recorder.take()
+                self.recorder.record()
             ended = progress.note(entered)
             if ended:
                 self._keep_ends()
@@ -276,7 +285,7 @@ class Batch(AnyBatch):
         terminated, truncated = progress.outcome == COMPLETED, progress.outcome == TIME_OVER
         if self.begin_anew:
             for end in self._finished:
-                self._begin(end.world)
+                self._start_episode(end.world)
         self.observer.observe(self.observations)
         if not self.begin_anew and np.count_nonzero(progress.outcome):  # a third of the time of `any`
             over = np.repeat(terminated | truncated, self.robots)

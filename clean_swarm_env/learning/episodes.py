@@ -19,12 +19,14 @@ from clean_swarm_env.learning.given import (
     GivenFamily,
     GivenMission,
     Named,
+    checked,
     directories_from,
     family_from,
     mission_from,
     whole_number,
 )
 from clean_swarm_env.recording.recorder import RecordSettings
+from selector.documents.trust import reading_files
 
 Size = tuple[float, float]
 """Width and height of a torus [m]."""
@@ -38,7 +40,7 @@ class Series:
     """The source of W worlds whose episodes follow from seeds.
 
     >>> series = Series(episodes_of("table1"), worlds=2)
-    >>> series.begin([5, 6])
+    >>> series.reset([5, 6])
     >>> [series(0).id, series(0).id, series(1).id]
     ['1', '2', '1']
     >>> series.share(5)
@@ -57,7 +59,7 @@ class Series:
         assert running is not None
         return next(running)
 
-    def begin(self, seeds: Sequence[int | None]) -> None:
+    def reset(self, seeds: Sequence[int | None]) -> None:
         """Give each world (W,) the episodes 0, 1, ... of its seed.
 
         A world without a seed (None) continues its episodes, or begins those of a seed drawn from the system.
@@ -95,43 +97,56 @@ class EpisodeSettings(TypedDict, total=False):
     """Torus of a family that draws from several: its scenarios on that torus."""
     knowledge: Named | None
     """Name or path of the expert knowledge, in place of that of the mission."""
+    time_limit: float | None
+    """Time after which an episode is truncated, in place of that of the mission [s]: 3,000 s of "table1" are long for a
+    learner that does nothing yet."""
     directories: Named | Iterable[Named]
     """The user's configurations, knowledge and robots, searched before the shipped ones."""
+    trust: bool
+    """Whether the files of the mission or the family may ask for code and databases; by default not (docs/trust.md)."""
 
 
-class BatchSettings(EpisodeSettings, total=False):
-    """Further settings of a batch, as keyword arguments."""
+class WorldSettings(EpisodeSettings, total=False):
+    """Further settings of the worlds, as keyword arguments of all borders."""
 
     source: EpisodeSource | None
     """Function from a world to its next scenario, in place of episodes that follow from seeds. All scenarios have the
     frame of the mission or the family (`frames`). A world without a next scenario stays as it is until `reset`, and
     counts no more."""
-    begin_anew: bool
-    """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
-    the world stays as it is until `reset`, and counts no more."""
     record: RecordSettings | None
     """Where every mission is recorded; none is unless given."""
     explained: bool
     """Whether the robots' networks note why each behaviour runs or does not; recorded minds always do."""
 
 
+class BatchSettings(WorldSettings, total=False):
+    """Further settings of a batch, as keyword arguments."""
+
+    begin_anew: bool
+    """Whether a world whose mission is over begins its next episode at the end of that period, by default yes. If not,
+    the world stays as it is until `reset`, and counts no more."""
+
+
 def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings | None = None) -> Episodes:
     """Return the episodes of a mission, "table1" unless given, or of the family that the settings name."""
     chosen = settings or {}
+    if chosen.get("trust"):
+        with reading_files(trust=True):
+            return episodes_of(mission, {**chosen, "trust": False})
     family, directories = chosen.get("family"), directories_from(chosen.get("directories"))
-    size, knowledge = chosen.get("size"), chosen.get("knowledge")
+    size = chosen.get("size")
     if family is None:
         for name in ("split", "size"):
             if chosen.get(name) is not None:
                 raise ValueError(f"{name}: expected with a family only, got {chosen.get(name)!r}")
         given = mission_from("table1" if mission is None else mission, directories)
-        return MissionEpisodes(_with_knowledge(given, knowledge))
+        return MissionEpisodes(_changed(given, chosen))
     if mission is not None:
         raise ValueError("family: expected a mission or a family, got both")
     drawn = family_from(family, directories)
     size = None if size is None else (size[0], size[1])
     _check_size(drawn, size)
-    known = drawn.model_copy(update={"mission": _with_knowledge(drawn.mission, knowledge)})
+    known = drawn.model_copy(update={"mission": _changed(drawn.mission, chosen)})
     return FamilyEpisodes(known, chosen.get("split", "train"), size)
 
 
@@ -205,5 +220,9 @@ def _check_size(family: FamilyConfig, size: Size | None) -> None:
         raise ValueError(f"size: expected one of those of family {family.name!r}, {known}, got {size}")
 
 
-def _with_knowledge(mission: MissionConfig, knowledge: Named | None) -> MissionConfig:
-    return mission if knowledge is None else mission.model_copy(update={"knowledge": os.fspath(knowledge)})
+def _changed(mission: MissionConfig, chosen: EpisodeSettings) -> MissionConfig:
+    """Return the mission with the knowledge and the time limit that were chosen in place of its own."""
+    knowledge, limit = chosen.get("knowledge"), chosen.get("time_limit")
+    changes = {"knowledge": knowledge and os.fspath(knowledge), "time_limit": limit}
+    given = {name: value for name, value in changes.items() if value is not None}
+    return checked(mission.model_copy(update=given), "mission") if given else mission

@@ -17,7 +17,7 @@ TEAM = {
 }
 """Key -> meaning of values that are the same for all robots of a world."""
 OWN = {
-    "own_picked": "Items that the robot picked in the period, but those put down for others.",
+    "own_picked": "Items that the robot picked in the period and nobody had picked before.",
     "own_recycled": "Items that the robot recycled in the period.",
     "own_dumped": "Items that the robot dumped in the period.",
     "own_collisions": "Collision events of the period in which the robot took part.",

@@ -18,6 +18,7 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family, load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import M, validated
+from selforg.registry import unknown
 
 Named = str | os.PathLike[str]
 """A name of a shipped file, or a path."""
@@ -45,7 +46,7 @@ def mission_from(given: GivenMission, directories: tuple[Path, ...] = ()) -> Mis
     content = dict(given)
     if "base" in content:
         content = with_changes(mission_from(content.pop("base"), directories).model_dump(), content)
-    return validated(MissionConfig, content, "mission")
+    return validated(MissionConfig, content, "mission", own=True)
 
 
 def family_from(given: GivenFamily, directories: tuple[Path, ...] = ()) -> FamilyConfig:
@@ -57,7 +58,7 @@ def family_from(given: GivenFamily, directories: tuple[Path, ...] = ()) -> Famil
     if not isinstance(given, Mapping):
         raise TypeError(f"family: expected a name, a path, a dictionary or a FamilyConfig, got {brief(given)}")
     mission = mission_from(given["mission"], directories) if "mission" in given else MissionConfig()
-    return validated(FamilyConfig, {**given, "mission": mission}, "family")
+    return validated(FamilyConfig, {**given, "mission": mission}, "family", own=True)
 
 
 def config_from(model: type[M], given: M | Mapping[str, Any] | None, where: str) -> M:
@@ -66,12 +67,12 @@ def config_from(model: type[M], given: M | Mapping[str, Any] | None, where: str)
         return checked(given, where)
     if given is not None and not isinstance(given, Mapping):
         raise TypeError(f"{where}: expected a dictionary or a {model.__name__}, got {brief(given)}")
-    return validated(model, dict(given or {}), where)
+    return validated(model, dict(given or {}), where, own=True)
 
 
 def checked(given: M, where: str) -> M:
     """Return the model, or raise DocumentError: `model_copy` takes any keys and values."""
-    validated(type(given), _content(given), where)
+    validated(type(given), _content(given), where, own=True)
     return given
 
 
@@ -83,11 +84,14 @@ def _content(value: object) -> Any:  # noqa: ANN401  (what a file could hold)
     return tuple(_content(part) for part in value) if isinstance(value, tuple) else value
 
 
+BATCH_ARGUMENTS = ("worlds", "observation", "reward", "action")
+"""Arguments of all batches beside their settings."""
+
+
 def check_settings(given: Mapping[str, object], known: type[Any], where: str) -> None:
     """Raise TypeError for settings that are no keys of the TypedDict `known`, which all are optional."""
-    unknown = given.keys() - known.__optional_keys__
-    if unknown:
-        raise TypeError(f"{where}: unexpected settings {sorted(unknown)}")
+    for name in sorted(given.keys() - known.__optional_keys__):
+        raise TypeError(f"{where}: {unknown('setting', name, sorted({*known.__optional_keys__, *BATCH_ARGUMENTS}))}")
 
 
 def whole_number(given: object, where: str, least: int = 0) -> int:

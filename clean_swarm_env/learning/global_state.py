@@ -33,7 +33,7 @@ class GlobalState:
     Args:
         worlds: the worlds.
         progress: has the time limits of their missions.
-        options: whether robots hold options; not if they are steered by vectors.
+        options: whether robots hold options; not if they are driven by vectors.
 
     Attributes:
         names: (G,) names of the components.

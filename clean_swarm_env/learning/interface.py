@@ -148,7 +148,7 @@ class AnyBatch(ABC):
         """Begin an episode in every world and return the observations (R, F)."""
 
     @abstractmethod
-    def begin(
+    def reset_worlds(
         self,
         worlds: Ints,
         seeds: Sequence[int | None] | None = None,
@@ -188,11 +188,23 @@ class AnyBatch(ABC):
 
     @abstractmethod
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
-        """Return the states of `worlds` (K,), or of all, as bytes that say their version."""
+        """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
+
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F).
+
+        The further course has the same bits. ValueError says what is damaged or does not fit, and then nothing has
+        changed.
+        """
+        return self.enter_state(self.open_state(state, worlds))
 
     @abstractmethod
-    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
-        """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F)."""
+    def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Any:  # noqa: ANN401  (as it needs it)
+        """Return a state as `enter_state` takes it; ValueError says what is damaged or does not fit."""
+
+    @abstractmethod
+    def enter_state(self, opened: Any) -> Observations:  # noqa: ANN401
+        """Go on from what `open_state` has returned; return the observations (R, F)."""
 
     @abstractmethod
     def steps(self, world: int) -> int:

@@ -118,7 +118,7 @@ def family_batches(
 
     The worlds are dealt out to the tori in turn. `sizes` are these tori in their order, all of the family unless given.
     """
-    known = load_family(family, directories) if isinstance(family, str) else family
+    known = load_family(family, directories, trust=settings.get("trust", False)) if isinstance(family, str) else family
     tori = tuple(sizes) or known.tori
     counts = [len(range(k, worlds, len(tori))) for k in range(len(tori))]
     return [

@@ -33,8 +33,9 @@ from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 
 EVENTS = ("picked", "recycled", "dumped", "collision", "contact", "avoiding")
-"""Rows of `Period.events`: items picked, recycled and dumped by the robot, collision events in which it took part,
-ticks at whose end another robot was closer than the collision distance, ticks in which it avoided others."""
+"""Rows of `Period.events`: items picked that nobody had picked before, recycled and dumped by the robot, collision
+events in which it took part, ticks at whose end another robot was closer than the collision distance, ticks in which it
+avoided others."""
 PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
 
 
@@ -57,7 +58,7 @@ class Followed(NamedTuple):
     working: Annotated[Flags, "R"]  # robots at work
     in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
     stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
-    handed: Annotated[Ints, "W M"]  # 1 from when a robot first put the item down for others
+    paid: Annotated[Ints, "W M"]  # 1 once somebody has been paid for picking the item, or has put it down for others
     cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
     recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
     done: Annotated[Ints, "W"]  # items dumped
@@ -85,6 +86,7 @@ class MissionProgress:
     Attributes:
         period: the record `Period`, with its words; its arrays are attributes here too: `events` (E, R), `ticks` (W,),
             `dumped` (W,), `outcome` (W,), `took_part` (R,), `cost` (W,), `price` (W,), `bumps` (R,).
+        acted: (R, C) bool, whether the behaviour of each coordinated goal ran in the period.
         elapsed: (W,) int64, ticks since the mission began, up to its end.
         limits: (W,) int64, ticks after which each mission is over.
         idle: (R,) int64, ticks since the robot last picked, recycled or dumped, or since the mission began.
@@ -101,6 +103,8 @@ class MissionProgress:
         count, rows, garbage = worlds.worlds, worlds.rows, worlds.garbage
         self.events, self.ticks, self.dumped = numbers(len(EVENTS), rows), numbers(count), numbers(count)
         self.outcome, self.took_part = numbers(count), np.zeros(rows, dtype=np.bool_)
+        self._coordinated = [coordinator.index for coordinator in worlds.coordinators]
+        self.acted = np.zeros((rows, len(self._coordinated)), dtype=np.bool_)
         self.cost, self.price, self.bumps = np.zeros(count), np.zeros(count), np.zeros(rows)
         self.period = PERIOD_RECORD.pack(
             Period(
@@ -121,7 +125,7 @@ class MissionProgress:
                 working=worlds.team.working,
                 in_contact=worlds.collisions.in_contact,
                 stage=garbage.stage,
-                handed=garbage.handed,
+                paid=garbage.paid,
                 cargo=garbage.cargo,
                 recycled=garbage.recycled,
                 done=garbage.done,
@@ -169,6 +173,7 @@ class MissionProgress:
         """Set the counts of the period to zero."""
         for counts in (self.events, self.ticks, self.dumped, self.cost, self.price, self.bumps):
             counts.fill(0)
+        self.acted.fill(False)
         np.copyto(self.took_part, self._worlds.team.working)
 
     def note(self, entered: Ints) -> bool:
@@ -177,6 +182,7 @@ class MissionProgress:
         A mission that ended counts no more until its world is reset.
         """
         worlds, executing = self._worlds, self._worlds.network.executing
+        self.acted |= executing[:, self._coordinated] != 0
         avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
         period, followed = self.period.words, self._followed.words
         count = count_tick(period, followed, entered, avoids, worlds.cleaned, worlds.ticks, worlds.period)
@@ -218,8 +224,8 @@ def count_tick(
     """Add one tick to the period of the worlds that run; list those that end and return their number.
 
     entered, avoids (R,): collision events of the robot, and whether it avoids others. cleaned, ticks (W,): whether the
-    world is clean for good, and ticks since its reset. length: of a tick [s]. Cargo that is lost is not dumped. Nobody
-    is paid for picking what was put down for others, else a robot could pick and put down the same item for ever.
+    world is clean for good, and ticks since its reset. length: of a tick [s]. Cargo that is lost is not dumped. An item
+    is paid for when it is picked first, never again: else a robot could pick and put down the same item for ever.
     """
     p, f = open_period(period), open_followed(followed)
     ended, robots = 0, f.cargo.shape[0] // ticks.shape[0]
@@ -234,7 +240,9 @@ def count_tick(
             recycled = f.cargo[row] != NOTHING and not picked and f.recycled[row] > f.had_recycled[row]
             p.took_part[row] |= f.working[row]
             f.idle[row] = 0 if picked or dumped or recycled else f.idle[row] + 1
-            p.events[PICKINGS, row] += picked and f.handed[world, f.cargo[row]] == 0
+            if picked:
+                p.events[PICKINGS, row] += f.paid[world, f.cargo[row]] == 0
+                f.paid[world, f.cargo[row]] = 1
             p.events[RECYCLINGS, row] += recycled
             p.events[DUMPINGS, row] += dumped
             p.events[COLLISIONS, row] += entered[row]

@@ -40,7 +40,7 @@ class RewardConfig(Closed):
     collision: Number = 0.0
     """Shaping: for each collision event in which the robot took part [1/event]."""
     own_picked: Number = 0.0
-    """Shaping: for each item that the robot picked, but those put down for others [1/item]."""
+    """Shaping: for each item that the robot picked and nobody had picked before [1/item]."""
     own_recycled: Number = 0.0
     """Shaping: for each item that the robot recycled [1/item]."""
     own_dumped: Number = 0.0

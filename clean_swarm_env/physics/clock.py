@@ -39,7 +39,7 @@ class Clock:
         """Control periods (W,) since the reset of each world."""
         return self.tick - self._begun
 
-    def begin(self, world: int, ticks: int = 0) -> None:
+    def reset(self, world: int, ticks: int = 0) -> None:
         """Count the ticks of a world from `ticks` on."""
         self._begun[world] = self.tick - ticks
 

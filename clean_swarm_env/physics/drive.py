@@ -85,7 +85,7 @@ class DifferentialDrive:
         `in_place` (R,) is set, a robot turns without driving.
         """
         turning = self._nowhere if in_place is None else in_place
-        steer(vectors, has_command, turning, headings, now, self.packed.words)
+        update_drives(vectors, has_command, turning, headings, now, self.packed.words)
 
     def lasting(self) -> Lasting:
         """Return what the drives hand on to the next tick."""
@@ -99,18 +99,18 @@ class DifferentialDrive:
 
 
 @lean_kernel
-def steer(
+def update_drives(
     vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Words[DriveState]
 ) -> None:
     """Update what the drives do; see `DifferentialDrive.command`."""
-    steer_rows(vectors, commanded, in_place, headings, now, drive)
+    update_drive_rows(vectors, commanded, in_place, headings, now, drive)
 
 
 @inlined
-def steer_rows(
+def update_drive_rows(
     vectors: Floats, commanded: Flags, in_place: Flags, headings: Floats, now: float, drive: Words[DriveState]
 ) -> None:
-    """Update what the drives do, for kernels that call it among other things; see `steer`."""
+    """Update what the drives do, for kernels that call it among other things; see `update_drives`."""
     d = open_drive(drive)
     for row in range(d.speed.shape[0]):
         if commanded[row]:

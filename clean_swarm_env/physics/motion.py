@@ -109,7 +109,7 @@ def search_contacts(world: int, m: RobotMotion) -> bool:
 
 
 @inlined
-def steer_world(world: int, free: bool, speed: Floats, turn_rate: Floats, m: RobotMotion) -> None:
+def set_wanted(world: int, free: bool, speed: Floats, turn_rate: Floats, m: RobotMotion) -> None:
     """Set the velocity that each robot of a world wants in this substep, turn robots and, where `free`, move them."""
     robots = m.parts.shape[0]
     for row in range(world * robots, (world + 1) * robots):

@@ -31,7 +31,6 @@ def traces_at(recording: RecordedMission, frame: int) -> Traces:
     """
     parts = []
     bits = recording.whole("deposit")[:frame]
-    x, y = recording["x"], recording["y"]
     for kind, facts in enumerate(recording.notes.get("deposits", [])):
         made, robot = np.nonzero(bits & (1 << kind))
         left = np.full(len(made), float(facts["diffusion"]))
@@ -41,7 +40,9 @@ def traces_at(recording: RecordedMission, frame: int) -> Traces:
                 left *= facts["evaporation_factor"] ** np.floor(ages / facts["evaporation_period"] + AGE_ROUNDING)
         there = left >= facts["min_diffusion"]
         made, robot, left = made[there], robot[there], left[there]
-        places = np.stack([x[made, robot], y[made, robot]], axis=1)
+        places = np.stack(
+            [recording.whole(name)[made, robot] / recording.channels[name].scale for name in ("x", "y")], axis=1
+        )
         parts.append(Traces(np.full(len(made), kind), places, left, robot))
     if not parts:
         nothing = np.zeros(0, dtype=np.int64)

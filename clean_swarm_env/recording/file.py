@@ -14,6 +14,7 @@ from typing import IO, Any, Final
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.recording.channels import Channel, PackedFrames
+from selector.documents.writing import writing_to
 
 SUFFIX: Final = ".swarm"
 MAGIC: Final = b"\x93SWARM\r\n"
@@ -43,11 +44,12 @@ class RecordingFile:
         self.path = path
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file: IO[bytes] = path.open("wb")
+            self._file = path.open("wb", buffering=0)  # a buffer would be written once more at the end
         except OSError as error:
             raise ConfigurationError(f"{path}: cannot be written ({error.strerror})") from error
         self.beginning = beginning_of(head, channels)
-        self._write(self.beginning)
+        with writing_to(path, anew=True):
+            self._write(self.beginning)
 
     def add(self, first: int, packed: PackedFrames, notes: Mapping[str, Any]) -> bytes:
         """Append frames from number `first` on; return the block. `notes` is plain data."""
@@ -62,8 +64,16 @@ class RecordingFile:
         self._file.close()
 
     def _write(self, data: bytes) -> None:
-        self._file.write(data)
-        self._file.flush()
+        """Write a block; where it cannot be written whole, nothing of it stays."""
+        begin, rest = self._file.tell(), memoryview(data)
+        with writing_to(self.path):
+            try:
+                while rest:
+                    rest = rest[self._file.write(rest) :]
+            except OSError:
+                self._file.truncate(begin)
+                self._file.seek(begin)
+                raise
 
 
 def beginning_of(head: Mapping[str, Any], channels: Sequence[Channel]) -> bytes:

@@ -39,7 +39,7 @@ class DepositLog:
         for name, buffer in buffers.items():
             buffer.on_deposit = partial(self._note, name)
 
-    def begin(self) -> None:
+    def clear(self) -> None:
         """Clear the deposits of the tick before."""
         self.deposits.fill(0)
 

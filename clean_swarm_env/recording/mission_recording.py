@@ -12,11 +12,11 @@ def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str
     """Run one mission to its end as `run_mission` does, and record it; `about` is plain data for the head."""
     course = Course(run, explained=settings.minds)
     recorder = MissionRecorder(course.worlds, replace(settings, thinking=True))
-    recorder.begin(0, {"scenario": run.start.id, "seed": run.seed, **about})
+    recorder.open(0, {"scenario": run.start.id, "seed": run.seed, **about})
     for goal, values in course.opinions().items():  # they stay: a course teaches its strategies nothing
         recorder.think(goal, values)
     while course.in_progress:
         course.tick()
-        recorder.take()
+        recorder.record()
     recorder.close()
     return result_of(course.worlds, 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -28,8 +29,64 @@ class NoFrames(ConfigurationError):
     """A run was stopped before its first frames were written."""
 
 
-class RecordedParts(Iterator[list[WholeNumbers]]):
-    """The parts of a recording as they come: whole numbers (T, K) of each channel, also of a mission that still runs.
+class RecordedStretch(Mapping[str, NDArray[Any]]):
+    """Frames of a recorded mission that follow each other: channel -> values (T, ...), one frame a control period.
+
+    Args:
+        head: what the recording is about, as `docs/recordings.md` lists it.
+        channels: name -> what the channel holds.
+        whole: name -> whole numbers (T, K) of the channel.
+        first: number of the first frame in the mission.
+
+    Attributes:
+        frames: T.
+
+    """
+
+    def __init__(
+        self, head: dict[str, Any], channels: Mapping[str, Channel], whole: Mapping[str, WholeNumbers], first: int = 0
+    ) -> None:
+        self.head, self.channels, self.first, self._whole = head, dict(channels), first, whole
+        self.frames = len(next(iter(whole.values()), ()))
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the values (T, ...) of a channel, in its unit."""
+        return self.channels[self._known(name)].values(self._whole[name])
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of the channels."""
+        return iter(self.channels)
+
+    def __len__(self) -> int:
+        """Return the number of channels."""
+        return len(self.channels)
+
+    @property
+    def period(self) -> float:
+        """Time from frame to frame [s]."""
+        return float(self.head["period"])
+
+    @property
+    def times(self) -> Floats:
+        """Times (T,) of the frames [s]."""
+        return np.arange(self.first, self.first + self.frames, dtype=np.float64) * self.period
+
+    def whole(self, name: str) -> WholeNumbers:
+        """Return the whole numbers (T, K) that the file holds of a channel."""
+        return self._whole[self._known(name)]
+
+    def checksums(self) -> dict[str, int]:
+        """Return the CRC-32 of the whole numbers (T, K) of each channel, as int32 in little-endian order."""
+        return {name: zlib.crc32(numbers.astype("<i4").tobytes()) for name, numbers in self._whole.items()}
+
+    def _known(self, name: str) -> str:
+        if name not in self.channels:
+            raise KeyError(unknown("channel", name, list(self.channels)))
+        return name
+
+
+class RecordedParts(Iterator[RecordedStretch]):
+    """The parts of a recording as they come, also of a mission that still runs; we write at most 250 frames in one.
 
     Args:
         blocks: the blocks of the recording.
@@ -53,7 +110,7 @@ class RecordedParts(Iterator[list[WholeNumbers]]):
         listed = validated(Head, self.head, f"{name}: head").channels
         self.channels = {channel.name: Channel(**channel.model_dump()) for channel in listed}
 
-    def __next__(self) -> list[WholeNumbers]:
+    def __next__(self) -> RecordedStretch:
         """Return the next part."""
         for kind, content in self._blocks:
             if kind == HEAD or self.result is not None:
@@ -63,7 +120,7 @@ class RecordedParts(Iterator[list[WholeNumbers]]):
             self.result = _object(content, f"{self._name}: result")
         raise StopIteration
 
-    def _frames_of(self, content: bytes) -> list[WholeNumbers]:
+    def _frames_of(self, content: bytes) -> RecordedStretch:
         where = f"{self._name}: frames from {self.frames} on"
         length = int.from_bytes(content[:4], "little")
         given = _object(content[4 : 4 + length], where)
@@ -77,32 +134,35 @@ class RecordedParts(Iterator[list[WholeNumbers]]):
         fitting = frames * sum(channel.columns for channel in columns) <= MOST_NUMBERS
         if not fitting or any(size[2] > size[1] for size in sizes) or len(rest) != sum(map(packed_bytes, sizes)):
             raise ConfigurationError(f"{where}: damaged: the sizes of channels do not fit the content")
-        found = []
+        found = {}
         for channel, size in zip(columns, sizes, strict=True):
             try:
                 whole, used = unpacked_frames(rest, size, channel.order)
             except ValueError as error:
                 raise ConfigurationError(f"{where}: damaged: channel {channel.name}: {error}") from error
             rest = rest[used:]
-            found.append(whole)
+            found[channel.name] = whole
         self.frames += frames
-        return found
+        return RecordedStretch(self.head, self.channels, found, directory.first)
 
 
 def frames_from(parts: RecordedParts) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield the frames of parts as they come: channel -> values of one moment."""
     for part in parts:
-        values = {
-            channel.name: channel.values(whole) for channel, whole in zip(parts.channels.values(), part, strict=True)
-        }
-        for frame in range(len(part[0])):
+        values = dict(part)
+        for frame in range(part.frames):
             yield {name: given[frame] for name, given in values.items()}
 
 
-class RecordedMission(Mapping[str, NDArray[Any]]):
-    """A recorded mission: channel -> values (T, ...), one frame for each control period.
+class RecordedMission(RecordedStretch):
+    """A recorded mission.
 
     Frame i is the moment i * period: where robots are then, and what they then decide and do.
+
+    Args:
+        path: the file.
+        only: how the names of the channels begin that are kept; all are unless it is given, and none by ().
+        most: how many numbers may be kept: a small file can hold more than fit into the memory.
 
     Attributes:
         head: what the recording is about, as `docs/recordings.md` lists it.
@@ -113,62 +173,37 @@ class RecordedMission(Mapping[str, NDArray[Any]]):
         frames: T.
 
     Raises:
-        ConfigurationError: the file is none of ours, damaged, of a newer version, or has no frame.
+        ConfigurationError: the file is none of ours, damaged, of a newer version, has no frame, or holds too much.
 
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, only: tuple[str, ...] = ("",), most: float = math.inf) -> None:
         self.path = path
         parts = RecordedParts(blocks_of(path), str(path))
-        read = list(parts)
-        if not read:
+        channels = {name: channel for name, channel in parts.channels.items() if name.startswith(only)}
+        kept: dict[str, list[WholeNumbers]] = {name: [] for name in channels}
+        for part in parts:
+            for name, pieces in kept.items():
+                pieces.append(part.whole(name))
+            if parts.frames * sum(channel.columns for channel in channels.values()) > most:
+                raise ConfigurationError(f"{path}: expected at most {most:,.0f} numbers, for the memory, got more")
+        if not parts.frames:
             raise NoFrames(f"{path}: holds no frame: the run was stopped before the first ones were written")
-        self.head, self.channels, self.notes = parts.head, parts.channels, parts.notes
-        self.by_hand, self.result, self.frames = parts.by_hand, parts.result, parts.frames
-        joined = (np.concatenate(frames) for frames in zip(*read, strict=True))
-        self._whole = dict(zip(self.channels, joined, strict=True))
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the values (T, ...) of a channel, in its unit."""
-        return self.channels[self._known(name)].values(self._whole[name])
-
-    def __iter__(self) -> Iterator[str]:
-        """Iterate over the names of the channels."""
-        return iter(self.channels)
-
-    def __len__(self) -> int:
-        """Return the number of channels."""
-        return len(self.channels)
-
-    @property
-    def period(self) -> float:
-        """Time from frame to frame [s]."""
-        return float(self.head["period"])
-
-    @property
-    def times(self) -> Floats:
-        """Times (T,) of the frames [s]."""
-        return np.arange(self.frames, dtype=np.float64) * self.period
-
-    def whole(self, name: str) -> WholeNumbers:
-        """Return the whole numbers (T, K) that the file holds of a channel."""
-        return self._whole[self._known(name)]
-
-    def checksums(self) -> dict[str, int]:
-        """Return the CRC-32 of the whole numbers (T, K) of each channel, as int32 in little-endian order."""
-        return {name: zlib.crc32(numbers.astype("<i4").tobytes()) for name, numbers in self._whole.items()}
-
-    def _known(self, name: str) -> str:
-        if name not in self.channels:
-            raise KeyError(unknown("channel", name, list(self.channels)))
-        return name
+        joined = {name: np.concatenate(kept.pop(name)) for name in channels}  # one after the other, to hold none twice
+        super().__init__(parts.head, channels, joined)
+        self.notes, self.by_hand, self.result, self.frames = parts.notes, parts.by_hand, parts.result, parts.frames
 
 
-def recordings_in(folder: Path) -> Iterator[RecordedMission]:
-    """Yield the recordings below a directory in the order of their names, but for those without a frame."""
+def recordings_in(folder: Path, only: tuple[str, ...] = ("",), most: float = math.inf) -> Iterator[RecordedMission]:
+    """Yield the recordings below a directory in the order of their names, but for those without a frame.
+
+    `only` and `most` are those of `RecordedMission`, the latter for all recordings together.
+    """
     for path in sorted(folder.rglob(f"*{SUFFIX}")):
         with suppress(NoFrames):
-            yield RecordedMission(path)
+            recording = RecordedMission(path, only, most)
+            most -= sum(recording.whole(name).size for name in recording)
+            yield recording
 
 
 def _object(content: bytes, where: str) -> dict[str, Any]:

@@ -57,7 +57,7 @@ class _Running:
 
 
 class MissionRecorder:
-    """Records the worlds of a batch: call `begin` after the reset of a world, and `take` after every tick.
+    """Records the worlds of a batch: call `open` after the reset of a world, and `record` after every tick.
 
     Missions end by themselves. `close` ends the files of missions that are still going on.
 
@@ -93,7 +93,7 @@ class MissionRecorder:
         """Raise TypeError: two recorders would write one file."""
         raise TypeError(NO_COPY)
 
-    def begin(self, world: int, about: Mapping[str, Any]) -> Path:
+    def open(self, world: int, about: Mapping[str, Any]) -> Path:
         """Record the mission of a world that has just been reset; return the file.
 
         `about`: plain data for the head; `scenario` is part of the name of the file.
@@ -116,11 +116,11 @@ class MissionRecorder:
         facts |= self._networks
         path = self._path(facts["about"])
         self._running[world] = _Running(RecordingFile(path, facts, self.frames.channels), 0)
-        self.frames.begin(world)
+        self.frames.start(world)
         self._ends[world], self._begun = self._ticks + tick_limit(mission), True
         self._soonest = min(self._ends.values())
         self._joined = worlds.team.joined.copy()
-        self._messages.begin()
+        self._messages.clear()
         self._note_poses()
         return path
 
@@ -133,7 +133,7 @@ class MissionRecorder:
         self._by_hand.append(dict(change))
         self._note_poses()
 
-    def take(self) -> None:
+    def record(self) -> None:
         """Record the tick that the worlds have just run."""
         if not self._running:
             return
@@ -142,9 +142,9 @@ class MissionRecorder:
         found = look_at_worlds(worlds.team.joined, self._joined, garbage.done, garbage.arrived)
         if found & JOINED:
             self._note_joined()
-        self.frames.take(None if self._begun else [coordinator.used for coordinator in worlds.coordinators])
+        self.frames.record(None if self._begun else [coordinator.used for coordinator in worlds.coordinators])
         self._begun = False
-        self._messages.begin()
+        self._messages.clear()
         self._note_poses()
         self._ticks += 1
         if found & DONE or self._ticks >= self._soonest:
@@ -163,6 +163,11 @@ class MissionRecorder:
         """Return the last frame of the only world as the block of a recording, with `notes`, for those who look on."""
         first = int(self.worlds.ticks[0]) - 1
         return part_of(first, self.frames.latest(0), {"deposits": self._messages.kinds, **notes})
+
+    def present(self, notes: Mapping[str, Any]) -> bytes:
+        """Return the only world as it is now, before its next frame, as a block that is part of no recording."""
+        notes = {"deposits": self._messages.kinds, **notes}
+        return part_of(int(self.worlds.ticks[0]), self.frames.present(0), notes)
 
     def close(self) -> None:
         """Write all frames that are not in a file yet, and end all files."""

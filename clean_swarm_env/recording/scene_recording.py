@@ -60,15 +60,15 @@ class SceneFrames:
         """Keep the poses, at which the next control period begins; call it after they were changed by hand."""
         copy_poses(self._scene.arena.positions, self._scene.arena.headings, self._poses)
 
-    def take(self) -> None:
-        """Take the control period that has just been run."""
+    def record(self) -> None:
+        """Record the control period that has just been run."""
         arena = self._scene.arena
         np.subtract(arena.entered, self._entered, out=self._contacts)
         self._entered[:] = arena.entered
         if self._team is not None and CARRYING in self._team.memory.kinds:
             self._cargo[:] = np.where(self._team.memory[CARRYING].values == 1.0, 0, NOTHING)
-        self.frames.take()
-        self._log.begin()
+        self.frames.record()
+        self._log.clear()
         self.note_poses()
 
     def head(self, world: int, about: Mapping[str, Any]) -> dict[str, Any]:
@@ -134,7 +134,7 @@ def things_of(scene: Scene, world: int) -> Iterator[dict[str, Any]]:
 
 
 class SceneRecorder:
-    """Records the runs of a scene that has begun, one file for each seed: call `take` after every control period.
+    """Records the runs of a scene that has begun, one file for each seed: call `record` after every control period.
 
     Args:
         scene, option: as `SceneFrames` has them.
@@ -164,9 +164,9 @@ class SceneRecorder:
         """Raise TypeError: two recorders would write one file."""
         raise TypeError(NO_COPY)
 
-    def take(self) -> None:
+    def record(self) -> None:
         """Record the control period that has just been run."""
-        self._frames_of.take()
+        self._frames_of.record()
         if self._frames.at == self._frames.room:
             self._write()
 

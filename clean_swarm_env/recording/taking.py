@@ -84,7 +84,7 @@ class WaitingFrames:
         self._first, self._last, self._bits = (np.zeros((worlds, total), dtype=np.int32) for _ in range(3))
         self.steps: WholeNumbers = np.zeros((worlds, total, self.room), dtype=np.int32)
 
-    def begin(self, world: int) -> None:
+    def start(self, world: int) -> None:
         """Let the next frame be the first one of a world, of which no frame waits."""
         self._stages[world], self._begins[world] = FIRST, self.at
         self._new.append(world)
@@ -93,10 +93,10 @@ class WaitingFrames:
         """Begin anew, with some worlds, once all frames are packed."""
         self.at = 0
         for world in worlds:
-            self.begin(world)
+            self.start(world)
 
-    def take(self, used: Sequence[Sequence[int]] | None = None) -> None:
-        """Take a frame.
+    def record(self, used: Sequence[Sequence[int]] | None = None) -> None:
+        """Record a frame.
 
         `used`: the options of each coordinator that robots hold; the numbers of others are not looked at. None for all.
         """
@@ -109,7 +109,7 @@ class WaitingFrames:
         if BY_ADDRESS:
             take_numbers(self._table, self._due, self._stages, self.at, self._last, self.steps, self._bits)
         else:
-            self._take()
+            self._record()
         for world in self._new:
             self._first[world] = self._last[world]
             self._stages[world] = GOING
@@ -129,13 +129,20 @@ class WaitingFrames:
         """Return the last frame of a world."""
         return self._packed(self._last[world], np.zeros_like(self._bits[world]), world, self.at - 1)
 
+    def present(self, world: int) -> PackedFrames:
+        """Return a frame of what the arrays hold now; it is not taken."""
+        for prepare in self._prepare:
+            prepare()
+        numbers = [channel.whole(values[world : world + 1])[0] for _, channel, values in self._sources]
+        return self._packed(np.concatenate(numbers), np.zeros_like(self._bits[world]), world, self.at - 1)
+
     def _packed(self, first: WholeNumbers, bits: WholeNumbers, world: int, begin: int) -> PackedFrames:
         sizes: Ints = np.empty((len(self.channels), 2), dtype=np.int64)
         content = np.empty(4 * len(first) * (self.at - begin) + sum(-(-self._layout[:, 0] // 8)), dtype=np.uint8)
         used = pack_steps(self._layout, first, self.steps[world], bits, begin, self.at, sizes, content)
         return PackedFrames(self.at - begin, list(map(tuple, sizes.tolist())), content[:used].tobytes())
 
-    def _take(self) -> None:
+    def _record(self) -> None:
         """Do what `take_numbers` does."""
         going = (self._stages == GOING)[:, np.newaxis]
         for begin, channel, values in (self._sources[k] for k in self._due):

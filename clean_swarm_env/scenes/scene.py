@@ -108,7 +108,7 @@ class Run:
 class Scene(ABC):
     """W worlds in which robots have to reach one goal.
 
-    The class declares the goal, the measures and the scene's own setting. An object serves one run: `run`, or `begin`
+    The class declares the goal, the measures and the scene's own setting. An object serves one run: `run`, or `start`
     and `advance`. Subclasses implement `_result`, and those of the other hooks that they need.
 
     Attributes:
@@ -154,7 +154,7 @@ class Scene(ABC):
     @final
     def run(self, make: Callable[[Scene], Controller] | None = None) -> Run:
         """Run to the end with the controller that `make` returns for this scene, or with the baseline."""
-        self.begin(make)
+        self.start(make)
         tracks = [self.arena.positions.copy()]
         while not self.over:
             self.advance()
@@ -162,7 +162,7 @@ class Scene(ABC):
         return Run(self.measured(), np.stack(tracks))
 
     @final
-    def begin(self, make: Callable[[Scene], Controller] | None = None) -> None:
+    def start(self, make: Callable[[Scene], Controller] | None = None) -> None:
         """Give the robots the controller that `make` returns for this scene, or the baseline."""
         self.served = make is not None
         self.controller = self._baseline() if make is None else make(self)

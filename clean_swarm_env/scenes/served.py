@@ -139,4 +139,4 @@ class ServedTeam(Controller):
     def _command(self, commands: Commands) -> None:
         for buffer in self.buffers.values():
             buffer.deliver(self.arena.now)
-        commands.take(self.minds.tick(self.arena.now, self._errand.command() if self._errand else None))
+        commands.copy_from(self.minds.tick(self.arena.now, self._errand.command() if self._errand else None))

@@ -89,7 +89,7 @@ class Consequences:
         """Return what robots hand on to the next tick."""
         return Lasting((self.standing, self.collisions, self._away))
 
-    def begin(self, at_work: Ints | None) -> Ints | None:
+    def start_tick(self, at_work: Ints | None) -> Ints | None:
         """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""
         if not (self.active and self.standing.any()):
             return at_work

@@ -136,7 +136,7 @@ class Agendas:
         self._due = NO_TICK  # tick of the batch at which something happens next in any world
         self.over: Flags = np.zeros(affected.floor.worlds, dtype=np.bool_)
 
-    def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
+    def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Begin a world anew; its agenda depends on `mission` and `seed` only."""
         agenda = self._agendas[world] = Agenda(mission, seed)
         self.over[world] = agenda.over

@@ -104,7 +104,7 @@ def explain_robot(worlds: Worlds, row: int) -> RobotStep:
 
 
 def _step_of(network: BehaviourNetwork, row: int) -> Explanation:
-    return explain(network.model, Recorder(network, np.array([row])).take(), row)
+    return explain(network.model, Recorder(network, np.array([row])).record(), row)
 
 
 def _coordinated(coordinator: Coordinator, row: int) -> Coordinated:

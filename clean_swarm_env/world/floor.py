@@ -118,7 +118,7 @@ class Floor:
     def of_worlds(self) -> tuple[NDArray[Any], ...]:
         """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""
         items = self.garbage
-        own = (self.stations, items.positions, items.stage, items.leftover, items.handed, items.done, items.arrived)
+        own = (self.stations, items.positions, items.stage, items.leftover, items.paid, items.done, items.arrived)
         return (*own, *self.physics.of_worlds(), *self.collisions.of_worlds())
 
     def restore(self, world: int) -> None:

@@ -32,7 +32,7 @@ class Garbage:
         positions: (W, M, 2) float64 [m], where an item lies or was picked.
         stage: (W, M) int64, LYING, CARRIED, DONE or ABSENT.
         leftover: (W, M) int64, 1 where what lies has been recycled already.
-        handed: (W, M) int64, 1 from when a robot first puts an item down for others.
+        paid: (W, M) int64, 1 once somebody has been paid for picking an item, or has put it down for others.
         cargo: (R,) int64, the item a robot carries, or NOTHING.
         recycled: (R,) int64, 1 once the cargo has been recycled.
         leg: (R,) float64 [m], way to the next station from where the cargo was picked or recycled.
@@ -47,7 +47,7 @@ class Garbage:
         self.positions: Floats = np.zeros((worlds, items, 2))
         self.stage: Ints = np.zeros((worlds, items), dtype=np.int64)
         self.leftover: Ints = np.zeros((worlds, items), dtype=np.int64)
-        self.handed: Ints = np.zeros((worlds, items), dtype=np.int64)
+        self.paid: Ints = np.zeros((worlds, items), dtype=np.int64)
         self.cargo: Ints = np.full(worlds * robots, NOTHING, dtype=np.int64)
         self.recycled: Ints = np.zeros(worlds * robots, dtype=np.int64)
         self.leg: Floats = np.zeros(worlds * robots)
@@ -61,7 +61,7 @@ class Garbage:
         self.positions[world, : len(positions)] = positions
         self.stage[world] = ABSENT
         self.stage[world, : len(positions)] = LYING
-        self.leftover[world] = self.handed[world] = 0
+        self.leftover[world] = self.paid[world] = 0
         rows = slice(world * self.robots, (world + 1) * self.robots)
         self.cargo[rows] = NOTHING
         self.recycled[rows] = self.blind[rows] = 0
@@ -76,7 +76,7 @@ class Garbage:
             return False
         self.positions[world, free[0]] = position
         self.stage[world, free[0]] = LYING
-        self.leftover[world, free[0]] = self.handed[world, free[0]] = 0
+        self.leftover[world, free[0]] = self.paid[world, free[0]] = 0
         self.arrived[world] += 1
         return True
 
@@ -97,7 +97,7 @@ class Garbage:
         item = int(self.cargo[row])
         if not self.drop(row, position):
             return False
-        self.handed[row // self.robots, item] = 1
+        self.paid[row // self.robots, item] = 1
         self.blind[row] = blind
         return True
 

@@ -33,7 +33,6 @@ from selforg.network.planning.names import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
 from selforg.space import Torus
-from selforg.standstill import Standstill
 
 ITEM_CHANNEL: Final = "garbage"
 """Channel of the items."""
@@ -83,7 +82,6 @@ class Minds:
         to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
             behaviour moves the robots.
         commands: the commands to the robots in this tick.
-        standstill: for how long robots that are corrected have not got on, by where they take themselves to be.
         cargo_memory: what configurations know of the robots' cargo, and ask for.
         packed: the record that compiled code takes.
 
@@ -103,7 +101,6 @@ class Minds:
         self._build_buffers(mission, worlds)
         self._build_network(mission, models, directories, explained)
         self.commands = Commands.none(self.rows, 2)
-        self.standstill = Standstill(self.rows, self.poses.space)
         index = self.network.model.behaviour_index
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
@@ -189,8 +186,8 @@ class Minds:
         streams = [np.random.default_rng(stream) for stream in seed.spawn(2 * len(rows))]
         self.directions.reset(rows, streams[: len(rows)])
         self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
-        self.reception.begin(world, mission, seed)
-        self._localisation.begin(rows, seed)
+        self.reception.reset(world, mission, seed)
+        self._localisation.reset(rows, seed)
 
     @property
     def generators(self) -> tuple[list[Any], ...]:
@@ -201,7 +198,7 @@ class Minds:
         """Return what robots hand on to the next tick, but for the buffers and the random draws."""
         own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
         inner = (part.lasting() for part in self._inner)
-        return together((own, self.network.lasting(), self._memory.lasting(), self.standstill.lasting(), *inner))
+        return together((own, self.network.lasting(), self._memory.lasting(), *inner))
 
     def restore(self) -> None:
         """Go on from what has been written to those arrays."""
@@ -209,12 +206,11 @@ class Minds:
         for inner in self._inner:
             inner.restore()
 
-    def begin(self, rows: Ints) -> None:
+    def reset_rows(self, rows: Ints) -> None:
         """Clear the networks and the knowledge of `rows` (K,), and what they alone have received."""
         for buffer in self.buffers.values():
             buffer.clear_rows(rows)
         self.network.reset(rows)
-        self.standstill.reset(rows)
         self._memory.reset(rows)
         for inner in self._inner:
             inner.reset(rows)

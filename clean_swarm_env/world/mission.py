@@ -150,7 +150,7 @@ class Course:
         models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
         self.worlds = Worlds(mission, models, directories=directories, explained=explained)
         self.worlds.reset(0, run.start, run.seed)
-        self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy, directories=directories)
+        self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy)
         self._decision_ticks = round(mission.decision_period * mission.world.control_rate)
         self._limit = tick_limit(mission)
         self.worlds.hold(self._selection.decide())

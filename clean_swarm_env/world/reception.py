@@ -55,7 +55,7 @@ class Reception:
             return None
         return PoseDelivery(poses, self._reaches, self._losses, self._generators, self.delay_ticks)
 
-    def begin(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
+    def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that begins anew."""
         if self.own_contents:
             robots = len(self._generators) // len(self._losses)
@@ -94,7 +94,7 @@ class Localisation:
         self.generators = [np.random.default_rng(0)] * rows
         self._errors: Floats = np.zeros((rows, 2))
 
-    def begin(self, rows: Ints, seed: np.random.SeedSequence) -> None:
+    def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
         """Begin the draws of `rows` (N,) anew."""
         if self._deviation > 0.0:
             self.generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))

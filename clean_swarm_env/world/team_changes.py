@@ -41,7 +41,7 @@ class Team:
         self.joined: Ints = np.zeros(floor.worlds, dtype=np.int64)
         self.at_work: Ints | None = None
 
-    def begin(self, world: int, places: Floats) -> None:
+    def reset(self, world: int, places: Floats) -> None:
         """Put the first robots of a world at `places` (K, 3), x [m], y [m], heading [rad]; the others are absent."""
         floor, poses, count = self._floor, self._minds.poses, len(places)
         rows, padded = floor.rows_of(world), np.zeros((floor.robots, 3))
@@ -131,7 +131,7 @@ class Team:
         """
         self._floor.drive.reset(rows)
         self._floor.consequences.reset(rows)
-        self._minds.begin(rows)
+        self._minds.reset_rows(rows)
         self._minds.poses.deafen(rows, ~self.working[rows])
         self.restore()
 

@@ -1,14 +1,13 @@
 """States of worlds: all that the course of a world depends on, as bytes from which this or another world goes on.
 
 The other world may be in another batch and at another time of the clock: its further course has the same bits. Both
-batches have one frame, one robot and the same options. States are pickles: load your own only.
+batches have one frame, one robot and the same options; `sealing` makes bytes of a state.
 """
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Iterable, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +22,7 @@ from clean_swarm_env.world.team_changes import Team
 from selforg.arrays import together
 from selforg.gradients.store.columns import POSE_STAMP, ROW_TEAM
 from selforg.gradients.team_state import TeamState, put_team_state, state_of_team
-
-HEADER: Final = b"clean-swarm state "
-STATE_VERSION: Final = 4
+from selforg.sealing import check_alike
 
 Streams = list[dict[str, Any] | None]
 """States of random generators, None where there is none."""
@@ -34,7 +31,7 @@ Streams = list[dict[str, Any] | None]
 class WorldState(NamedTuple):
     """All that the course of one world depends on."""
 
-    kind: tuple[Any, ...]  # what both batches must have in common beside the frame of the mission
+    likeness: dict[str, Any]  # what both batches must have in common beside the frame of the mission
     mission: MissionConfig
     ticks: int  # since the reset
     now: float  # time of the clock [s]
@@ -53,15 +50,17 @@ class WorldStates:
         lasting = together((floor.lasting(), minds.lasting(), team.lasting()))
         self._rows, self._times = (*lasting.values, *lasting.times), lasting.times
         self._worlds = (*floor.of_worlds(), *minds.reception.of_worlds(), team.joined, agendas.over)
-        options = tuple((one.model.goal, one.model.options) for one in minds.coordinators)
-        behaviours = tuple(behaviour.name for behaviour in minds.network.model.behaviours)
-        self._kind = (options, behaviours, tuple((a.shape[1:], a.dtype.str) for a in (*self._rows, *self._worlds)))
+        self._likeness = {
+            "options": tuple((one.model.goal, one.model.options) for one in minds.coordinators),
+            "behaviours": tuple(behaviour.name for behaviour in minds.network.model.behaviours),
+            "arrays": likeness_of((*self._rows, *self._worlds)),
+        }
 
-    def take(self, world: int, mission: MissionConfig) -> WorldState:
+    def get(self, world: int, mission: MissionConfig) -> WorldState:
         """Return the state of a world, whose mission is `mission`."""
         rows = self._slice(world)
         return WorldState(
-            self._kind,
+            self._likeness,
             mission,
             int(self._clock.ticks[world]),
             self._clock.now,
@@ -72,12 +71,13 @@ class WorldStates:
             tuple(states_of(generators[rows]) for generators in self._minds.generators),
         )
 
-    def put(self, world: int, state: WorldState, batch: MissionConfig) -> None:
-        """Make a world of the `batch` go on from a state; ValueError if it does not fit."""
+    def check(self, state: WorldState, batch: MissionConfig) -> None:
+        """Raise ValueError unless a world of the `batch` can go on from a state."""
         check_frame(state.mission, batch)
-        for what, expected, got in zip(("options", "behaviours", "arrays"), self._kind, state.kind, strict=True):
-            if got != expected:
-                raise ValueError(f"state: {what}: expected {expected} as in the batch of worlds, got {got}")
+        check_alike(self._likeness, state.likeness)
+
+    def put(self, world: int, state: WorldState) -> None:
+        """Make a world go on from a state that `check` has let pass."""
         rows, later, minds = self._slice(world), self._clock.now - state.now, self._minds
         fill(self._rows, rows, state.rows)
         fill(self._worlds, slice(world, world + 1), state.world)
@@ -88,7 +88,7 @@ class WorldStates:
             put_team_state(buffer, world, saved, later)
         for generators, streams in zip(minds.generators, state.streams, strict=True):
             generators[rows] = [generator_at(stream) for stream in streams]
-        self._clock.begin(world, state.ticks)
+        self._clock.reset(world, state.ticks)
         self._agendas.put(world, state.agenda)
         self._floor.restore(world)
         minds.restore()
@@ -96,6 +96,11 @@ class WorldStates:
 
     def _slice(self, world: int) -> slice:
         return slice(world * self._floor.robots, (world + 1) * self._floor.robots)
+
+
+def likeness_of(arrays: Iterable[NDArray[Any]]) -> tuple[tuple[tuple[int, ...], str], ...]:
+    """Return the shape of one row and the type of each array."""
+    return tuple((array.shape[1:], array.dtype.str) for array in arrays)
 
 
 def bytes_of(arrays: Iterable[NDArray[Any]], part: slice) -> bytes:
@@ -124,16 +129,3 @@ def generator_at(state: dict[str, Any] | None) -> np.random.Generator | None:
     made: Any = np.random.PCG64(0)
     made.state = state
     return np.random.Generator(made)
-
-
-def to_bytes(state: object) -> bytes:
-    """Return a state as bytes that say their version."""
-    return HEADER + b"%d\n" % STATE_VERSION + pickle.dumps(state, protocol=5)
-
-
-def from_bytes(state: bytes) -> Any:  # noqa: ANN401  (whatever was a state)
-    """Return what `to_bytes` packed; ValueError for other bytes and other versions."""
-    expected = HEADER + b"%d\n" % STATE_VERSION
-    if not isinstance(state, bytes) or not state.startswith(expected):
-        raise ValueError(f"state: expected bytes that begin with {expected!r}, got {state[:40]!r}")
-    return pickle.loads(memoryview(state)[len(expected) :])

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
@@ -20,13 +19,11 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided, handle_cargo_in_reach
-from clean_swarm_env.world.world_state import WorldState, WorldStates, from_bytes, to_bytes
+from clean_swarm_env.world.world_state import WorldState, WorldStates
 from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
-
-ESCAPE_SPEED: Final = 0.2
-"""Speed at which robots that do not get on are sent off, in shares of the largest one."""
+from selforg.sealing import sealed, unsealed
 
 
 class Worlds:
@@ -40,7 +37,7 @@ class Worlds:
         mission: mission of the batch; `missions` (W,) are those of the worlds until their next resets.
         worlds, robots, rows: W, N and R.
         period: length of a control period [s].
-        floor: bodies, items and stations; its `extent`, `physics`, `drive`, `collisions`, `garbage` and `stations` are
+        floor: bodies, items and stations; its `extent`, `physics`, `collisions`, `garbage` and `stations` are
             attributes of the worlds too.
         minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
         team: which robots are present and at work.
@@ -67,10 +64,10 @@ class Worlds:
         self.team = Team(mission, self.floor, self.minds, self._clock)
         self._agendas = Agendas(Affected(self.floor, self.minds, self.team, self._clock))
         self._states = WorldStates(self.floor, self.minds, self.team, self._agendas, self._clock)
-        self._steered: Floats | None = None
+        self._driven: Floats | None = None
         self._correction: Floats | None = None
         self.extent, self.stations, self.garbage = self.floor.extent, self.floor.stations, self.floor.garbage
-        self.physics, self.drive, self.collisions = self.floor.physics, self.floor.drive, self.floor.collisions
+        self.physics, self.collisions = self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
 
     @property
@@ -112,62 +109,58 @@ class Worlds:
             expected = f"{mission.robots.count} robots and {mission.garbage.count} items"
             raise ValueError(f"start {start.id!r}: expected {expected}, got {len(start.robots)} and {len(items)}")
         self.missions[world] = mission
-        self._clock.begin(world)
+        self._clock.reset(world)
         self.floor.reset(world, mission, items)
         self.minds.reset(world, mission, self.rows_of(world), stream)
         self.minds.show_items(world, items, self.now)
         self.minds.show_stations(world, self.stations[world], self.now)
-        self.team.begin(world, np.array(start.robots))
-        self._agendas.begin(world, mission, stream)
+        self.team.reset(world, np.array(start.robots))
+        self._agendas.reset(world, mission, stream)
 
     def state_of(self, world: int) -> WorldState:
-        """Return all that the further course of a world depends on, but for vectors by which it is steered.
+        """Return all that the further course of a world depends on, but for vectors by which it is driven.
 
-        Parts of it belong to the world until they are packed by `to_bytes`.
+        Parts of it belong to the world until they are `sealed`.
         """
-        return self._states.take(world, self.missions[world])
+        return self._states.get(world, self.missions[world])
+
+    def check_state(self, state: WorldState) -> None:
+        """Raise ValueError unless a world can go on from a state, of this or another batch of one frame."""
+        self._states.check(state, self.mission)
 
     def put_state(self, world: int, state: WorldState) -> None:
-        """Make a world go on from a state, of this or another batch of one frame, which it then owns.
-
-        ValueError says what does not fit.
-        """
-        self._states.put(world, state, self.mission)
+        """Make a world go on from a state that `check_state` has let pass, and which it then owns."""
+        self._states.put(world, state)
         self.missions[world] = state.mission
 
     def get_state(self, world: int = 0) -> bytes:
-        """Return the state of a world as bytes that say their version."""
-        return to_bytes(self.state_of(world))
+        """Return the state of a world as sealed bytes that say their version."""
+        return sealed("world", self.state_of(world))
 
     def set_state(self, state: bytes, world: int = 0) -> None:
-        """Make a world go on from the bytes of `get_state`; ValueError says what does not fit."""
-        self.put_state(world, from_bytes(state))
+        """Make a world go on from the bytes of `get_state`; ValueError says what is damaged or does not fit.
+
+        A state that is refused changes nothing.
+        """
+        whole: WorldState = unsealed("world", state)
+        self.check_state(whole)
+        self.put_state(world, whole)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
         """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""
         hold_options(self.coordinators, options, np.arange(self.rows) if rows is None else rows)
 
-    def steer(self, vectors: Floats | None) -> None:
+    def drive(self, vectors: Floats | None) -> None:
         """Make robots follow vectors (R, 2) [m/s] from the next tick on; None: their behaviours again.
 
-        The networks of steered robots decide nothing. The robots pick, recycle and dump wherever their sensors allow
+        The networks of driven robots decide nothing. The robots pick, recycle and dump wherever their sensors allow
         it.
         """
-        self._steered, self._correction = vectors, None
-        self.minds.standstill.reset(np.arange(self.rows))
+        self._driven, self._correction = vectors, None
 
-    def correct(self, vectors: Floats, patience: float | None = None) -> None:
-        """Add vectors (R, 2) [m/s] to what behaviours command from the next tick on; networks decide as ever.
-
-        A robot that has not got on for more than `patience` [s] is sent off in a random direction until the next call
-        instead: robots that keep away from each other might stand for ever. Time at a bumper or a station counts.
-        """
-        self._steered, self._correction = None, vectors.copy()
-        if patience is not None:
-            waits = self.minds.standstill.waited > patience / self.period
-            stuck = np.flatnonzero(waits & self.team.working)
-            speed = ESCAPE_SPEED * self.mission.robots.max_speed
-            self._correction[stuck] = speed * self.minds.directions.take(stuck)[:, :2]
+    def correct(self, vectors: Floats | None) -> None:
+        """Add vectors (R, 2) [m/s], or nothing, to what behaviours command from now on; networks decide as ever."""
+        self._driven, self._correction = None, vectors
 
     def hide_items(self, worlds: Ints, places: Floats) -> None:
         """Delete the gradients of items that lay at `places` (K, 2) [m] of `worlds` (K,), unless others lie there."""
@@ -183,16 +176,15 @@ class Worlds:
         """
         floor, minds, working, now = self.floor, self.minds, self.team.working, self._clock.now
         self._agendas.apply_due()
-        able = floor.consequences.begin(self.team.at_work)
+        able = floor.consequences.start_tick(self.team.at_work)
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)
-        if self._steered is None:
+        if self._driven is None:
             minds.sense(floor.packed, now)
             minds.decide(able)
             self._hide(handle_cargo_as_decided(floor.packed.words, minds.packed.words))
             minds.act(floor.packed, now)
             if self._correction is not None:
-                minds.standstill.note(minds.poses.positions)
                 minds.commands.add(self._correction * working[:, None])
             minds.leave(now)
             if minds.cargo_memory.handed is not None:
@@ -200,7 +192,7 @@ class Worlds:
         else:
             minds.sense_floor(floor.packed)
             self._hide(handle_cargo_in_reach(floor.packed.words, minds.packed.words, working))
-            minds.follow(self._steered, working)
+            minds.follow(self._driven, working)
         floor.consequences.hold_back(minds.commands.packed)
         floor.move(minds.commands.packed, now)
         self._clock.advance()

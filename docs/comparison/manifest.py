@@ -5,7 +5,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from clean_swarm_env.config.types import Scenarios
-from selector.documents.fields import Closed, DocumentName, Flag, Name
+from selector.documents.fields import JOINT, Closed, DocumentName, Flag, JointName, Name
+from train.deciders.named import FIXED
 
 
 class Learner(Closed):
@@ -60,13 +61,49 @@ class Ablations(Closed):
     """Label -> what differs."""
 
 
+class Paired(Closed):
+    """A family on which strategies are judged beside the best pair of options."""
+
+    best: JointName
+    """The pair that cost least on training scenarios: an option of the other goal + one of the goal."""
+    scenarios: Scenarios
+    """Number of test scenarios of each seed."""
+
+
+class Pairs(Closed):
+    """Strategies beside each of several options of another goal, and the best pair of two options."""
+
+    goal: Name
+    """The other goal."""
+    strategies: dict[str, tuple[Name, ...]]
+    """Strategy, as `--strategy` takes it -> the options of the other goal beside which it is judged."""
+    families: dict[Name, Paired]
+    """Families."""
+    seeds: Annotated[tuple[int, ...], Field(min_length=1)]
+    """Seeds of the test scenarios."""
+
+    @property
+    def best(self) -> dict[str, str]:
+        """Family -> the best pair."""
+        return {family: paired.best for family, paired in self.families.items()}
+
+    def beside(self, family: str) -> dict[str, list[str]]:
+        """Return option of the other goal -> the strategies to run beside it, that of the best pair among them."""
+        other, _, own = self.best[family].partition(JOINT)
+        found = {other: [f"{FIXED}:{own}"]}
+        for strategy, options in self.strategies.items():
+            for option in options:
+                found.setdefault(option, []).append(strategy)
+        return found
+
+
 class Manifest(Closed):
     """What is trained and compared."""
 
     name: Name
     """Directory of the results, below results/."""
     page: Flag = False
-    """Whether there is a page with its tables, below docs/, and a picture with its curves, below docs/pictures/."""
+    """Whether there is a page with its tables, below docs/; of several learners a picture, too, in docs/pictures/."""
     goal: Name
     """Goal that the strategies choose options for."""
     knowledge: DocumentName
@@ -83,6 +120,13 @@ class Manifest(Closed):
     """The option that is configured; none: no such comparison."""
     ablations: Ablations | None = None
     """What the trainings need; none: no such comparison."""
+    pairs: Pairs | None = None
+    """Options of another goal; none: no such comparison."""
+
+    @property
+    def drawn(self) -> bool:
+        """Whether there are curves of several learners to compare."""
+        return self.page and len(self.learners) > 1
 
     @property
     def unlearned(self) -> tuple[str, ...]:

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.load import load_family
-from docs.comparison.manifest import Ablations, Compared, Configured, Learner, Manifest
+from docs.comparison.manifest import Ablations, Compared, Configured, Learner, Manifest, Pairs
 from docs.figures.update_readme import CLEAN_SWARM, ROOT
 from selector.documents.find import load_file
 from selector.documents.reading import as_yaml, read_mapping
 from selector.documents.writing import write_whole
 from selector.knowledge import load_knowledge
+from train.deciders.named import FIXED, MACHINE, POLICY
 from train.evaluation.choosing.look_ahead import LookAheadRequest, looked_ahead
-from train.evaluation.entrants import FIXED, MACHINE, POLICY
 from train.learning.config import TrainingConfig
 
 OWN_NAME = "Configured"
@@ -43,11 +43,34 @@ def make(manifest: Manifest, folder: Path) -> None:
         _run("evaluate", "--family", family, *asked, "--output", folder / family, "--resume")
         if compared.looked_ahead:
             _look_ahead(folder, manifest, family, compared)
+    if manifest.pairs is not None:
+        _pair(folder, manifest, manifest.pairs)
 
 
 def looked_ahead_file(folder: Path, family: str) -> Path:
     """Return the file with what looking ahead cost on a family."""
     return folder / f"look-ahead-{family}.json"
+
+
+def pair_folder(folder: Path, family: str, option: str, seed: int) -> Path:
+    """Return the directory of the runs in which an option of the other goal serves."""
+    return folder / f"{family}-{option}-{seed}"
+
+
+def _pair(folder: Path, manifest: Manifest, pairs: Pairs) -> None:
+    """Evaluate the strategies, and the best pair, with the options of the other goal."""
+    for family, paired in pairs.families.items():
+        for option, strategies in pairs.beside(family).items():
+            known = _options(manifest)
+            known[pairs.goal] = [one for one in known[pairs.goal] if one["name"] == option]
+            knowledge = _written(folder / f"{option}.knowledge.yaml", {"goals": known})
+            words = [word for strategy in strategies for word in ("--strategy", strategy)]
+            asked = ("--family", family, "--goal", manifest.goal, "--knowledge", knowledge, *words)
+            for seed in pairs.seeds:
+                output = pair_folder(folder, family, option, seed)
+                _run(
+                    "evaluate", *asked, "--scenarios", paired.scenarios, "--seed", seed, "--output", output, "--resume"
+                )
 
 
 def _trained(folder: Path, label: str, learner: Learner) -> str:

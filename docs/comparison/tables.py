@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +10,17 @@ from matplotlib.figure import Figure
 from scipy.stats import trim_mean
 
 from docs.comparison.manifest import Ablations, Manifest
+from docs.comparison.pairs import pairs_table
 from docs.comparison.runs import CONFIGURED, CPU_TIMES, looked_ahead_file
 from train.analysis.claims import Claim, claims_of
-from train.analysis.family_report import excesses_of
-from train.analysis.strategy_comparison import best_fixed_of
+from train.analysis.family_report import excesses_of, limit_ratios, unfinished_of
+from train.analysis.statistics import share_cell
+from train.analysis.strategy_comparison import BestFixed
+from train.deciders.named import FIXED
 from train.evaluation.choosing.look_ahead import LOOKING, shares_of
 from train.evaluation.claims import family_runs
 from train.evaluation.entrants import RANDOM
-from train.reports.text_table import markdown_table
+from train.reports.text_table import interval_cell, markdown_table
 
 TOLERANCE = 1.02
 """Largest ratio on a control."""
@@ -30,31 +34,36 @@ class Results:
         folder: directory of its results.
 
     Attributes:
-        best: family -> label of the best fixed option of the library.
+        best: family -> the best fixed option of the library.
 
     """
 
     def __init__(self, manifest: Manifest, folder: Path) -> None:
         self._manifest, self._folder = manifest, folder
-        runs = {name: family_runs(folder / name) for name in manifest.families}
-        self._excesses = {name: excesses_of(own) for name, own in runs.items()}
+        self._runs = {name: family_runs(folder / name) for name in manifest.families}
+        self._excesses = {name: excesses_of(own) for name, own in self._runs.items()}
         self.best = {
-            name: best_fixed_of(own, [label for label in runs[name].fixed if label != CONFIGURED])
+            name: BestFixed.of(own, [label for label in self._runs[name].fixed if label != CONFIGURED])
             for name, own in self._excesses.items()
         }
+        for name, best in self.best.items():
+            self._excesses[name][best.label] = best.judged(self._excesses[name])
 
     def claims(self, label: str, against: str = "") -> dict[str, Claim]:
         """Return family -> claim about a strategy beside another one, or beside the best fixed option of each."""
-        others = {name: against or best for name, best in self.best.items()}
+        others = {name: against or best.label for name, best in self.best.items()}
         return {claim.family: claim for claim in claims_of(self._excesses, [label], others)}
 
     def tables(self) -> dict[str, str]:
         """Return name -> table."""
-        tables = {"main": self._main(), "statistics": self._statistics(), "learners": self._learners()}
+        tables = {"main": self._main(), "limits": self._limits(), "statistics": self._statistics()}
+        tables["learners"] = self._learners()
         if any(compared.looked_ahead for compared in self._manifest.families.values()):
             tables["looking"] = self._looking()
         if self._manifest.ablations is not None:
             tables["ablations"] = self._ablated(self._manifest.ablations)
+        if self._manifest.pairs is not None:
+            tables["pairs"] = pairs_table(self._manifest.pairs, self._folder, _ratio)
         return tables
 
     def summary(self) -> str:
@@ -72,8 +81,8 @@ class Results:
         bounds = {name: TOLERANCE if one.control else 1.0 for name, one in self._manifest.families.items()}
         return [
             f"{name}: expected {claimed} below {bounds[name]:g} of {claim.against}, got {claim.ratio:.3f}"
-            for other in self._beside.values()
-            for name, claim in self.claims(claimed, other).items()
+            for by_family in self._main_claims.values()
+            for name, claim in by_family.items()
             if claim.ratio >= bounds[name]
         ]
 
@@ -99,13 +108,14 @@ class Results:
         """Labels of the strategies that learn nothing, but for fixed options."""
         return *self._manifest.unlearned, RANDOM
 
-    @property
-    def _beside(self) -> dict[str, str]:
-        """Head of a column -> label of what the claimed learner has to be better than; "": the best fixed options."""
+    @cached_property
+    def _main_claims(self) -> dict[str, dict[str, Claim]]:
+        """Head of a column, what the claimed learner has to be better than -> family -> claim."""
         configured = {"configured": CONFIGURED} if self._manifest.configured is not None else {}
         learned = (label for label, learner in self._manifest.learners.items() if learner.baseline)
         labels = (*learned, *self._by_hand)
-        return {"best fixed": "", **configured, **{f"`{label}`": label for label in labels}}
+        others = {"best fixed": "", **configured, **{f"`{label}`": label for label in labels}}
+        return {head: self.claims(self._manifest.claimed, other) for head, other in others.items()}
 
     def _cpu_minutes(self, label: str) -> float:
         """Return the mean CPU time of the trainings of a learner [min]; not a number if none was measured."""
@@ -115,16 +125,29 @@ class Results:
 
     def _main(self) -> str:
         """Return the claimed learner beside each baseline: a row for each family."""
-        claimed = self._manifest.claimed
-        claims = {head: self.claims(claimed, other) for head, other in self._beside.items()}
+        claimed, claims = self._manifest.claimed, self._main_claims
         heads = ["family", "scenarios", "best fixed", "its excess s", *(f"{claimed} / {head}" for head in claims)]
         rows = []
         for name, compared in self._manifest.families.items():
-            best = self.best[name]
+            best = self.best[name].label
             own = [f"`{name}`" + (", a control" if compared.control else ""), str(compared.scenarios)]
-            own += [best.partition(":")[2], f"{self._excesses[name][best].mean():.1f}"]
+            own += [best.replace(f"{FIXED}:", ""), f"{self._excesses[name][best].mean():.1f}"]
             rows.append([*own, *(_ratio(by_family[name]) for by_family in claims.values())])
         return markdown_table(heads, rows)
+
+    def _limits(self) -> str:
+        """Return shares of unfinished missions, and ratios to the best fixed option by other prices of items left."""
+        labels = [*self._manifest.learners, *self._by_hand]
+        cells: dict[str, list[str]] = {label: [] for label in [*labels, "best fixed"]}
+        for name, runs in self._runs.items():
+            best, left = self.best[name], unfinished_of(runs)
+            ratios = limit_ratios(runs, best)
+            shares = {label: share_cell(float(left[label].mean())) for label in labels} if left else {}
+            for label in labels:
+                others = ", ".join(f"{one.ratio:.3f}" for one in ratios.get(label, ()))
+                cells[label].append("; ".join(filter(None, [shares.get(label), others])))
+            cells["best fixed"].append(share_cell(float(best.judged(left).mean())) if left else "")
+        return markdown_table(["", *(f"`{name}`" for name in self._runs)], [[k, *own] for k, own in cells.items()])
 
     def _learners(self) -> str:
         """Return all learners beside the best fixed option of each family."""
@@ -138,7 +161,9 @@ class Results:
                 *((str(len(learner.seeds)), f"{self._cpu_minutes(label):.1f}") if learner else ("", "")),
             ]
             for name in self._manifest.families:
-                each = self._excesses[name][label].mean(axis=(1, 2)) / self._excesses[name][self.best[name]].mean()
+                each = (
+                    self._excesses[name][label].mean(axis=(1, 2)) / self._excesses[name][self.best[name].label].mean()
+                )
                 spread = f"; {each.min():.2f} to {each.max():.2f}" if len(each) > 1 else ""
                 row.append(_ratio(claims[label][name]) + spread)
             rows.append(row)
@@ -160,7 +185,7 @@ class Results:
         labels = [self._manifest.claimed, *self._by_hand]
         rows = []
         for name, own in self._excesses.items():
-            best = own[self.best[name]].ravel()
+            best = own[self.best[name].label].ravel()
             middles = [f"{trim_mean(own[label].ravel(), 0.25):.1f}" for label in labels]
             claimed = own[self._manifest.claimed].reshape(-1, len(best))
             better = np.mean((claimed < best) + 0.5 * (claimed == best))
@@ -177,8 +202,10 @@ class Results:
             content = json.loads(looked_ahead_file(self._folder, name).read_text(encoding="utf-8"))
             own = {label: values[:, : compared.looked_ahead] for label, values in self._excesses[name].items()}
             own[LOOKING] = np.array(content["excess_s"])[None, :, None]
-            claim, *_ = claims_of({name: own}, [LOOKING], {name: self.best[name]})
-            best, claimed, looked = (own[label].mean() for label in (self.best[name], self._manifest.claimed, LOOKING))
+            claim, *_ = claims_of({name: own}, [LOOKING], {name: self.best[name].label})
+            best, claimed, looked = (
+                own[label].mean() for label in (self.best[name].label, self._manifest.claimed, LOOKING)
+            )
             share = f"{(best - claimed) / (best - looked):.0%}" if claim.ci95[1] < 1.0 else "no gap is shown"
             taken = shares_of(Counter(content["taken"]), 3)
             rows.append([f"`{name}`", f"{best:.1f}", f"{claimed:.1f}", f"{looked:.1f}", _ratio(claim), share, taken])
@@ -194,5 +221,5 @@ def _curve(history: Path, family: str) -> list[float]:
 
 def _ratio(claim: Claim) -> str:
     """Return a ratio with its interval, bold where that excludes 1 for the better."""
-    low, high = claim.corrected
-    return (f"**{claim.ratio:.3f}**" if high < 1.0 else f"{claim.ratio:.3f}") + f" [{low:.3f}, {high:.3f}]"
+    bold = "**" if claim.p is not None and claim.corrected[1] < 1.0 else ""
+    return f"{bold}{claim.ratio:.3f}{bold} {interval_cell(claim.corrected)}"

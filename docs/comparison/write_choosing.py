@@ -34,7 +34,8 @@ def main(arguments: list[str]) -> int:
             text = put(text, name, table)
         text = put(text, "broken", "\n".join(f"- {line}." for line in wrong) or "Nothing.")
         page.write_text(text, encoding="utf-8")
-        results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
+        if manifest.drawn:
+            results.draw_curves(DOCS / "pictures" / f"{manifest.name}.png")
     else:
         print("\n\n".join(results.tables().values()))
     if given.resolve() == OWN:

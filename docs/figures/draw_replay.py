@@ -26,7 +26,7 @@ from train.cli.options import wide_console
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.evaluation.pipeline import Execution, evaluate
 from train.evaluation.trial_task import TrialTask
-from train.live.chosen import chosen
+from train.live.chosen import chosen, playable
 from train.live.conductor import Conductor
 from train.live.server import LiveServer
 from train.replay.page_file import live_page, write_page
@@ -36,7 +36,8 @@ from train.running.processes import Processes
 from train.running.run_folder import RECORDINGS
 
 DOCS = Path(__file__).parents[1]
-CONDITIONS = ("fixed:RepulsionGradient-from0.25", "policy:general")
+FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"
+CONDITIONS = ("fixed:Patrol", "policy:exploring-ppo")
 MOMENT = "#t=64&robot=7&run=1"
 SIZE = (1500, 900)
 FAST, PLAYED = 50.0, 64.0
@@ -53,10 +54,10 @@ SHOWN = 100
 
 
 def record(folder: Path) -> list[RecordedMission]:
-    """Record one scenario of the family `crowded` under both conditions."""
-    family = load_family("crowded")
+    """Record one scenario of the family under both conditions."""
+    family = load_family(FAMILY)
     for condition in CONDITIONS:
-        task = TrialTask(family, 0, ((0, 0),), condition, condition, "AvoidCollision", ())
+        task = TrialTask(family, 0, ((0, 0),), condition, condition, GOAL, ())
         task.recorded(RecordSettings(folder, minds=True, name=condition.partition(":")[0])).run()
     return [RecordedMission(folder / f"{condition.partition(':')[0]}.swarm") for condition in CONDITIONS]
 
@@ -82,10 +83,10 @@ def chromium() -> Iterator[Browser]:
 def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
     """Play the mission of `clean-swarm play` at a speed before a page, and record it; give the page."""
     session = chosen("crowded", 1, 0, None, ()).open(output, minds=True)
-    conductor = Conductor(session, speed)
+    conductor = Conductor(dict.fromkeys(("", *playable(())), lambda: session), speed)
     runner = Thread(target=conductor.run)
     with LiveServer() as server:
-        server.start(conductor, live_page("crowded", session.strategies()))
+        server.start(conductor, live_page())
         runner.start()
         try:
             page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
@@ -114,7 +115,7 @@ def pictures(page: Page, frames: int) -> Iterator[Image.Image]:
 
 def write_report(folder: Path) -> Path:
     """Evaluate both conditions on some scenarios and write the report; return it."""
-    evaluation = FamilyEvaluation(FamilyRequest("crowded", CONDITIONS, 0, SCENARIOS))
+    evaluation = FamilyEvaluation(FamilyRequest(FAMILY, CONDITIONS, 0, SCENARIOS, goal=GOAL))
     evaluate(evaluation, Execution(Processes(1), folder, False, wide_console(), RecordSettings(Path(RECORDINGS))))
     page = folder / "report.html"
     page.write_text(report_of_results([results_in(folder)], {}), encoding="utf-8")

@@ -155,7 +155,7 @@ class Coordinator:
             if not number:
                 continue
             if stale:
-                network.begin(self._turns[1, :stale])
+                network.restart(self._turns[1, :stale])
             acting = self._turns[0, :number]
             network.step(acting, True)
             content.robots.act(now, acting, commands)

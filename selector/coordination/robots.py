@@ -81,7 +81,7 @@ class CoordinatedRobots:
         self.network.step(guarantee=True)
         commands.clear()
         if errand is not None:
-            commands.take(errand)
+            commands.copy_from(errand)
         for inside in self._inside:
             inside.act(now, commands)
         for inside in self._inside:

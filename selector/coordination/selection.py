@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -24,7 +23,6 @@ class Selection:
         seed: of all random numbers; rows draw independently of each other.
         spec: the strategy.
         teams: (R,) team of each row, for strategies whose estimates a team shares; all rows are one team unless given.
-        directories: of the user's configurations, searched before the shipped one for files that the strategy names.
 
     """
 
@@ -34,7 +32,6 @@ class Selection:
         seed: int,
         spec: StrategySpec = BY_SCORE,
         teams: Ints | None = None,
-        directories: Sequence[Path] = (),
     ) -> None:
         self.rows = len(coordinators[0].held)
         together = np.zeros(self.rows, dtype=np.int64) if teams is None else teams
@@ -43,7 +40,6 @@ class Selection:
                 coordinator.model.problem(),
                 row_keys(np.random.SeedSequence([seed, c]), self.rows),
                 together,
-                directories,
             )
             for c, coordinator in enumerate(coordinators)
         )

@@ -1,7 +1,8 @@
-"""Values of YAML from the events of its parser, within limits: PyYAML's own constructors recurse and count nothing."""
+"""Values of YAML from the events of its parser, within limits: PyYAML's own constructors count nothing."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Any, NoReturn, cast
 
 import yaml
 
@@ -20,131 +21,91 @@ _PARSER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 def yaml_value(text: str, where: str) -> Any:  # noqa: ANN401  (whatever YAML holds)
     """Return the value of a YAML text; DocumentError, which begins with `where`, for one that cannot be used."""
-    builder = _Builder(where)
+    builder, whole = _Builder(yaml.parse(text, Loader=_PARSER), where), list[Any]()
     try:
-        for event in yaml.parse(text, Loader=_PARSER):
-            builder.take(event)
+        for event in builder.events:
+            if isinstance(event, yaml.NodeEvent):
+                whole.append(builder.value(event, ())[0])
+            elif isinstance(event, yaml.DocumentStartEvent) and whole:
+                builder.refuse(event, (), "expected one document, got several")
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise DocumentError(f"{where}: line {line}: {error.problem}") from error
     except (yaml.YAMLError, UnicodeError) as error:
         raise DocumentError(f"{where}: {' '.join(str(error).split())}") from error
-    return builder.whole[0] if builder.whole else None
-
-
-@dataclass
-class _Open:
-    """A list or a mapping whose end has not been read.
-
-    Attributes:
-        content: what it holds so far.
-        anchor: name by which aliases refer to it; None without one.
-        before: nodes counted before it.
-        key: of a mapping, the key whose value comes next; None: a key comes next.
-        depth: how deep values are nested in it, itself counted.
-
-    """
-
-    content: dict[str, Any] | list[Any]
-    anchor: str | None
-    before: int
-    key: str | None = None
-    depth: int = 1
-
-
-@dataclass
-class _Known:
-    """A value with an anchor, its number of nodes, and how deep it is."""
-
-    value: Any
-    nodes: int
-    depth: int
+    return whole[0] if whole else None
 
 
 @dataclass
 class _Builder:
-    """Builds the value of a document from the events of the parser."""
+    """Builds values from the events of the parser; it recurses at most MOST_DEPTH times."""
 
+    events: Iterator[yaml.Event]
     where: str
-    open: list[_Open] = field(default_factory=list)
-    known: dict[str, _Known] = field(default_factory=dict)
+    known: dict[str | None, tuple[Any, int, int] | None] = field(default_factory=dict)
+    """Anchor -> value, its number of nodes, and how deep it is; None while the value is not complete."""
     nodes: int = 0
-    whole: list[Any] = field(default_factory=list)
-    """The value of the document, when it is complete."""
 
-    def take(self, event: yaml.Event) -> None:
-        """Take the next event."""
-        if isinstance(event, yaml.NodeEvent):
-            self.nodes += 1
-            if tag := getattr(event, "tag", None):
-                self._refuse(event, f"expected a value without a tag, got {tag[:40]}")
-        if isinstance(event, yaml.AliasEvent):
-            self._alias(event)
-        elif isinstance(event, yaml.ScalarEvent):
-            value = self._scalar(event)
-            if event.anchor is not None:
-                self.known[event.anchor] = _Known(value, 1, 0)
-            self._add(event, value, 0)
+    def value(self, event: yaml.NodeEvent, keys: tuple[str, ...]) -> tuple[Any, int]:
+        """Return the value that begins with an event, below `keys`, and how deep values are nested in it."""
+        before, anchor = self.nodes, event.anchor
+        self.nodes += 1
+        if tag := getattr(event, "tag", None):
+            self.refuse(event, keys, f"expected a value without a tag, got {tag[:40]}")
+        if isinstance(event, yaml.ScalarEvent):
+            value, depth = self._scalar(event, keys), 0
         elif isinstance(event, yaml.CollectionStartEvent):
-            self.open.append(_Open({} if isinstance(event, yaml.MappingStartEvent) else [], event.anchor, self.nodes))
-            self.known.pop(str(event.anchor), None)  # until it is complete, no alias may refer to it or to an older one
-        elif isinstance(event, yaml.CollectionEndEvent):
-            done = self.open.pop()
-            if done.anchor is not None:
-                self.known[done.anchor] = _Known(done.content, self.nodes - done.before + 1, done.depth)
-            self._add(event, done.content, done.depth)
-        elif isinstance(event, yaml.DocumentStartEvent) and self.whole:
-            self._refuse(event, "expected one document, got several")
+            self.known[anchor] = None
+            value, depth = self._collection(event, keys)
+        else:
+            value, more, depth = self._named(event, str(anchor), keys)
+            self.nodes += more - 1
         if self.nodes > MOST_NODES:
-            self._refuse(event, f"expected at most {MOST_NODES} values, with those of aliases, got more")
-        if len(self.open) > MOST_DEPTH:
-            self._refuse(event, TOO_DEEP)
+            self.refuse(event, keys, f"expected at most {MOST_NODES} values, with those of aliases, got more")
+        if len(keys) + depth > MOST_DEPTH:
+            self.refuse(event, keys, TOO_DEEP)
+        if not isinstance(event, yaml.AliasEvent):
+            self.known[anchor] = value, self.nodes - before, depth
+        return value, depth
 
-    def _alias(self, event: yaml.AliasEvent) -> None:
-        anchor = str(event.anchor)
-        if any(one.anchor == anchor for one in self.open):
-            self._refuse(event, f"expected a value, got *{anchor[:40]}, which holds itself")
+    def _collection(self, event: yaml.Event, keys: tuple[str, ...]) -> tuple[Any, int]:
+        """Return the list or the mapping that begins with an event, and how deep it is."""
+        mapping, made, depth = isinstance(event, yaml.MappingStartEvent), dict[Any, Any](), 1
+        if len(keys) >= MOST_DEPTH:
+            self.refuse(event, keys, TOO_DEEP)
+        while isinstance(following := next(self.events), yaml.NodeEvent):
+            key: Any = len(made)
+            if mapping:
+                key, _ = self.value(following, keys)
+                if not isinstance(key, str):
+                    self.refuse(following, keys, f"expected text as a key, got {short(key)}")
+                if key in made:
+                    self.refuse(following, keys, f"key {short(key)} twice")
+                following = cast("yaml.NodeEvent", next(self.events))
+            made[key], below = self.value(following, (*keys, str(key)))
+            depth = max(depth, below + 1)
+        return made if mapping else list(made.values()), depth
+
+    def _named(self, event: yaml.NodeEvent, anchor: str, keys: tuple[str, ...]) -> tuple[Any, int, int]:
+        """Return the value of an alias, its number of nodes, and how deep it is."""
         if anchor not in self.known:
-            self._refuse(event, f"expected an alias of something above, got *{anchor[:40]}")
+            self.refuse(event, keys, f"expected an alias of something above, got *{anchor[:40]}")
         known = self.known[anchor]
-        self.nodes += known.nodes - 1
-        self._add(event, known.value, known.depth)
+        return known or self.refuse(event, keys, f"expected a value, got *{anchor[:40]}, which holds itself")
 
-    def _scalar(self, event: yaml.ScalarEvent) -> object:
+    def _scalar(self, event: yaml.ScalarEvent, keys: tuple[str, ...]) -> object:
         text: str = event.value
         if not text.isascii() and any("\ud800" <= character <= "\udfff" for character in text):
-            self._refuse(event, "expected text, got half a character (a lone surrogate)")
+            self.refuse(event, keys, "expected text, got half a character (a lone surrogate)")
         if not event.implicit[0]:  # a text in quotes is never a number
             return text
         try:
             return value_of(text)
         except ValueError as error:
-            return self._refuse(event, str(error))
+            return self.refuse(event, keys, str(error))
 
-    def _add(self, event: yaml.Event, value: object, depth: int) -> None:
-        """Put a complete value into what it stands in."""
-        if not self.open:
-            self.whole.append(value)
-            return
-        around = self.open[-1]
-        around.depth = max(around.depth, depth + 1)
-        if len(self.open) + depth > MOST_DEPTH:
-            self._refuse(event, TOO_DEEP)
-        if isinstance(around.content, list):
-            around.content.append(value)
-        elif around.key is None:
-            if not isinstance(value, str):
-                self._refuse(event, f"expected text as a key, got {short(value)}")
-            if value in around.content:
-                self._refuse(event, f"key {short(value)} twice")
-            around.key = value
-            around.content[value] = None
-        else:
-            around.content[around.key], around.key = value, None
-
-    def _refuse(self, event: yaml.Event, what: str) -> NoReturn:
+    def refuse(self, event: yaml.Event, keys: tuple[str, ...], what: str) -> NoReturn:
         """Raise the error of an event, with its line and the keys around it."""
-        keys = [str(len(one.content)) if isinstance(one.content, list) else one.key for one in self.open]
-        place = ".".join(key for key in keys[:8] if key is not None)
+        place = ".".join(keys[:8])
         line = event.start_mark.line + 1 if event.start_mark else 1
         raise DocumentError(f"{self.where}: line {line}: {f'{place[:100]}: ' if place else ''}{what}")

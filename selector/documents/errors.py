@@ -3,14 +3,16 @@
 import os
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from selector.documents.plain import plain, short
+from selector.documents.plain import DocumentError as DocumentError
+from selector.documents.plain import short
+from selector.documents.trust import reading_files
 from selforg.registry import unknown
 
 M = TypeVar("M", bound=BaseModel)
@@ -18,22 +20,18 @@ IMPOSSIBLE = "impossible"
 """Type of errors whose key is not known to pydantic but stands in their context."""
 
 
-class DocumentError(ValueError):
-    """A file, a key or a name cannot be used; the message is one line of plain text, whatever it quotes."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__(plain(message))
-
-
-def validated(model: type[M], content: object, where: str) -> M:
+def validated(model: type[M], content: object, where: str, *, own: bool = False) -> M:
     """Return `content` as a model; the first mistake becomes one line `where: key: what is wrong`.
+
+    The content may name code only if it is the caller's `own`: not from a file, or checked when the file was read.
 
     Raises:
         DocumentError: the model refuses the content.
 
     """
     try:
-        return model.model_validate(content)
+        with nullcontext() if own else reading_files(where):
+            return model.model_validate(content)
     except ValidationError as error:
         raise DocumentError(one_line(error, where, model)) from error
 
@@ -77,7 +75,8 @@ def _first_mistake(error: ValidationError, model: type[BaseModel]) -> tuple[str,
     # A misspelt key gives two errors, an unknown key and a missing one; the unknown key shows the mistake.
     first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
     below = (first["ctx"]["key"],) if first["type"] == IMPOSSIBLE else ()
-    return ".".join(str(part) for part in (*first["loc"], *below)), _what(first, model)
+    path = (str(part) for part in (*first["loc"], *below))
+    return ".".join(part for part in path if not part.startswith("function-")), _what(first, model)  # one of a union
 
 
 def _what(details: ErrorDetails, model: type[BaseModel]) -> str:

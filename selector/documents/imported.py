@@ -1,8 +1,12 @@
-"""Objects of the user's own Python code by their names, `module:name` or `path/to/file.py:name`."""
+"""Objects of the user's own Python code by their names, `module:name` or `path/to/file.py:name`.
+
+`trust.py` says which of these names may be used.
+"""
 
 import sys
 from importlib import import_module
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib.machinery import PathFinder
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,6 +14,7 @@ from pydantic import AfterValidator, Field
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import as_name
+from selector.documents.trust import check_trust
 
 
 def is_import(text: str) -> bool:
@@ -19,7 +24,9 @@ def is_import(text: str) -> bool:
 
 
 NameOrImport = Annotated[
-    str, Field(strict=True), AfterValidator(lambda text: text if is_import(text) else as_name(text))
+    str,
+    Field(strict=True),
+    AfterValidator(lambda text: check_trust(text, f"import {text}") if is_import(text) else as_name(text)),
 ]
 """Name of what is registered, or of the user's own code."""
 
@@ -33,6 +40,7 @@ def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user'
     """
     if not is_import(text):
         raise DocumentError(f"{where}: expected module:name or path/to/file.py:name, got {text!r}")
+    check_trust(text, f"import {text}", f"{where}: ")
     place, _, name = text.rpartition(":")
     if not place.endswith(".py") and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
@@ -43,6 +51,24 @@ def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user'
     if not hasattr(module, name):
         raise DocumentError(f"{where}: {place} defines no {name!r}")
     return getattr(module, name)
+
+
+def source_of(text: str, where: str) -> Path:
+    """Return the file of the module in a name of the user's own code, without running any of it.
+
+    Raises:
+        DocumentError: there is no such file; `where` starts the line.
+
+    """
+    place = text.rpartition(":")[0]
+    top, *below = place.split(".")
+    spec = None if place.endswith(".py") else find_spec(top) or PathFinder.find_spec(top, [str(Path.cwd())])
+    for part in below if spec else ():
+        spec = PathFinder.find_spec(part, spec.submodule_search_locations or []) if spec else None
+    found = Path(spec.origin or "" if spec else place)
+    if not (found.is_file() and found.suffix == ".py"):
+        raise DocumentError(f"{where}: {place}: no such file of Python code")
+    return found
 
 
 def _of_file(path: Path) -> Any:  # noqa: ANN401  (a module)

@@ -35,3 +35,10 @@ def plain(text: str, most: int = MOST_PRINTED) -> str:
     half = most // 2
     cut = text if len(text) <= most else f"{text[:half]} ... {text[-half:]}"
     return "".join(c if c.isprintable() else " " if c == "\n" else ascii(c)[1:-1] for c in cut)
+
+
+class DocumentError(ValueError):
+    """A file, a key or a name cannot be used; the message is one line of plain text, whatever it quotes."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(plain(message))

@@ -2,12 +2,28 @@
 
 import errno
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from shutil import rmtree
 
 from selector.documents.errors import DocumentError, shown
 
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Numbers of the errors of a full disk, which is nobody's mistake: they stay an OSError."""
+
+
+@contextmanager
+def writing_to(path: Path, *, anew: bool = False) -> Iterator[None]:
+    """Let errors of writing name a file, as those of a full disk do not, and remove what was begun `anew`."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = str(path)
+        if anew:
+            rmtree(path, ignore_errors=True)
+            path.unlink(missing_ok=True)
+        raise
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -22,7 +38,7 @@ def write_whole(path: Path, content: bytes) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
-            with part.open("wb") as file:
+            with writing_to(path), part.open("wb") as file:
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())

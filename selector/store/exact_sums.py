@@ -20,10 +20,6 @@ REWARD_LIMIT = 2.0**20
 """Largest absolute reward: about a million [-]. On the grid it takes 44 bits, which a float holds exactly."""
 COUNT_LIMIT = 2**36
 """Most updates of one entry: the sum of squares stays below 2^(88 + 36), so that two columns of 62 bits hold it."""
-HALF_BITS = 22
-"""Half the bits of a reward on the grid."""
-CHUNK = 2**17
-"""Rows summed at once in 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -157,21 +153,8 @@ def on_grid(reward: Floats) -> Ints:
 
 def sums_by_cell(cell: Ints, whole: Ints, cells: int) -> list[Moments]:
     """Return the moments of each of `cells` cells, given the cell (R,) and the value on the grid (R,) of each row."""
-    found = [NO_REWARDS] * cells
-    for start in range(0, cell.size, CHUNK):
-        part, value = cell[start : start + CHUNK], whole[start : start + CHUNK]
-        # value = high * 2^22 + low; the parts of the square are below 2^45, a chunk's sum of them below 2^63
-        high, low = value >> HALF_BITS, value & ((1 << HALF_BITS) - 1)
-        count, total, squared, mixed, rest = (
-            _summed(part, amount, cells) for amount in (np.ones_like(value), value, high * high, high * low, low * low)
-        )
-        for k in np.unique(part).tolist():
-            squares = (squared[k] << 2 * HALF_BITS) + (mixed[k] << HALF_BITS + 1) + rest[k]
-            found[k] += Moments(count[k], total[k], squares)
-    return found
-
-
-def _summed(cell: Ints, amount: Ints, cells: int) -> list[int]:
-    sums = np.zeros(cells, dtype=np.int64)
-    np.add.at(sums, cell, amount)
-    return [int(value) for value in sums]
+    exact = whole.astype(object)  # Python's whole numbers: squares of 88 bits
+    table = np.zeros((3, cells), dtype=object)
+    for sums, amount in zip(table, (1, exact, exact * exact), strict=True):
+        np.add.at(sums, cell, amount)
+    return [Moments(*row) for row in table.T.tolist()]

@@ -9,6 +9,7 @@ import numpy as np
 from sqlalchemy import Connection, Engine, Pool
 from sqlalchemy.exc import ArgumentError
 
+from selector.documents.trust import check_trust
 from selector.knowledge import Knowledge
 from selector.store import connection as connecting
 from selector.store import tables
@@ -55,6 +56,8 @@ class KnowledgeStore:
         parts = connecting.parsed(url)
         self.name = connecting.name_of(parts)
         """Name of the store in messages."""
+        if parts.get_backend_name() != "sqlite":
+            check_trust(url, f"connect to {self.name}", "store: ")
         with _opening(self.name):
             self._own_engine = connecting.engine_of(parts, create=create)
         self._process = os.getpid()

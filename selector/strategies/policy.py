@@ -1,60 +1,13 @@
-"""Trained policies: networks that choose options, run from exported files by NumPy and compiled code."""
+"""Networks of trained policies, run from exported files by NumPy and compiled code."""
 
 import numpy as np
 
-from selector.documents.errors import DocumentError, shown
-from selector.documents.fields import Closed, DocumentName, Flag
-from selector.strategies.choosing import best, chance_of, drawn, shares
-from selector.strategies.policy_file import Floats32, TrainedPolicy, find_policy, load_policy
-from selector.strategies.problem import Decisions
-from selector.strategies.registry import STRATEGIES
-from selector.strategies.strategy import DecisionStrategy
-from selforg.arrays import Floats, Ints
+from selector.strategies.policy_file import Floats32, TrainedPolicy
+from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 from selforg.elementary import hyperbolic_tangent
 
 ACTIVATIONS = {"none": 0, "tanh": 1, "relu": 2}
-
-
-class PolicyParameters(Closed):
-    """The policy, and how its outputs become an option."""
-
-    policy: DocumentName
-    """Directory of an exported policy, or the name of one in `policies/` of a directory of configurations."""
-    sampled: Flag = False
-    """Draw an option with the probabilities of the network, as in training, instead of taking the likeliest."""
-
-
-@STRATEGIES.register
-class Policy(DecisionStrategy):
-    """A policy trained by PPO (Schulman et al. 2017, doi:10.48550/arXiv.1707.06347), which does not learn any more."""
-
-    Parameters = PolicyParameters
-    parameters: PolicyParameters
-
-    def _prepare(self) -> None:
-        directory = find_policy(self.parameters.policy, self.directories)
-        policy = load_policy(directory)
-        if policy.spec.vector:
-            raise DocumentError(f"{shown(directory)}: expected a policy that chooses options only, got one that steers")
-        self.network = Network(policy.ordered_for(self.problem, shown(directory)))
-
-    @property
-    def draws_per_decision(self) -> int:
-        """Random numbers that one row takes for one decision."""
-        return int(self.parameters.sampled)
-
-    def _opinions(self, decisions: Decisions) -> Floats:
-        return shares(self.network.outputs(decisions.context))
-
-    def _select(self, decisions: Decisions) -> Ints:
-        preferences = np.where(decisions.allowed, self.network.outputs(decisions.context), -np.inf)
-        if not self.parameters.sampled:
-            return best(preferences, decisions.allowed)
-        chances = shares(preferences)
-        option = drawn(chances, decisions.draws[:, 0])
-        self.chance[decisions.rows] = chance_of(chances, option)
-        return option
 
 
 class Network:
@@ -62,7 +15,7 @@ class Network:
 
     def __init__(self, policy: TrainedPolicy) -> None:
         spec = policy.spec
-        self._mean, self._clip, self._reach = np.array(spec.mean), spec.clip, spec.reach
+        self._mean, self._clip = np.array(spec.mean), spec.clip
         self._deviation = np.sqrt(np.array(spec.variance) + spec.epsilon)
         self._activation = ACTIVATIONS[spec.activation]
         layers = {
@@ -85,7 +38,7 @@ class Network:
         none = ACTIVATIONS["none"]
         heads = {name: passed(values, head, none).astype(np.float64) for name, head in self._heads.items()}
         if "vector" in heads:
-            heads["vector"] = np.clip(heads["vector"], -self._reach, self._reach)
+            heads["vector"] = np.clip(heads["vector"], -1.0, 1.0)
         return heads
 
 

@@ -2,7 +2,7 @@
 
 A policy is a directory with `policy.json` (`PolicySpec`) and `policy.safetensors`: `hidden.0.weight` (H, F) and
 `hidden.0.bias` (H,), ..., `options.weight` (O, H) and `options.bias` (O,), float32 as torch lays them out. One that
-steers has `vector.weight` (2, H) and `vector.bias` (2,) in place of those of options, or beside them.
+drives has `vector.weight` (2, H) and `vector.bias` (2,) in place of those of options, or beside them.
 """
 
 import hashlib
@@ -39,13 +39,9 @@ class PolicySpec(Closed):
     goal: JointName
     """Name of the self-organisation goal."""
     options: tuple[JointName, ...]
-    """(O,) names of the options, in the order of the network's outputs; none if it only steers."""
+    """(O,) names of the options, in the order of the network's outputs; none if it only drives."""
     vector: bool = False
     """Whether the network gives a movement vector: ahead and left, in shares of the largest speed."""
-    reach: Annotated[Positive, Field(le=1.0)] = 1.0
-    """Largest absolute value of a component of the vector."""
-    patience: Positive | None = None
-    """Time after which robots that do not get on are not corrected [s], see `clean_swarm_env.learning.actions`."""
     observations: tuple[Name, ...]
     """(F,) names of the components of an observation, in the order of the network's inputs."""
     hidden: Annotated[tuple[Annotated[int, Field(strict=True, ge=1, le=100_000)], ...], Field(max_length=100)]
@@ -69,8 +65,6 @@ class PolicySpec(Closed):
     def _widths(self) -> Self:
         if not self.options and not self.vector:
             raise ValueError("options: expected at least one, or a vector, got none")
-        if self.patience is not None and not (self.options and self.vector):
-            raise ValueError("patience: expected with options and a vector")
         for name in ("mean", "variance"):
             count = len(getattr(self, name))
             if count != len(self.observations):

@@ -1,7 +1,6 @@
 """The registry of strategies, and how YAML and the command line name a strategy with its parameters."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -36,13 +35,10 @@ class StrategySpec(Closed):
         validated(named(self.name).Parameters, self.parameters, self.name)  # a DocumentError is a ValueError
         return self
 
-    def build(self, problem: Problem, keys: Keys, teams: Ints, directories: Sequence[Path] = ()) -> DecisionStrategy:
-        """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,).
-
-        Files that parameters name are searched in `directories` before the shipped directory.
-        """
+    def build(self, problem: Problem, keys: Keys, teams: Ints) -> DecisionStrategy:
+        """Return the strategy for rows of the given `keys` (R,) and numbers 0..W-1 of their `teams` (R,)."""
         groups = {"all": np.zeros_like(teams), "team": teams, "robot": np.arange(len(teams))}
-        return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing], directories=directories)
+        return create(self.name, problem, keys, self.parameters, groups=groups[self.sharing])
 
 
 def spec_from_text(text: str) -> StrategySpec:
@@ -67,7 +63,7 @@ def spec_from_text(text: str) -> StrategySpec:
             )
         values[key] = read_value(value)
     content = {"name": name, **({"sharing": values.pop("sharing")} if "sharing" in values else {})}
-    return validated(StrategySpec, content | {"parameters": values}, f"strategy {short(text)}")
+    return validated(StrategySpec, content | {"parameters": values}, f"strategy {short(text)}", own=True)
 
 
 def named_in(text: str) -> tuple[str, str]:
@@ -85,7 +81,6 @@ def create(
     parameters: Mapping[str, Any] | None = None,
     *,
     groups: Ints | None = None,
-    directories: Sequence[Path] = (),
 ) -> DecisionStrategy:
     """Return a new strategy of the class registered under a name; the other arguments are those of the class.
 
@@ -93,7 +88,7 @@ def create(
         DocumentError: the name is unknown, or a parameter does not fit.
 
     """
-    return named(name)(problem, keys, parameters, groups=groups, directories=directories)
+    return named(name)(problem, keys, parameters, groups=groups)
 
 
 def named(name: str) -> type[DecisionStrategy]:

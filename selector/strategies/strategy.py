@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -56,7 +55,6 @@ class DecisionStrategy(ABC):
         keys: (R,) key of the random numbers of each row, from `selector.strategies.streams.row_keys`.
         parameters: values for the fields of `Parameters`.
         groups: (R,) 0..G-1, the set of estimates that each row uses; all rows share one unless given.
-        directories: of the user's configurations, searched before the shipped one for files that parameters name.
 
     """
 
@@ -70,10 +68,8 @@ class DecisionStrategy(ABC):
         parameters: Mapping[str, Any] | None = None,
         *,
         groups: Ints | None = None,
-        directories: Sequence[Path] = (),
     ) -> None:
         self.problem = problem
-        self.directories = directories
         self.parameters = validated(self.Parameters, dict(parameters or {}), f"strategy {type(self).__name__}")
         self.options, self.features, self.rows = len(problem.options), len(problem.features), len(keys)
         self.group_of: Ints = whole_numbers(
@@ -94,6 +90,11 @@ class DecisionStrategy(ABC):
     def example(cls, problem: Problem) -> dict[str, Any]:
         """Return the parameters with which the contract tests build the class for a problem."""
         return {}
+
+    @classmethod
+    def can_learn(cls) -> bool:
+        """Return whether rewards change what it decides."""
+        return cls._update is not DecisionStrategy._update
 
     @property
     def draws_per_decision(self) -> int:

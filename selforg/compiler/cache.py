@@ -13,11 +13,14 @@ import re
 import shutil
 import tempfile
 import time
+import warnings
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import numba
 
+from selforg.compiler.owners import doubt_about
 from selforg.compiler.switches import CHECKED, PLAIN
 
 OWN_ROOT = Path(__file__).parents[2]
@@ -26,29 +29,58 @@ ROOM = 100e6
 """Free room below which nothing is kept [byte]; the kernels of all commands take less."""
 WEEK = 7 * 24 * 3600.0
 """Age [s] from which a folder for older sources is removed; a younger one may serve another branch or process."""
+UNCACHED = (
+    "compiled code cannot be kept: {}. Every start compiles anew, about a minute; "
+    "NUMBA_CACHE_DIR names another directory"
+)
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(?:\(([^)]*)\)|(.*))|import[ \t]+(.*))$", re.M)
 
 
 @cache
 def cache_directory() -> Path | None:
-    """Return the directory of all compiled code, or None where nothing can be written or there is no room.
+    """Return the directory of all compiled code; None, with a warning, where it cannot be kept.
 
-    This is NUMBA_CACHE_DIR if that is set, else a folder beside the package, else one in the user's cache.
+    This is NUMBA_CACHE_DIR if that is set and not `shared_directory`, else a folder beside the package, else one in the
+    user's cache. One that others may have written is not used.
     """
-    given = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    given, doubts = numba.config.CACHE_DIR, []  # type: ignore[attr-defined]
     user = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "clean-swarm")
-    places = [Path(given)] if given else [OWN_ROOT / "selforg" / "__pycache__" / "kernels", user]
+    own = [OWN_ROOT / "selforg" / "__pycache__" / "kernels", user]
+    places = [Path(given)] if given and shared_directory() is None else own
     for place in places:
         if place is user and not user.is_absolute():  # no home is known
             continue
         try:
-            place.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=place):
-                if shutil.disk_usage(place).free >= ROOM:
-                    return place
+            place.mkdir(mode=0o700, parents=True, exist_ok=True)
+            doubts.append(doubt_about(place))
+            if not doubts[-1]:
+                with tempfile.TemporaryFile(dir=place):
+                    if shutil.disk_usage(place).free >= ROOM:
+                        return place
         except OSError:
             continue
+    warnings.warn(
+        UNCACHED.format("; ".join(filter(None, doubts)) or "nowhere to write, or no room is left"),
+        RuntimeWarning,
+        stacklevel=2,
+    )
     return None
+
+
+@cache
+def shared_directory() -> Path | None:
+    """Return NUMBA_CACHE_DIR if an administrator shares it: the user can read it only, and so can all others."""
+    given = Path(numba.config.CACHE_DIR or os.devnull)  # type: ignore[attr-defined]
+    reads = given.is_dir() and not os.access(given, os.W_OK)
+    return given if reads and not doubt_about(given) else None
+
+
+def copy_shared(folder: Path) -> None:
+    """Copy what an administrator shares into a folder that does not exist yet."""
+    shared = shared_directory()
+    if shared is not None:
+        with suppress(OSError), tempfile.TemporaryDirectory(dir=folder.parent) as part:  # nothing there, or no room
+            shutil.copytree(shared / folder.name, Path(part) / folder.name).rename(folder)
 
 
 @cache
@@ -61,6 +93,7 @@ def folder_for(file: str) -> Path | None:
     folder = directory / f"{name}-{fingerprint(path)}"
     if not folder.exists():
         remove_old(directory, name)
+        copy_shared(folder)
     return folder
 
 

@@ -9,7 +9,6 @@ and again.
 """
 
 import gc
-import warnings
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, cast
 
@@ -17,7 +16,7 @@ import numba
 from numba.core import event
 from numba.extending import register_jitable
 
-from selforg.compiler.cache import cache_directory, folder_for
+from selforg.compiler.cache import folder_for
 from selforg.compiler.parts import known_to_kernels
 from selforg.compiler.switches import COMPILED, PLAIN
 
@@ -27,11 +26,6 @@ R = TypeVar("R")
 NUMPY_ERRORS = {"error_model": "numpy"}
 LEAN = NUMPY_ERRORS if PLAIN else {**NUMPY_ERRORS, "no_cfunc_wrapper": True, "_nrt": False}
 """Options of functions that make no arrays: references to arrays are not counted, the caller holds them anyway."""
-
-UNCACHED = (
-    "compiled code cannot be kept: neither the package nor the user's cache can be written, or no room is left. Every "
-    "start compiles anew, about a minute; NUMBA_CACHE_DIR names another directory"
-)
 
 
 class WithoutCollector(event.Listener):
@@ -94,8 +88,6 @@ def compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R
     """Compile `function`; its compiled code is kept in the folder for its source file."""
     folder = folder_for(function.__code__.co_filename)
     if folder is None:
-        if cache_directory() is None:
-            warnings.warn(UNCACHED, RuntimeWarning, stacklevel=3)
         return cast("Callable[P, R]", numba.njit(**options)(function))
     config: Any = numba.config
     given, config.CACHE_DIR = config.CACHE_DIR, str(folder)  # Numba reads this while it decorates

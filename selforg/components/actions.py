@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias, final
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, TypeAlias, final
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commanded, Commands, open_commanded
@@ -35,10 +35,8 @@ class Action(ABC):
 
     sources: Sequence[Source] = ()
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return arguments with which the contract tests build the class; the tests replace None."""
-        return {}
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Arguments with which the contract tests build the class; the tests replace None."""
 
     @final
     def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
@@ -132,17 +130,14 @@ class Steer(Action):
 class Turn(Action):
     """Turn without moving, towards a target or in the direction of a movement vector."""
 
+    example: ClassVar[Mapping[str, Any]] = {"target": None}
+
     def __init__(self, mechanism: MovementSource | None = None, target: GoalSource | None = None) -> None:
         source = mechanism or target
         if source is None or (mechanism and target):
             raise ValueError("expected a mechanism or a target")
         self.source: MovementSource | GoalSource = source
         self.sources = (source,)
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return one of both arguments."""
-        return {"target": None}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         source = self.source
@@ -201,14 +196,11 @@ class Spread(Action):
 class SetState(Action):
     """Remember a value under a name when the behaviour starts."""
 
+    example: ClassVar[Mapping[str, Any]] = {"value": True}
+
     def __init__(self, name: Remembered, value: bool | Finite) -> None:
         name.write([], value)  # an error if the value is of another kind
         self._remembered, self._value = name, value
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a value that fits a fact and a number."""
-        return {"value": True}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         self._remembered.write(started, self._value)
@@ -228,6 +220,8 @@ class HandOver(Action):
 
     """
 
+    example: ClassVar[Mapping[str, Any]] = {"span": 4.0, "near": 2.0, "blind": 10.0}
+
     def __init__(
         self,
         gained: Remembered,
@@ -240,11 +234,6 @@ class HandOver(Action):
     ) -> None:
         self._gained, self._left, self._ask = gained, left, ask
         self._span, self._near, self._blind = span, near, at_least(self, "blind", blind, 1e-6)
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return distances and a time."""
-        return {"span": 4.0, "near": 2.0, "blind": 10.0}
 
     def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         if self._span > 0.0:

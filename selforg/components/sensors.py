@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -43,10 +43,8 @@ class SensorComponent(ABC):
     """Name of the parameter (a `Remembered`) that decides the kind of the sensor; None: `kind` does."""
     sources: Sequence[Source] = ()
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return arguments with which the contract tests build the class; the tests replace None."""
-        return {}
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Arguments with which the contract tests build the class; the tests replace None."""
 
     @final
     def read(self, rows: Ints) -> Floats:
@@ -128,16 +126,13 @@ class GoalReached(GoalSensor):
 class GoalDistance(GoalSensor):
     """Clearance to the goal [m], at least 0; `unseen` [m] without a goal in view."""
 
+    example: ClassVar[Mapping[str, Any]] = {"unseen": 9.0}
+
     def __init__(self, target: GoalSource, unseen: AtLeastZero) -> None:
         if not (unseen >= 0.0 and np.isfinite(unseen)):
             raise ValueError(f"GoalDistance: unseen must be a distance, got {unseen}")
         super().__init__(target)
         self.unseen = unseen
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a distance."""
-        return {"unseen": 9.0}
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return np.where(self.source.present[rows], np.maximum(self.source.clearance[rows], 0.0), self.unseen)
@@ -148,15 +143,11 @@ class FartherThan(GoalSensor):
     """A fact: a goal is in view with a clearance larger than `distance` [m]."""
 
     kind = "fact"
+    example: ClassVar[Mapping[str, Any]] = {"distance": 3.0}
 
     def __init__(self, target: GoalSource, distance: AtLeastZero) -> None:
         super().__init__(target)
         self.distance = distance
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a distance."""
-        return {"distance": 3.0}
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.present[rows] & (self.source.clearance[rows] > self.distance)
@@ -183,6 +174,7 @@ class StateIs(DecisionSensor):
     """A fact: a decision mechanism would decide for one certain state now."""
 
     kind = "fact"
+    example: ClassVar[Mapping[str, Any]] = {"state": "True"}
 
     def __init__(self, mechanism: DecisionSource, state: str) -> None:
         known = mechanism.mechanism.states
@@ -190,11 +182,6 @@ class StateIs(DecisionSensor):
             raise ValueError(f"StateIs: state must be one of {', '.join(known)}, got {state!r}")
         super().__init__(mechanism)
         self.code = known.index(state)
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a state of `Quorum`."""
-        return {"state": "True"}
 
     def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
         there: Flags = self.source.states[rows] == self.code

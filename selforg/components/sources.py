@@ -83,7 +83,7 @@ class MovementSource(Source):
 
     def _shares(self, rows: Ints) -> Floats:
         """Return random numbers (K,) from 0 to 1 of `rows`: the shares of a circle at which random directions lie."""
-        return 0.5 + directions(self.mechanism.directions.take(rows)[:, :2]) / (2.0 * np.pi)
+        return 0.5 + directions(self.mechanism.directions.next_directions(rows)[:, :2]) / (2.0 * np.pi)
 
 
 class GoalSource(Source):

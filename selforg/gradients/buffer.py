@@ -149,7 +149,7 @@ class SoBuffer:
 
     def deliver(self, now: float) -> None:
         """Store the messages that are due at `now` [s]; call it before the rows look. Does nothing without a delay."""
-        for messages, tags in self.mail.take(now):
+        for messages, tags in self.mail.collect(now):
             self.store_tables(messages, tags, now)
 
     def clear(self, team: int) -> None:

@@ -71,7 +71,7 @@ class Mail:
         self.messages.append(messages)
         self.tags.append(tags)
 
-    def take(self, now: float) -> list[tuple[Floats, Ints]]:
+    def collect(self, now: float) -> list[tuple[Floats, Ints]]:
         """Remove and return what has arrived by `now` [s], in the order of arrival, then of posting."""
         due = sorted((i for i, arrival in enumerate(self.arrivals) if arrival <= now), key=lambda i: self.arrivals[i])
         taken = [(self.messages[i], self.tags[i]) for i in due]

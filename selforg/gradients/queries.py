@@ -70,7 +70,7 @@ class Queries:
     """The queries of a buffer.
 
     Example:
-        >>> seen = Queries(buffer).see(now=1.0, rows=[0, 1])
+        >>> seen = Queries(buffer).gather(now=1.0, rows=[0, 1])
         >>> chosen, found = Queries(buffer).choose("nearest_attractive", now=1.0)
         >>> Queries(buffer).gradients(row=0, now=1.0)
 
@@ -80,7 +80,7 @@ class Queries:
         self._buffer = buffer
         self._room = PairRoom(buffer)
 
-    def see(
+    def gather(
         self,
         now: float,
         rows: Rows | None = None,
@@ -107,10 +107,10 @@ class Queries:
         time, margins, sight = float(now), (minus, zero, plus), self._room.sight(now, tuple(look.channels))
         poses, store = buffer.poses.packed.words, buffer.table.packed.words
         start: Ints = np.zeros(len(chosen) + 1, dtype=np.int64)
-        done = see_rows(chosen, start, see, margins, time, sight, poses, store)
+        done = gather_rows(chosen, start, see, margins, time, sight, poses, store)
         while done < len(chosen):
             sight = self._room.double()
-            done += see_rows(chosen[done:], start[done:], see, margins, time, sight, poses, store)
+            done += gather_rows(chosen[done:], start[done:], see, margins, time, sight, poses, store)
         return Seen(start, self._room.pairs[: start[-1]].copy())
 
     def choose(self, rule: str, now: float, rows: Rows | None = None, look: Filter = Filter()) -> tuple[Floats, Flags]:
@@ -123,7 +123,7 @@ class Queries:
         chosen: Ints = (
             np.arange(self._buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
         )
-        seen = self.see(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
+        seen = self.gather(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
         pairs, found = np.empty((len(chosen), c.PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
         poses = self._buffer.poses
         goals, known = poses.own[chosen, 0, c.GOAL_RADIUS], poses.known[chosen]
@@ -137,12 +137,12 @@ class Queries:
 
         An infinite view distance shows all, even without an own pose, unless `signs` leaves some out (B1).
         """
-        return self._objects(self.see(now, [row], look, signs=signs, without_pose=all(signs)).pairs)
+        return self._objects(self.gather(now, [row], look, signs=signs, without_pose=all(signs)).pairs)
 
     def neighbours(self, row: int, now: float, look: Filter = Filter()) -> list[Gradient]:
         """Return the newest moving gradient in view of every other robot, per channel and source."""
         look = replace(look, static=False, moving=True)
-        return self._objects(self.see(now, [row], look, own=False).pairs)
+        return self._objects(self.gather(now, [row], look, own=False).pairs)
 
     def neighbour_histories(
         self, row: int, now: float, look: Filter = Filter(), *, own: bool = False
@@ -152,7 +152,7 @@ class Queries:
         own: also those the row itself spread on other channels than its poses'.
         """
         look = replace(look, static=False, moving=True)
-        found = self._objects(self.see(now, [row], look, own=own, histories=True).pairs)
+        found = self._objects(self.gather(now, [row], look, own=own, histories=True).pairs)
         histories: dict[tuple[str, int | str], list[Gradient]] = {}
         for gradient in sorted(found, key=lambda g: g.stamp):
             histories.setdefault((gradient.channel, gradient.source), []).append(gradient)
@@ -163,7 +163,7 @@ class Queries:
     ) -> list[Gradient]:
         """Return the static gradients in view within the view angles [rad] to either side of the heading."""
         look = replace(look, static=True, moving=False)
-        found = int(self.see(now, [row], look).start[-1])
+        found = int(self.gather(now, [row], look).start[-1])
         sight = self._room.sight(now, tuple(look.channels))
         kept = keep_ahead(row, found, angle_xy, angle_yz, sight, self._buffer.poses.packed.words)
         return self._objects(self._room.pairs[:kept])
@@ -178,7 +178,7 @@ class Queries:
 
 
 @lean_kernel
-def see_rows(
+def gather_rows(
     rows: Ints,
     start: Ints,
     see: int,

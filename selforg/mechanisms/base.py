@@ -5,9 +5,9 @@ that deposits gradients does so in `deposit`, called after all movements of the 
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, Unpack, final
+from typing import Any, ClassVar, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
@@ -45,12 +45,10 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
         self.buffer = buffer
         self.poses = buffer.poses
         self.channels = tuple(channels)
-        self._see = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
+        self._see_bits = (SEE_MOVING if moving else 0) | (SEE_STATIC if static else 0)
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return the keyword arguments with which the contract tests build the class."""
-        return {}
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Keyword arguments with which the contract tests build the class."""
 
     def lasting(self) -> Lasting:
         """Return what the mechanism remembers of each row, for states of worlds; most remember nothing."""
@@ -177,7 +175,7 @@ class LimitedMechanism(CompiledMechanism):
                 *rule.looks,
                 *rule.wakes,
                 *rule[4:],
-                see=self._see,
+                see_bits=self._see_bits,
                 view_distance=self.view_distance,
                 min_speed=self.min_speed,
                 max_speed=self.max_speed,

@@ -1,8 +1,8 @@
 """Decision mechanisms."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Any, Unpack
+from typing import Any, ClassVar, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -47,7 +47,7 @@ class NeighbourDecision(DecisionMechanism):
         options["channels"] = (channel,)
         options["static"] = False
         super().__init__(buffer, value=value, state=state, carried=carried, **options)
-        self._see = SEE_MOVING | SKIP_OWN
+        self._see_bits = SEE_MOVING | SKIP_OWN
         self._key = buffer.keys.code(key)
         self._room = PairRoom(buffer, 64)
 
@@ -58,7 +58,7 @@ class NeighbourDecision(DecisionMechanism):
         return DECISION_RULE.pack(
             DecisionRule(
                 rule=self.rule,
-                see=self._see,
+                see_bits=self._see_bits,
                 view_distance=self.view_distance,
                 threshold=self.threshold,
                 key=self._key,
@@ -89,6 +89,7 @@ class Quorum(NeighbourDecision):
 
     rule = DECIDE_QUORUM
     states = ("False", "True")
+    example: ClassVar[Mapping[str, Any]] = {"threshold": 2}
 
     def __init__(
         self,
@@ -105,11 +106,6 @@ class Quorum(NeighbourDecision):
             buffer, channel=buffer.poses.channel if channel is None else channel, carried=carried, **options
         )
         self.threshold = at_least(self, "threshold", threshold, 0.0)
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a threshold."""
-        return {"threshold": 2}
 
 
 @MECHANISMS.register
@@ -175,6 +171,7 @@ class ForagingDecision(DecisionMechanism):
     """
 
     states = ("None", "Exploration", "Exploitation", "Return")
+    example: ClassVar[Mapping[str, Any]] = {"probability": 1.0}  # needs no generators
 
     def __init__(
         self,
@@ -191,11 +188,6 @@ class ForagingDecision(DecisionMechanism):
         super().__init__(buffer, value=probability, **options)
         self.probability = float(probability)
         self._generators = generators  # not copied: the host may give a row another one
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a probability that needs no generators."""
-        return {"probability": 1.0}
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
         values[:] = self.probability

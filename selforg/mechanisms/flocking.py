@@ -26,7 +26,7 @@ class FlockMechanism(CompiledMechanism):
         poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
         options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
         super().__init__(buffer, **options)
-        self._see = SEE_MOVING | SKIP_OWN | (0 if self.reynolds else SEE_HISTORY)
+        self._see_bits = SEE_MOVING | SKIP_OWN | (0 if self.reynolds else SEE_HISTORY)
         self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
         self.separation = self.a = self.b = self.epsilon = 1.0
         self.h = self.max_acceleration = 0.0
@@ -37,7 +37,7 @@ class FlockMechanism(CompiledMechanism):
         return FLOCK.pack(
             Flock(
                 reynolds=self.reynolds,
-                see=self._see,
+                see_bits=self._see_bits,
                 view_distance=self.view_distance,
                 max_speed=self.max_speed,
                 separation=self.separation,

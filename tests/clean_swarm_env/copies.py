@@ -30,8 +30,8 @@ def random_batch(rng: np.random.Generator, worlds: int | None = None, velocity: 
     """Return a batch of a random kind that has just begun."""
     worlds = int(rng.integers(1, 4)) if worlds is None else worlds
     velocity = rng.random() < 0.25 if velocity is None else velocity
-    correcting = {"mode": "both", "patience": 1.0} if rng.random() < 0.25 else {"mode": "option"}
-    action = ActionConfig(**{"mode": "velocity"} if velocity else correcting)
+    correcting = rng.random() < 0.25
+    action = ActionConfig(mode="velocity" if velocity else "both" if correcting else "option")
     kinds = [*MISSIONS, *FAMILIES]
     kind = kinds[int(rng.integers(len(kinds)))]
     if kind in MISSIONS:

@@ -87,7 +87,7 @@ def fingerprint(worlds: Worlds) -> str:
     """Return a hash of what the further course depends on, in new worlds: slots and times count from their start."""
     other = made(worlds.mission)
     other.set_state(worlds.get_state())
-    other.drive.reset(
+    other.floor.drive.reset(
         np.flatnonzero(~other.team.working)
     )  # the time of the last command means nothing in robots at rest
     state = other.state_of(0)

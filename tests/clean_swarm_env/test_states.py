@@ -13,7 +13,6 @@ from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.world_state import HEADER
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
@@ -22,9 +21,11 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.team_state import put_team_state, state_of_team
+from selforg.sealing import sealed, unsealed
 from selforg.space import Torus
 from tests.clean_swarm_env.copies import actions_of, advance, random_batch
 from tests.clean_swarm_env.courses import CROWD, avoidance, long_course, mission, snapshot, worlds_at_start
+from tests.clean_swarm_env.soak_states import BORDERS, tried
 from tests.paths import ROOT
 
 SHORT = mission(garbage={"count": 2}, time_limit=30.0)
@@ -163,19 +164,82 @@ def test_a_state_goes_on_in_another_process(tmp_path):
     assert done.stdout.strip() == batch.observations.tobytes().hex()
 
 
+@pytest.mark.parametrize("name", BORDERS)
+def test_damaged_states_are_refused_and_change_nothing(name, capfd):
+    assert tried(name, 40) == 0, capfd.readouterr().err
+
+
+def test_a_batch_of_which_the_last_world_does_not_fit_stays_as_it_was():
+    batch, other = Batch(SHORT, 2), Batch(CROWD, 2)
+    for one in (batch, other):
+        one.reset([1, 2])
+        advance(one, np.random.default_rng(0), 5)
+    before, (own, _), (_, foreign) = batch.get_state(), *(unsealed("batch", b.get_state()) for b in (batch, other))
+    with pytest.raises(ValueError, match="world: expected"):
+        batch.set_state(sealed("batch", [own, foreign]))
+    assert batch.get_state() == before
+
+
+def test_batches_of_which_the_last_one_does_not_fit_stay_as_they_were():
+    pytest.importorskip("stable_baselines3", reason="needs the extra 'train'")
+    from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
+
+    def envs(last):
+        made = RobotVecEnv(batches=[Batch(SHORT), Batch(SHORT, action={"mode": last})])
+        made.reset()
+        return made
+
+    whole, other = envs("option"), envs("option")
+    other.batches = (other.batches[0], Batch(CROWD))
+    other.batches[1].reset([1])
+    before = whole.get_state()
+    sizes, (first, _), *rest = unsealed("robots", before)
+    with pytest.raises(ValueError, match="world: expected"):
+        whole.set_state(sealed("robots", (sizes, [first, other.batches[1].get_state()], *rest)))
+    assert whole.get_state() == before
+    with pytest.raises(ValueError, match=r"^state: batches: expected 2, got 1$"):
+        whole.set_state(RobotVecEnv(worlds=1, mission=SHORT).get_state())
+
+
+def test_an_environment_with_fewer_cycles_than_a_state_has_done_is_over():
+    env, short = clean_swarm_v0.parallel_env(SHORT), clean_swarm_v0.parallel_env(SHORT, max_cycles=2)
+    env.reset(seed=2)
+    for _ in range(3):
+        env.step(dict.fromkeys(env.agents, 0))
+    short.set_state(env.get_state())
+    assert short.agents == []
+
+
+class OfAPlugin:
+    """Something that is pickled by its name."""
+
+
+def test_a_state_of_a_class_that_is_not_installed_is_refused_in_one_line(monkeypatch):
+    state = sealed("world", OfAPlugin())
+    monkeypatch.delattr(sys.modules[__name__], "OfAPlugin")
+    with pytest.raises(ValueError, match=r"^state: expected one of the classes that are installed, got .*OfAPlugin"):
+        unsealed("world", state)
+
+
 def test_what_does_not_fit_is_refused_in_one_line():
     batch = Batch(SHORT, 2)
     batch.reset([1, 2])
     state = batch.get_state()
-    with pytest.raises(ValueError, match="state: expected bytes that begin with b'clean-swarm state 4"):
-        batch.set_state(state.replace(HEADER + b"4", HEADER + b"9", 1))
+    with pytest.raises(ValueError, match=r"^state: expected b'clean-swarm state 6 batch', got b'clean-swarm state 5'$"):
+        batch.set_state(b"clean-swarm state 5\n" + pickle.dumps([]))  # as they were saved before
+    with pytest.raises(ValueError, match=r"^state: expected the bytes of get_state, got NoneType$"):
+        batch.set_state(None)
+    with pytest.raises(ValueError, match=r"^state: expected b'clean-swarm state 6 world', got"):
+        Worlds(SHORT, avoidance()).set_state(state)
+    with pytest.raises(ValueError, match=r"^state: terms: expected .*, got \('carrying', 'recycled'\)$"):
+        Batch(SHORT).set_state(Batch(SHORT, observation={"terms": ["cargo"]}).get_state())
     with pytest.raises(ValueError, match="state: expected one world, or 1, got 2"):
         batch.set_state(state, [0])
     with pytest.raises(ValueError, match="worlds: expected 0 to 1, got 2"):
         batch.get_state([2])
     with pytest.raises(ValueError, match="world: expected"):
         Batch(CROWD).set_state(batch.get_state([0]))
-    with pytest.raises(ValueError, match=r"state: arrays: expected .* as in the batch of worlds, got"):
+    with pytest.raises(ValueError, match=r"^state: arrays: expected \(\(13, 8\), '<i8'\), got \(\(11, 8\), '<i8'\)$"):
         Worlds(SHORT, avoidance(), explained=True).set_state(Worlds(SHORT, avoidance()).get_state())
 
 

@@ -1,7 +1,7 @@
-"""`python -m tests.examples DIRECTORY [NAME...]`: run the examples, each in a virtual environment of its own.
+"""`python -m tests.examples [--newest] DIRECTORY [NAME...]`: run the examples, each in an environment of its own.
 
 The environments lie below DIRECTORY and are made where they do not exist yet. NAME is a key of `ENVIRONMENTS`; all of
-them unless given.
+them unless given. With `--newest` each environment has today's newest versions in place of those that last ran.
 """
 
 import subprocess
@@ -14,12 +14,13 @@ from tests.paths import ROOT
 FOLDERS = ("tests/examples", "tests/train/cli/test_dataset.py")
 
 
-def made(directory: Path, name: str) -> Path:
+def made(directory: Path, name: str, newest: bool = False) -> Path:
     """Return the Python of an environment, which is made if it does not exist."""
     python = directory / name / "bin" / "python"
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", directory / name], check=True)
-    packages = ("torch", *ENVIRONMENTS[name][1:], "pytest", "hypothesis", "-e", ".")
+    wanted = [text.partition("==")[0] if newest else text for text in ENVIRONMENTS[name][1:]]
+    packages = ("--upgrade", "torch", *wanted, "pytest", "hypothesis", "-e", ".")
     subprocess.run([python, "-m", "pip", "install", "-q", "-c", "constraints.txt", *packages], cwd=ROOT, check=True)
     return python
 
@@ -30,12 +31,16 @@ def passed(python: Path, tests: str) -> bool:
     return subprocess.run(command, cwd=ROOT, check=False).returncode == 0
 
 
-def main(directory: Path, names: list[str]) -> int:
+def main(words: list[str]) -> int:
     """Return 0 if the examples of all environments have run."""
-    failed = [name for name in names if not passed(made(directory, name), ENVIRONMENTS[name][0])]
+    newest = words[:1] == ["--newest"]
+    place, *given = words[newest:]
+    names = given or list(ENVIRONMENTS)
+    directory = Path(place).absolute()
+    failed = [name for name in names if not passed(made(directory, name, newest), ENVIRONMENTS[name][0])]
     print(f"{len(names) - len(failed)} of {len(names)} environments: all examples have run", *failed)
     return int(bool(failed))
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1]).absolute(), sys.argv[2:] or list(ENVIRONMENTS)))
+    sys.exit(main(sys.argv[1:]))

@@ -32,17 +32,18 @@ EXAMPLES = (
         "minari_cloning.py swarm/rule-v0 --epochs 20",
         "minari",
         "policy:minari_cloning.pt",
-        "dataset swarm/rule-v0 --strategy rule --missions 2",
+        "dataset swarm/rule-v0 --strategy fsm:rule --missions 2",
     ),
 )
 
 ENVIRONMENTS = {
     "sb3": ("sb3 or one_file or supersuit", "stable-baselines3==2.9.2", "sb3-contrib==2.9.2", "SuperSuit==3.11.0"),
-    "torchrl": ("torchrl or benchmarl", "torchrl==0.11.1", "benchmarl==1.5.2"),
+    "torchrl": ("torchrl", "torchrl==0.14.1"),
+    "benchmarl": ("benchmarl", "benchmarl==1.5.2", "torchrl==0.11.1"),  # it does not take later ones
     "rllib": ("rllib", "ray[rllib]==2.60.0"),
     "tianshou": ("tianshou", "tianshou==2.0.1"),
     "minari": ("minari", "minari[hdf5,create]==0.5.4"),
     "notebook": ("notebook", "nbclient==0.11.0", "ipykernel==7.4.0"),
 }
 """Virtual environment -> which tests run in it (pytest's -k), and its packages beside ours and torch, in the versions
-with which the examples last ran."""
+with which the examples last ran: on 23 November 2026 the newest ones, but for the TorchRL of BenchMARL."""

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from tests.examples.frameworks import EXAMPLES
+from tests.examples.frameworks import ENVIRONMENTS, EXAMPLES
 from tests.paths import ROOT
 
 pytestmark = pytest.mark.example
@@ -43,6 +43,15 @@ def test_every_example_has_a_run_and_less_than_80_lines():
     assert sorted({example.command.split()[0] for example in EXAMPLES} | {"robot_policy.py"}) == FILES
     for name in FILES:
         assert len((ROOT / "examples" / name).read_text(encoding="utf-8").splitlines()) < 80, name
+
+
+def test_the_head_of_an_example_installs_the_versions_that_ran():
+    for name in sorted({*FILES} - {"robot_policy.py"}):
+        head = (ROOT / "examples" / name).read_text(encoding="utf-8").split('"""')[1]
+        (line,) = [line for line in head.splitlines() if line.startswith("pip install -c constraints.txt ")]
+        versions = {word for word in line.replace("'", "").split() if "==" in word}
+        assert versions or name == "ppo_one_file.py"
+        assert any(versions <= {*packages} for _, *packages in ENVIRONMENTS.values()), (name, versions)
 
 
 @pytest.mark.filterwarnings("ignore")

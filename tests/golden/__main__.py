@@ -7,8 +7,8 @@ from pathlib import Path
 from tests.golden import registered
 from tests.golden.runner import Outcome, find_files, replay_file
 
-DIRECTORIES = (Path("../shared/golden"), Path("../shared/golden-2"))
-"""The two parts, replayed where no directory is named; the second one only where it exists."""
+DIRECTORIES = tuple(Path("../shared") / part for part in ("golden", "golden-2", "golden-3"))
+"""The parts, replayed where no directory is named; all after the first one only where they exist."""
 SHOWN = 20  # failures listed per file
 
 

@@ -97,7 +97,7 @@ def flock_of(boids: np.ndarray, p: dict[str, Any]) -> Packed[Flock]:
     return FLOCK.pack(
         Flock(
             reynolds=0,
-            see=0,
+            see_bits=0,
             view_distance=p.get("view_distance", 0.0),
             max_speed=0.0,
             separation=p.get("r", 0.0),

@@ -37,7 +37,7 @@ def play(ticks: int = 4) -> list[float]:
         for mechanism in depositing:
             mechanism.deposit(now)
         world.poses.update(world.space.wrap(world.poses.positions + 0.1 * step), np.full(5, now), now)
-        seen += [step.ravel(), gossip.spread(now).values, Queries(world.buffer).see(now).pairs.ravel()]
+        seen += [step.ravel(), gossip.spread(now).values, Queries(world.buffer).gather(now).pairs.ravel()]
         seen.append(Queries(world.buffer).choose("strongest", now)[0].ravel())
     return np.concatenate(seen).tolist()
 

@@ -14,7 +14,7 @@ from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
-from selforg.randomness import take_direction
+from selforg.randomness import next_direction
 from tests.selforg.worlds import directions, make_world, scatter
 
 COPIES = {"deepcopy": copy.deepcopy, "pickle": lambda thing: pickle.loads(pickle.dumps(thing))}
@@ -65,7 +65,7 @@ def play_mechanism(mechanism, begin):
             mechanism.spread(now)
         if isinstance(mechanism, DepositingMechanism):
             mechanism.deposit(now)
-        seen.append(Queries(mechanism.buffer).see(now).pairs.ravel())
+        seen.append(Queries(mechanism.buffer).gather(now).pairs.ravel())
     return np.concatenate(seen)
 
 
@@ -74,7 +74,7 @@ def play_mechanism(mechanism, begin):
 def test_copies_of_mechanisms_are_independent(name, how):
     def make():
         world, kind = world_of(), MECHANISMS.find(name)
-        parameters = kind.example()
+        parameters = dict(kind.example)
         if issubclass(kind, MovementMechanism):
             parameters["directions"] = directions(5)
         return kind(world.buffer, **parameters)
@@ -139,7 +139,7 @@ def test_copies_of_buffers_are_independent_also_while_they_grow(rows, delivery, 
             messages, tags = buffer.blank(rows, "spread")
             messages[:, :2], messages[:, 3], tags[:, 2] = rng.random((rows, 2)), 2.0, np.arange(rows)
             buffer.spread(messages, tags, now)
-            seen.append(Queries(buffer).see(now, None, Filter(view_distance=np.inf)).pairs.ravel())
+            seen.append(Queries(buffer).gather(now, None, Filter(view_distance=np.inf)).pairs.ravel())
         return np.concatenate(seen)
 
     assert_copies_are_independent(make, play, how)
@@ -151,7 +151,7 @@ def test_copies_of_streams_are_independent(how):
         taken = []
         for tick in range(30):
             stream.refill()
-            taken += take_direction(stream.vectors, stream.cursor, stream.low, tick % 3)
+            taken += next_direction(stream.vectors, stream.cursor, stream.low, tick % 3)
         return np.array(taken)
 
     assert_copies_are_independent(lambda: directions(3), play, how)

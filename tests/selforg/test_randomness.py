@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from selforg.randomness import DirectionStream, draw_directions, take_direction
+from selforg.randomness import DirectionStream, draw_directions, next_direction
 
 
 def take(stream, row, count):
     taken = []
     for _ in range(count):
         stream.refill()
-        taken.append(take_direction(stream.vectors, stream.cursor, stream.low, row))
+        taken.append(next_direction(stream.vectors, stream.cursor, stream.low, row))
     return np.array(taken)
 
 
@@ -22,10 +22,10 @@ def test_a_row_gets_its_generators_directions_in_order(dim):
 def test_rows_take_at_once_what_each_takes_alone():
     stream = DirectionStream([np.random.default_rng(s) for s in (1, 2, 3)], block=8)
     asked = [[2, 0]] * 15 + [[2]] * 15 + [[1, 2]] * 15
-    mixed = [stream.take(np.array(rows))[rows.index(2)] for rows in asked]
+    mixed = [stream.next_directions(np.array(rows))[rows.index(2)] for rows in asked]
     np.testing.assert_array_equal(mixed, draw_directions(np.random.default_rng(3), 45, 2))
     steady = DirectionStream.fixed(2)
-    np.testing.assert_array_equal(steady.take(np.array([1])), steady.take(np.array([1])))
+    np.testing.assert_array_equal(steady.next_directions(np.array([1])), steady.next_directions(np.array([1])))
 
 
 def test_a_row_does_not_depend_on_another_rows_use():
@@ -57,6 +57,6 @@ def test_directions_are_unit_vectors_without_a_preferred_side(dim):
 
 def test_without_chance_rows_still_differ():
     stream = DirectionStream.fixed(3)
-    taken = [take_direction(stream.vectors, stream.cursor, stream.low, row) for row in (0, 1, 2, 0)]
+    taken = [next_direction(stream.vectors, stream.cursor, stream.low, row) for row in (0, 1, 2, 0)]
     assert taken[0] == taken[3]
     assert len(set(taken)) == 3

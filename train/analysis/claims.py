@@ -4,10 +4,7 @@ Of many families some look different by chance. Holm's step-down method corrects
 of a single wrong claim below 5 % however the families depend on each other (Holm 1979, "A simple sequentially rejective
 multiple test procedure"). The corrected interval of each family is Bonferroni's, so that all of them hold together.
 
-Far tails of a bootstrap are too short for few scenarios. Tails are therefore widened from the normal to Student's
-distribution (Hesterberg 2015, doi:10.1080/00031305.2015.1089789).
-
-Shapes: S training seeds, K scenarios, V world seeds, M claims, B resamples.
+Shapes: S training seeds, K scenarios, V world seeds.
 """
 
 from __future__ import annotations
@@ -16,14 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
 
 from selforg.arrays import Floats
-from train.analysis.statistics import Interval
-from train.analysis.strategy_comparison import Excesses, ratio_p
+from train.analysis.spread import TAIL, Interval, Ratio
 
-SIGNIFICANCE = 0.05
-"""Probability of a wrong claim among all."""
+ANY_RATIO = (0.0, float("inf"))
+"""The interval of a ratio of which nothing is known."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +28,27 @@ class Claim:
     family: str
     strategy: str
     against: str
-    ratio: float
-    ci95: Interval
+    of: Ratio
+    """The ratio, with the interval and the p-value that it has alone."""
     corrected: Interval
     """Interval that holds together with those of all other claims."""
-    p: float
-    holm: float
-    """p-value corrected for the number of claims."""
+    holm: float | None
+    """p-value corrected for the number of claims; None for few scenarios."""
+
+    @property
+    def p(self) -> float | None:
+        """The p-value that it has alone; None for few scenarios."""
+        return self.of.p
+
+    @property
+    def ratio(self) -> float:
+        """The ratio; infinite if the other strategy has no excess."""
+        return np.inf if self.of.ratio is None else self.of.ratio
+
+    @property
+    def ci95(self) -> Interval:
+        """The 95 % interval of this claim alone; without bounds if none is known."""
+        return self.of.ci95 or ANY_RATIO
 
 
 def claims_of(
@@ -53,27 +62,15 @@ def claims_of(
         against: family -> label of what the strategies are compared with.
 
     """
-    found = []
-    for family, excesses in families.items():
-        other = excesses[against[family]].mean(axis=(0, 2))
-        for label in strategies:
-            compared = Excesses(excesses[label].mean(axis=2), other, other)
-            drawn = compared.resampled()
-            found.append((family, label, float(compared.own.mean() / other.mean()), drawn[0] / drawn[1], len(other)))
-    ps = [by_student(ratio_p(ratios) or 1.0, count) for *_, ratios, count in found]
-    tail = SIGNIFICANCE / 2.0 / max(len(found), 1)
+    ratios = {
+        (family, label): Ratio.of(excesses[label].mean(axis=2), excesses[against[family]].mean(axis=(0, 2)))
+        for family, excesses in families.items()
+        for label in strategies
+    }
+    ps, tail = holm([1.0 if one.p is None else one.p for one in ratios.values()]), TAIL / max(len(ratios), 1)
     return [
-        Claim(
-            family=family,
-            strategy=label,
-            against=against[family],
-            ratio=ratio,
-            ci95=_between(ratios, SIGNIFICANCE / 2.0, count),
-            corrected=_between(ratios, tail, count),
-            p=p,
-            holm=corrected,
-        )
-        for (family, label, ratio, ratios, count), p, corrected in zip(found, ps, holm(ps), strict=True)
+        Claim(family, label, against[family], one, one.interval(tail) or ANY_RATIO, None if one.p is None else p)
+        for ((family, label), one), p in zip(ratios.items(), ps, strict=True)
     ]
 
 
@@ -89,17 +86,3 @@ def holm(ps: Sequence[float]) -> list[float]:
     corrected = np.empty(len(ps))
     corrected[order] = np.minimum(np.maximum.accumulate(scaled), 1.0)
     return [float(p) for p in corrected]
-
-
-def by_student(p: float, count: int) -> float:
-    """Return a two-sided p-value of a bootstrap over `count` scenarios, widened to Student's distribution."""
-    normal = scipy.stats.norm.isf(p / 2.0) * np.sqrt((count - 1) / count)
-    return float(min(2.0 * scipy.stats.t.sf(normal, count - 1), 1.0))
-
-
-def _between(values: Floats, tail: float, count: int) -> Interval:
-    """Return the interval of resampled `values` (B,) of which both tails have the probability `tail`."""
-    student = scipy.stats.t.isf(tail, count - 1) * np.sqrt(count / (count - 1))
-    own = float(scipy.stats.norm.sf(student))
-    low, high = np.quantile(values, [own, 1.0 - own]).tolist()
-    return low, high

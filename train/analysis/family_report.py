@@ -8,17 +8,24 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, scenario_name
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.mission import MissionResult
+from clean_swarm_env.world.mission_end import left_cost
 from selforg.arrays import Floats
 from train.analysis.front import PRICES, Front, priced_excess
+from train.analysis.spread import Ratio
 from train.analysis.statistics import Summary, summarise
-from train.analysis.strategy_comparison import StrategyComparison, compare_strategies
+from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
 from train.running.runs import RunRecord
+
+LIMITS = (0.5, 2.0)
+"""Shares of the time limit by which items that are left are priced once more."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,11 @@ class FamilyRuns:
     """Labels of the strategies that are one option each."""
     records: Sequence[RunRecord]
     """All runs in the directory, also those of strategies that are not compared."""
+
+    @cached_property
+    def missions(self) -> list[MissionConfig]:
+        """The missions (K,) of the scenarios."""
+        return [self.family.scenario(self.seed, k, "test").mission for k in range(self.scenarios)]
 
     def results(self) -> dict[str, list[list[list[MissionResult]]]]:
         """Return the results by label: S lists of K lists of V."""
@@ -64,7 +76,18 @@ class FamilyReport:
     """Label of a strategy -> figure -> summary over the scenarios."""
     comparison: StrategyComparison | None
     """None without fixed options to compare with."""
+    limits: Mapping[str, tuple[Ratio, ...]]
+    """Label -> ratio to the best fixed option at each of LIMITS; empty if no item was left."""
     front: Front
+
+    @cached_property
+    def left(self) -> dict[str, Floats]:
+        """See `unfinished_of`."""
+        return unfinished_of(self.runs)
+
+    def unfinished(self, label: str) -> float | None:
+        """Return the share of a strategy's missions that were not completed; None where garbage keeps coming."""
+        return float(self.left[label].mean()) if label in self.left else None
 
 
 def family_report_of(runs: FamilyRuns) -> FamilyReport:
@@ -75,12 +98,48 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
         for label, own in figures.items()
     }
     comparison = compare_strategies(excesses_of(runs), runs.fixed) if runs.fixed else None
-    return FamilyReport(runs, summaries, comparison, _front(runs, summaries))
+    limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
+    return FamilyReport(runs, summaries, comparison, limits, _front(runs, summaries))
 
 
-def excesses_of(runs: FamilyRuns) -> dict[str, Floats]:
-    """Return label -> excess costs (S, K, V) [s]."""
-    return {label: _table(own, lambda r: r.excess_s) for label, own in runs.results().items()}
+def unfinished(mission: MissionConfig, results: Sequence[MissionResult]) -> float | None:
+    """Return the share of missions that were not completed; None where garbage keeps coming."""
+    return None if mission.continuous else 1.0 - float(np.mean([result.completed for result in results]))
+
+
+def unfinished_of(runs: FamilyRuns) -> dict[str, Floats]:
+    """Return label -> whether missions (S, K, V) were not completed, 1 or 0; nothing where garbage keeps coming."""
+    if runs.missions[0].continuous:
+        return {}
+    return {label: _table(own, lambda r: float(not r.completed)) for label, own in runs.results().items()}
+
+
+def excesses_of(runs: FamilyRuns, limits: float = 1.0) -> dict[str, Floats]:
+    """Return label -> excess costs (S, K, V) [s], items that are left priced by the time limit times `limits`."""
+    return {
+        label: np.array(
+            [
+                [
+                    [result.excess_s + (limits - 1.0) * left_cost(mission, result.garbage_done) for result in worlds]
+                    for mission, worlds in zip(runs.missions, row, strict=True)
+                ]
+                for row in own
+            ]
+        )
+        for label, own in runs.results().items()
+    }
+
+
+def limit_ratios(runs: FamilyRuns, best: BestFixed) -> dict[str, tuple[Ratio, ...]]:
+    """Return label -> ratio to the best fixed option at each of LIMITS; empty if no item was left."""
+    priced = [excesses_of(runs, limits) for limits in LIMITS]
+    if all(np.array_equal(priced[0][label], own) for label, own in priced[1].items()):
+        return {}
+    yardsticks = [best.judged(own).mean(axis=(0, 2)) for own in priced]
+    return {
+        label: tuple(Ratio.of(own[label].mean(axis=2), other) for own, other in zip(priced, yardsticks, strict=True))
+        for label in runs.conditions
+    }
 
 
 def family_summary_json(report: FamilyReport) -> str:
@@ -98,9 +157,10 @@ def family_summary_json(report: FamilyReport) -> str:
         "front": {"prices_s": PRICES, "excess_s": report.front.excesses, "undominated": report.front.undominated},
     }
     if comparison is not None:
-        content["best_fixed"] = comparison.best_fixed
+        content["best_fixed"] = comparison.best_fixed.labels
+        content["limits"] = {label: [one.content for one in own] for label, own in report.limits.items()}
         content["gap"] = None if comparison.gap is None else asdict(comparison.gap)
-        content["comparison"] = [asdict(standing) for standing in comparison.standings]
+        content["comparison"] = [standing.content for standing in comparison.standings]
     return json.dumps(content, indent=2) + "\n"
 
 
@@ -126,7 +186,6 @@ def _table(results: list[list[list[MissionResult]]], figure: Callable[[MissionRe
 
 
 def _front(runs: FamilyRuns, summaries: Mapping[str, Mapping[str, Summary]]) -> Front:
-    missions = [runs.family.scenario(runs.seed, k, "test").mission for k in range(runs.scenarios)]
     excesses = {
         label: tuple(
             float(
@@ -134,7 +193,7 @@ def _front(runs: FamilyRuns, summaries: Mapping[str, Mapping[str, Summary]]) -> 
                     [
                         priced_excess(mission, result, price)
                         for row in own
-                        for mission, worlds in zip(missions, row, strict=True)
+                        for mission, worlds in zip(runs.missions, row, strict=True)
                         for result in worlds
                     ]
                 )

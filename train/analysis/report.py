@@ -15,15 +15,13 @@ import numpy as np
 
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from selforg.arrays import Flags, Floats
+from train.analysis.spread import Interval, Ratio
 from train.analysis.statistics import (
     METRICS,
     Figures,
-    Interval,
-    Ratio,
     Summary,
     distance_metrics,
     figures_of,
-    ratio_of_means,
     summarise,
 )
 from train.running.runs import RunRecord
@@ -106,7 +104,7 @@ def report_of(
         name: {metric: summarise(figures.values[metric][c]) for metric in METRICS} for c, name in enumerate(conditions)
     }
     comparisons = tuple(
-        ConditionRatio(conditions[a], conditions[b], metric, ratio_of_means(*figures.values[metric][[a, b]]))
+        ConditionRatio(conditions[a], conditions[b], metric, Ratio.of(*figures.values[metric][[a, b]]))
         for a, b in itertools.combinations(range(len(conditions)), 2)
         for metric in METRICS
     )
@@ -131,12 +129,12 @@ def summary_json(report: Report) -> str:
             }
             for c, name in enumerate(figures.conditions)
         },
-        "comparisons": [
-            {"a": c.a, "b": c.b, "metric": c.metric, "ratio": c.ratio.ratio, "ci95": c.ratio.ci95}
-            for c in report.comparisons
-        ],
+        "comparisons": [{"a": c.a, "b": c.b, "metric": c.metric, **c.ratio.content} for c in report.comparisons],
         "reference": [asdict(mean) for mean in report.reference.means],
-        "reference_ratios": [asdict(ratio) for ratio in report.reference.ratios],
+        "reference_ratios": [
+            {**asdict(ratio), "ours": ratio.ours.content, "measured": ratio.measured.content}
+            for ratio in report.reference.ratios
+        ],
     }
     return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
@@ -180,7 +178,7 @@ def _mean(figures: Figures, condition: str, metric: str, theirs: Values) -> Mean
     if not exist.any():
         return None
     ours, values = _ours(figures, condition, metric)[exist], values[exist]
-    found = ratio_of_means(ours, values)
+    found = Ratio.of(ours, values)
     agrees = None if found.ci95 is None else found.ci95[0] <= 1.0 <= found.ci95[1]
     count = int(exist.sum())
     return MeanBesideMeasured(
@@ -193,8 +191,8 @@ def _ratio(figures: Figures, a: str, b: str, metric: str, theirs: Values) -> Rat
     both = exist_a & exist_b
     if not both.any():
         return None
-    ours = ratio_of_means(_ours(figures, a, metric)[both], _ours(figures, b, metric)[both])
-    measured = ratio_of_means(values_a[both], values_b[both])
+    ours = Ratio.of(_ours(figures, a, metric)[both], _ours(figures, b, metric)[both])
+    measured = Ratio.of(values_a[both], values_b[both])
     return RatioBesideMeasured(a, b, metric, int(both.sum()), ours, measured, _meet(ours.ci95, measured.ci95))
 
 

@@ -11,8 +11,7 @@ import scipy.stats
 
 from clean_swarm_env.config.families import RobustnessConfig
 from clean_swarm_env.world.mission import MissionResult
-from selforg.arrays import Floats
-from train.analysis.statistics import summarise
+from train.analysis.spread import TAIL, Interval
 from train.analysis.strategy_comparison import Estimate
 from train.running.runs import RunKey, under
 
@@ -61,17 +60,21 @@ def _estimates(results: list[list[MissionResult]], period: float) -> dict[str, E
     durations = np.array([[r.duration_s for r in row] for row in results])
     events = np.array([[r.collision_events_per_s[0] * r.ticks * period for r in row] for row in results])
     completed = np.array([[r.completed for r in row] for row in results])
-    share = scipy.stats.binomtest(int(completed.sum()), completed.size).proportion_ci(method="wilson")
+    share = float(completed.mean())
     return {
-        "completed": Estimate(float(completed.mean()), (float(share.low), float(share.high))),
-        "duration_s": _mean(durations),
-        "collision_events": _mean(events),
+        "completed": Estimate(share, wilson(share, completed.shape[1])),
+        "duration_s": Estimate.of(durations),
+        "collision_events": Estimate.of(events),
     }
 
 
-def _mean(values: Floats) -> Estimate:
-    summary = summarise(values.mean(axis=0))
-    return Estimate(summary.mean, summary.ci95)
+def wilson(share: float, scenarios: int) -> Interval:
+    """Return Wilson's 95 % interval of a share over scenarios, each of which may be a mean over members."""
+    squared = float(scipy.stats.norm.isf(TAIL)) ** 2
+    middle = share + squared / (2.0 * scenarios)
+    half = np.sqrt(squared * (share * (1.0 - share) / scenarios + squared / (4.0 * scenarios**2)))
+    below, above = ((middle + side * half) / (1.0 + squared / scenarios) for side in (-1.0, 1.0))
+    return max(float(below), 0.0), min(float(above), 1.0)
 
 
 def robustness_summary_json(report: RobustnessReport) -> str:

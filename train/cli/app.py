@@ -6,6 +6,7 @@ import heavy libraries inside their functions, so that help is quick.
 """
 
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +17,10 @@ import typer
 from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.find import KINDS, SHIPPED, files_of
+from selector.documents.plain import plain
+from selector.documents.reading import read_mapping
+from selector.documents.trust import permission_of, permitting
 from selector.documents.writing import DISK_FULL
 from train.cli import (
     claims,
@@ -37,6 +42,18 @@ from train.cli.options import Configs, error_console, print_error
 from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
+TRUST = "--trust"
+"""Option of all commands that lets files name code."""
+DECLARED = {
+    "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
+    "mechanisms by name": ("selforg/mechanisms", r"@MECHANISMS\.register\nclass (\w+)"),
+    "goals with a scene": ("clean_swarm_env/scenes", r"@SCENES\.register\nclass (?:.*\n)*?    goal = \"(\w+)\""),
+    "terms of observations": (
+        "clean_swarm_env/learning/observation",
+        r"(?m)^(?:    name = |@compiled_term\(\s*)\"(\w+)\"",
+    ),
+}
+"""What is listed -> folder and pattern of the sources that declare it: importing them takes seconds."""
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -45,17 +62,17 @@ class _Interruptible(TyperGroup):
 
     def make_context(self, *words: Any, **more: Any) -> Any:  # noqa: ANN401  (versions of typer differ in the types)
         """Read the words of a command."""
-        with _told():
+        with _interruptions_reported():
             return super().make_context(*words, **more)
 
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         """Run a command."""
-        with _told():
+        with _interruptions_reported():
             return super().invoke(ctx)
 
 
 @contextmanager
-def _told() -> Iterator[None]:
+def _interruptions_reported() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
@@ -99,8 +116,12 @@ def run_app() -> None:
     """Run the command line and exit with its code."""
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
+    # --trust may stand anywhere; in the command of a script it stays where it is
+    words = sorted(sys.argv[1:], key=lambda word: word != TRUST and sys.argv[1] != "script")
     try:
-        app()
+        given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
+        with permitting(permission_of(given, trusted=words[:1] == [TRUST])):
+            app(words)
     except ConfigurationError as error:
         print_error(str(error))
         sys.exit(BAD_INPUT)
@@ -120,6 +141,10 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _common(
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+    __: Annotated[
+        bool,
+        typer.Option(TRUST, help="Run code and open databases that files name (docs/trust.md); stands anywhere."),
+    ] = False,
 ) -> None:
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
 
@@ -127,30 +152,28 @@ def _common(
 @app.command("list")
 def list_everything(configs: Configs = None) -> None:
     """List the experiments with their conditions, the families of scenarios, and the names of all else."""
-    from clean_swarm_env.config.load import load_experiment, load_family, load_robustness
-    from clean_swarm_env.learning.observation.config import DEFAULT_TERMS
-    from clean_swarm_env.scenes import goals
-    from selector.documents.find import KINDS, files_of
-    from selector.documents.plain import plain
-    from selector.strategies.registry import STRATEGIES
-    from selforg.mechanisms.registry import MECHANISMS
-
-    for name in files_of("experiments", configs or ()):
-        robustness = load_robustness(name, configs or ())
-        if robustness is not None:
-            typer.echo(f"{plain(name)}: {plain(robustness.description)}")
-            typer.echo(f"  {robustness.scenarios} random scenarios; disturbances: {', '.join(robustness.disturbed)}")
-            continue
-        experiment = load_experiment(name, configs or ())
-        starts = f"{len(experiment.starts)} given" if experiment.starts else f"{experiment.scenarios} random"
-        typer.echo(f"{plain(name)}: {plain(experiment.description)}")
-        typer.echo(f"  {starts} start configurations; conditions: {', '.join(c.name for c in experiment.conditions)}")
+    directories = tuple(configs or ())
+    for name, path in files_of("experiments", directories).items():
+        content = read_mapping(path)
+        scenarios, held = content.get("scenarios", 30), ", ".join(_names(content.get("conditions")))
+        typer.echo(f"{plain(name)}: {plain(str(content.get('description', '')))}")
+        if "disturbances" in content:
+            kinds = ", ".join(dict.fromkeys(_names(content["disturbances"], "kind")))
+            typer.echo(f"  {plain(str(scenarios))} random scenarios; disturbances: {plain(kinds)}")
+        else:
+            starts = f"those of {content['starts']}" if "starts" in content else f"{scenarios} random"
+            typer.echo(f"  {plain(str(starts))} start configurations; conditions: {plain(held)}")
     typer.echo("families of scenarios:")
-    for name in files_of("families", configs or ()):
-        typer.echo(f"  {plain(name)}: {plain(load_family(name, configs or ()).description)}")
+    for name, path in files_of("families", directories).items():
+        typer.echo(f"  {plain(name)}: {plain(str(read_mapping(path).get('description', '')))}")
     for kind in sorted(KINDS.keys() - {"experiments", "families"}):
-        typer.echo(f"{kind}: {plain(', '.join(files_of(kind, configs or ())))}")
-    typer.echo(f"strategies by name: {', '.join(STRATEGIES.names())}")
-    typer.echo(f"mechanisms by name: {', '.join(MECHANISMS.names())}")
-    typer.echo(f"goals with a scene: {', '.join(goals())}")
-    typer.echo(f"terms of observations: {', '.join(DEFAULT_TERMS)}")
+        if names := files_of(kind, directories):
+            typer.echo(f"{kind}: {plain(', '.join(names))}")
+    for what, (folder, pattern) in DECLARED.items():
+        texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
+        typer.echo(f"{what}: {', '.join(sorted(name for text in texts for name in re.findall(pattern, text)))}")
+
+
+def _names(held: object, key: str = "name") -> list[str]:
+    """Return the names in a list of a document that was not checked."""
+    return [str(part.get(key)) for part in held if isinstance(part, dict)] if isinstance(held, list) else []

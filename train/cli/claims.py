@@ -19,4 +19,4 @@ def claims_command(
     from train.evaluation.claims import claims_over, claims_table  # imports SciPy and Numba
     from train.reports.text_table import on_terminal
 
-    wide_console().print(on_terminal(claims_table(claims_over(results, strategy, against))))
+    wide_console().print(on_terminal(claims_table(*claims_over(results, strategy, against))))

@@ -14,6 +14,7 @@ from train.cli.options import (
     Resume,
     Seed,
     Workers,
+    check_named,
     check_whole,
 )
 from train.cli.tune import GivenStore, Storage, check_numbers, run_given
@@ -39,16 +40,17 @@ def configure_command(
     configs: Configs = None,
 ) -> None:
     """Configure an option for a family: a study of all its numbers and flags, from a quarter to four times each."""
-    check_numbers(seed, workers)
     check_whole({"--trials": (trials, 2, MOST_TRIALS)})
+    check_named(configs, families=family, knowledge=knowledge)
+    check_numbers(seed, workers)
+    from train.running.command import command_words
     from train.running.needs import Machine
     from train.running.runs import usable_cpus
     from train.studies.configured import configured_study
 
     directories = tuple(configs or ())
     study = configured_study(option, family, knowledge, {"method": method, "trials": trials}, directories)
-    command = ["configure", option, "--family", family, "--method", method, "--trials", str(trials)]
-    command += ["--knowledge", knowledge] if knowledge is not None else []
+    command = command_words("configure", option, family=family, method=method, trials=trials, knowledge=knowledge)[1:]
     run_given(
         study,
         tuple(command),

@@ -1,6 +1,5 @@
 """`clean-swarm dataset`: missions as a Minari dataset."""
 
-from functools import partial
 from typing import Annotated
 
 import typer
@@ -26,17 +25,12 @@ def dataset_command(
     check_whole({"--missions": (missions, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED - MOST_SCENARIOS)})
     if strategy == "fixed" or "+" in strategy:
         raise ConfigurationError(f"--strategy: expected one strategy, such as fixed:OPTION, got {strategy!r}")
-    from train.evaluation.entrants import member_pilot  # imports Numba
-    from train.learning.dataset import DatasetRequest, write_dataset
+    from train.learning.dataset import DatasetRequest, write_dataset  # imports Numba
 
     directories = tuple(configs or ())
     request = DatasetRequest(name, family, size, strategy, missions, seed, directories)
     with error_console().status("running") as status:
         done = iter(range(1, missions + 1))
-        text, decisions = write_dataset(
-            request,
-            partial(member_pilot, strategy, directories=directories),
-            lambda: status.update(f"{next(done)} of {missions} missions"),
-        )
+        text, decisions = write_dataset(request, lambda: status.update(f"{next(done)} of {missions} missions"))
     typer.echo(text)
     typer.echo(f"{missions} missions, {decisions} decisions in the Minari dataset {name}")

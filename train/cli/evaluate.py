@@ -23,6 +23,7 @@ from train.cli.options import (
     Seed,
     ShareText,
     Workers,
+    check_named,
     check_share,
     check_whole,
     error_console,
@@ -48,10 +49,10 @@ def evaluate_command(
     strategy: Annotated[
         list[str] | None,
         typer.Option(
-            help="With --family: fixed (every option; the default), rule, policy:NAME, policy:FILE (a directory, .zip "
-            "of Stable-Baselines3, .pt of TorchScript or .onnx), velocity:FILE (a model that steers), learned:NAME, "
-            "learned:FILE, STRATEGY, STRATEGY:parameter=value or module:Class of your own; + joins what several "
-            "training seeds gave, LABEL=... names it; can be repeated; Off and Random come beside.",
+            help="With --family: fixed (every option; the default), fixed:OPTION, fsm:NAME, policy:NAME, policy:FILE "
+            "(a directory, .zip of Stable-Baselines3, .pt of TorchScript or .onnx), velocity:FILE (a model that "
+            "drives), learned:NAME, learned:FILE, STRATEGY, STRATEGY:parameter=value or module:Class of your own; + "
+            "joins what several training seeds gave, LABEL=... names it; can be repeated; Off and Random come beside.",
         ),
     ] = None,
     world_seeds: Annotated[
@@ -80,6 +81,19 @@ def evaluate_command(
     check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--workers": (workers, 1, MOST_WORKERS)})
     check_whole({"--seed": (seed, 0, MOST_SEED), "--world-seeds": (world_seeds, 1, MOST_WORLD_SEEDS)})
     check_share(share, output, learn=learn)
+    if learn and workers not in (None, 1):
+        raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
+    if learn and on is not None:
+        raise ConfigurationError("--on: expected no --learn, where missions learn in turn")
+    if family is None:
+        check_named(configs, experiments=experiment)
+        _check_absent(
+            "with --family",
+            {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal, "--world-seeds": world_seeds > 1},
+        )
+    else:
+        _check_absent("without --family", {"--starts": starts, "--condition": condition})
+        check_named(configs, strategy, families=family, knowledge=knowledge)
     from clean_swarm_env.config.load import load_robustness
     from clean_swarm_env.recording.recorder import RecordSettings
     from train.cluster.bits import WorkerBits
@@ -95,18 +109,10 @@ def evaluate_command(
     from train.running.needs import Machine
     from train.running.runs import usable_cpus
 
-    if learn and workers not in (None, 1):
-        raise ConfigurationError(f"--workers: expected 1 with --learn, where missions learn in turn, got {workers}")
-    if learn and on is not None:
-        raise ConfigurationError("--on: expected no --learn, where missions learn in turn")
     directories, kept = tuple(configs or ()), StoreRequest(store, learn)
+    untaught: list[str] = []
     machine = Machine(workers or usable_cpus(), force, on)
     robustness = load_robustness(experiment, directories) if family is None else None
-    if family is None:
-        _check_absent(
-            "with --family",
-            {"--strategy": strategy, "--knowledge": knowledge, "--goal": goal, "--world-seeds": world_seeds > 1},
-        )
     if robustness is not None:
         unused = {"--starts": starts, "--condition": condition, "--store": store, "--learn": learn}
         _check_absent("with experiments without disturbances", unused)
@@ -118,19 +124,20 @@ def evaluate_command(
         conditions = tuple(condition or ())
         request = ExperimentRequest(experiment, seed, scenarios, starts, conditions, directories, kept, machine=machine)
         evaluation = ExperimentEvaluation(request)
+        untaught = evaluation.unlearned
     else:
-        _check_absent("without --family", {"--starts": starts, "--condition": condition})
         strategies = tuple(strategy or ("fixed",))
         family_request = FamilyRequest(
             family, strategies, seed, scenarios, knowledge, goal, directories, kept, machine=machine, worlds=world_seeds
         )
         evaluation = FamilyEvaluation(family_request)
-        for label in () if learn or store else unlearned(evaluation.entrants):
-            words = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
-            error_console().print(f"{label}: {words}", markup=False)
+        untaught = unlearned(evaluation.entrants, directories)
         for label, missing in never_taken(evaluation.entrants, evaluation.options, directories).items():
             words = f"never takes {', '.join(missing)}, which it was trained without"
             error_console().print(f"{label}: {words}", markup=False)
+    for label in () if learn or store else untaught:
+        words = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
+        error_console().print(f"{label}: {words}", markup=False)
     recorded = RecordSettings(Path(RECORDINGS), minds) if record or minds else None
     part, bits = RunShare.of_text(share) if share is not None else None, WorkerBits(mixed=any_bits)
     engine = chosen_engine(machine, bits)

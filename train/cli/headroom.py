@@ -13,6 +13,7 @@ from train.cli.options import (
     GoalText,
     OtherKnowledge,
     Seed,
+    check_named,
     check_whole,
     wide_console,
 )
@@ -42,6 +43,7 @@ def headroom_command(
     names = () if kinds else tuple(name.strip() for name in situations.split(",") if name.strip())
     if not names and not kinds:
         raise ConfigurationError("--situations: expected components of the observation, got none")
+    check_named(configs, families=family, knowledge=knowledge)
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
     from train.evaluation.choosing.headroom import HeadroomRequest, headroom_of, headroom_table
     from train.reports.text_table import on_terminal
@@ -70,6 +72,7 @@ def look_ahead_command(
     for name, time in (("--hold", hold), ("--horizon", horizon)):
         if not 0.0 < time <= MOST_TIME:
             raise ConfigurationError(f"{name}: expected more than 0 s and at most {MOST_TIME:g} s, got {time:g}")
+    check_named(configs, families=family, knowledge=knowledge)
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
     from train.evaluation.choosing.look_ahead import LookAheadRequest, look_ahead_table
     from train.reports.text_table import on_terminal
@@ -97,6 +100,7 @@ def periods_command(
     check_whole({"--scenarios": (scenarios, 2, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
     if len(set(period)) < max(len(period), 2):
         raise ConfigurationError(f"--period: expected at least two different ones, got {period}")
+    check_named(configs, families=family, knowledge=knowledge)
     from clean_swarm_env.config.load import load_family  # imports SciPy and Numba
     from train.evaluation.choosing.periods import PeriodsRequest, periods_table
     from train.evaluation.family import FamilyRequest

@@ -11,6 +11,7 @@ import typer
 from rich.table import Table
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.writing import write_whole
 from train.cli.options import Configs, wide_console
 
 app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and what was learned in a database.")
@@ -90,11 +91,9 @@ def export_file(
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
-    try:
-        with output.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except OSError as error:
-        raise ConfigurationError(f"{output}: cannot be written ({error.strerror})") from error
+    if output.exists():
+        raise ConfigurationError(f"{output}: cannot be written (File exists)")
+    write_whole(output, text.encode())
     typer.echo(f"{amount(contents)} in {output}")
 
 

@@ -1,6 +1,6 @@
 """Parts of several commands: options, checks of numbers, consoles."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -8,8 +8,12 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.find import files_of, find_file
 from selector.documents.plain import short
+from selector.documents.trust import FOREIGN_ENDINGS
 
+MEMBER_FILES = {"policy": "policies", "learned": "strategies", "fsm": "machines"}
+"""Kind of a strategy -> kind of its file."""
 TABLE_WIDTH = 140
 """Least width of the printed tables [characters]: folded cells are hard to read."""
 
@@ -83,6 +87,18 @@ def check_whole(given: Mapping[str, tuple[int | None, int, int]]) -> None:
             raise ConfigurationError(f"{name}: expected a whole number of at least {least}, got {short(value)}")
         if value is not None and value > most:
             raise ConfigurationError(f"{name}: expected a whole number of at most {most}, got {short(value)}")
+
+
+def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:
+    """Raise the error of a name that no file has, before libraries are imported that take seconds; kind -> name."""
+    directories = tuple(configs or ())
+    for kind, name in given.items():
+        if name is not None and (kind != "families" or name not in files_of("missions", directories)):
+            find_file(kind, name, directories)
+    for text in strategies or ():
+        kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")
+        for name in names.split("+") if kind in MEMBER_FILES and not names.endswith(FOREIGN_ENDINGS) else ():
+            find_file(MEMBER_FILES[kind], name, directories, f"--strategy {text}: ")
 
 
 def wide_console() -> Console:

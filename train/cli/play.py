@@ -1,16 +1,25 @@
 """`clean-swarm play`: a mission that runs in the browser and can be changed by hand."""
 
+from __future__ import annotations
+
 import os
 import sys
 import webbrowser
-from itertools import count
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from itertools import chain, count
 from pathlib import Path
-from typing import Annotated
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole
+
+if TYPE_CHECKING:  # imports Numba
+    from train.live.session import Played, Session
 
 MOST_PORT = 65_535
 MINDS_UP_TO = 30
@@ -52,34 +61,62 @@ def play_command(
     """
     check_whole({"--scenario": (scenario, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
     check_whole({"--port": (port, 0, MOST_PORT)})
-    from train.live.chosen import chosen  # imports Numba
+    from train.live.chosen import chosen, playable  # imports Numba
     from train.live.conductor import Conductor, checked_speed
     from train.live.server import LiveServer
     from train.replay.page_file import live_page
 
+    recorded: list[Path] = []
+
+    def opened(choose: Callable[[], Played]) -> Session:
+        play = choose()
+        recorded.append(_new_file(output, play.name))
+        return play.open(recorded[-1], minds=play.robots <= MINDS_UP_TO if minds is None else minds)
+
     checked_speed(speed)
-    play = chosen(name, scenario, seed, strategy, tuple(configs or ()))
-    path = _new_file(play.name) if output is None else output
-    if path.exists():
-        raise ConfigurationError(f"--output: {path} exists already; expected a new file")
-    shown = play.robots <= MINDS_UP_TO if minds is None else minds
+    directories = tuple(configs or ())
+    play = chosen(name, scenario, seed, strategy, directories)
+    if output is not None and output.exists():
+        raise ConfigurationError(f"--output: {output} exists already; expected a new file")
+    sessions = {
+        "": partial(opened, lambda: play),
+        **{
+            other: partial(opened, partial(chosen, other, 1, seed, None, directories))
+            for other in playable(directories)
+        },
+    }
     with LiveServer(port) as server:
-        session = play.open(path, minds=shown)
-        conductor = Conductor(session, speed, playing=not paused)
-        server.start(conductor, live_page(play.name, session.strategies()))
+        conductor = Conductor(sessions, speed, playing=not paused)
+        server.start(conductor, live_page())
         typer.echo(f"{server.address}\nopen this address in a browser; Ctrl-C ends it")
-        if browser and _has_screen():
-            webbrowser.open(server.address)
-        try:
-            conductor.run()
-        finally:
-            typer.echo(f"{session.ticks} steps in {path}; the same again: clean-swarm play {path}")
+        with _redirect(server.address, recorded[0].parent) as page:
+            if browser and _has_screen():
+                webbrowser.open(page.as_uri())
+            try:
+                conductor.run()
+            finally:
+                steps, again = conductor.session.ticks, " or ".join(map(str, recorded))
+                typer.echo(f"{steps} steps in {recorded[-1]}; the same again: clean-swarm play {again}")
 
 
-def _new_file(name: str) -> Path:
-    """Return the path of a recording that does not exist yet."""
-    paths = (Path("results") / f"play-{name}-{number}.swarm" for number in count(1))
-    return next(path for path in paths if not path.exists())
+@contextmanager
+def _redirect(address: str, folder: Path) -> Iterator[Path]:
+    """Give a page that leads to an address, which other users can read neither there nor among the processes.
+
+    It is below `folder`, because browsers in a sandbox may not read the directory of temporary files.
+    """
+    with TemporaryDirectory(prefix="open-", dir=folder) as private:  # mode 0700
+        page = Path(private).resolve() / "play.html"
+        page.touch(0o600)
+        page.write_text(f'<!doctype html><meta http-equiv="refresh" content="0; url={address}">', encoding="utf-8")
+        yield page
+
+
+def _new_file(wanted: Path | None, name: str) -> Path:
+    """Return the path of a recording that does not exist yet: the wanted one, or one beside it."""
+    folder = Path("results") if wanted is None else wanted.parent
+    paths = (folder / f"play-{name}-{number}.swarm" for number in count(1))
+    return next(path for path in chain(filter(None, (wanted,)), paths) if not path.exists())
 
 
 def _has_screen() -> bool:

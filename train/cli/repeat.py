@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.progress import track
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.cli.options import error_console
@@ -46,11 +47,12 @@ def record_command(
     minds: Annotated[bool, typer.Option(help="Record what the robots' networks decide, too.")] = True,
 ) -> None:
     """Repeat a run and record it: docs/recordings.md describes the file."""
-    from train.evaluation.repeat import record_run, task_of  # imports Numba
+    from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
+    from train.evaluation.repeat import record_run, task_of
 
     task = task_of(run, scenario, condition)
     with repeating(run):
-        recording = record_run(task, output, minds=minds)
+        recording = RecordedMission(record_run(task, output, minds=minds), ())
     typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")
 
 
@@ -65,7 +67,8 @@ def replay_command(
     ] = None,
 ) -> None:
     """Write a page that plays a run, or two side by side; runs without a recording are repeated."""
-    from train.evaluation.repeat import recording_of  # imports Numba
+    from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
+    from train.evaluation.repeat import recording_of
     from train.replay.page_file import write_page
 
     conditions: list[str | None] = [*condition] if condition else [None]
@@ -76,7 +79,7 @@ def replay_command(
     with TemporaryDirectory() as folder:
         for run, name in zip(chosen, conditions * (len(chosen) // len(conditions)), strict=True):
             with repeating(run) if run.is_dir() else nullcontext():
-                recordings.append(recording_of(run, scenario, name, Path(folder)))
+                recordings.append(RecordedMission(recording_of(run, scenario, name, Path(folder)), ()))
         write_page(recordings, html)
     typer.echo(f"{html}: open it in a browser")
 
@@ -86,10 +89,14 @@ def export_command(
     output: Annotated[Path, typer.Option(help="File to write, NAME.mcap, or a new directory for tables in Parquet.")],
 ) -> None:
     """Write a recording for other tools; needs the extra `export`."""
-    from clean_swarm_env.recording.reader import RecordedMission  # imports NumPy
+    from clean_swarm_env.recording.file import blocks_of  # imports NumPy
+    from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
+    from clean_swarm_env.recording.taking import MOST_FRAMES
     from train.replay.export import export
 
-    typer.echo(f"{export(RecordedMission(recording), output)} tables in {output}")
+    held, parts = RecordedMission(recording, ()), RecordedParts(blocks_of(recording), str(recording))
+    stretches = track(parts, "writing", held.frames / MOST_FRAMES, console=error_console(), transient=True)
+    typer.echo(f"{export(held, stretches, output)} tables in {output}")
 
 
 @contextmanager

@@ -8,6 +8,7 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
+from selector.documents.writing import write_whole
 from train.cli.options import MOST_SEED, Configs, Learn, RunStore, check_whole, wide_console
 
 MOST_ROBOTS, MOST_RUNS, MOST_SECONDS = 10_000, 10_000, 1e7
@@ -68,17 +69,10 @@ def run_command(
         plain = [as_mapping(outcome) for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
     elif output is not None:
-        _write(output, goal_tables.as_page(outcomes))
+        write_whole(output, goal_tables.as_page(outcomes).encode())
         typer.echo(f"{len(outcomes)} goals in {output}")
     else:
         for outcome in outcomes:
             wide_console().print(goal_tables.goal_on_terminal(outcome))
             if outcome.known is not None:
                 wide_console().print(on_terminal(learned_scores(outcome.known, "known at the beginning")))
-
-
-def _write(output: Path, page: str) -> None:
-    try:
-        output.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise ConfigurationError(f"--output: {output}: {error.strerror or error}") from error

@@ -20,6 +20,7 @@ from train.cli.options import (
     RunStore,
     Seed,
     Workers,
+    check_named,
     check_whole,
 )
 
@@ -36,7 +37,7 @@ RecordOption = Annotated[
 
 @app.command()
 def ppo(
-    config: Config = "general",
+    config: Config = "exploring-ppo",
     output: Output = None,
     seed: Seed = 0,
     resume: Resume = False,
@@ -46,6 +47,7 @@ def ppo(
 ) -> None:
     """Train a policy by PPO and export it."""
     check_whole({"--seed": (seed, 0, MOST_SEED)})
+    check_named(configs, training=config)
     from train.learning.session import TrainingRequest, check_installed, run_training
     from train.running.needs import Machine
 
@@ -63,7 +65,7 @@ def ppo(
 
 @app.command()
 def bandit(
-    config: Config = "situations",
+    config: Config,
     output: Output = None,
     seed: Seed = 0,
     resume: Resume = False,
@@ -75,6 +77,7 @@ def bandit(
 ) -> None:
     """Train a strategy by the rewards that follow its choices and save what it learned."""
     check_whole({"--seed": (seed, 0, MOST_SEED)})
+    check_named(configs, training=config)
     from train.knowledge_store import StoreRequest  # these import SQLAlchemy and Numba
     from train.learning.bandit import BanditTraining
     from train.learning.session import TrainingRequest, run_training
@@ -103,6 +106,7 @@ def _members_command(learner: str, summary: str) -> None:
         any_bits: AnyBits = False,
     ) -> None:
         check_whole({"--seed": (seed, 0, MOST_SEED), "--workers": (workers, 1, MOST_WORKERS)})
+        check_named(configs, training=config)
         from train.cluster.bits import WorkerBits  # these import SQLAlchemy and Numba
         from train.knowledge_store import NO_STORE
         from train.learning.members.design import DesignTraining

@@ -18,6 +18,7 @@ from train.cli.options import (
     Resume,
     Seed,
     Workers,
+    check_named,
     check_whole,
     wide_console,
 )
@@ -53,6 +54,7 @@ def tune_command(
     configs: Configs = None,
 ) -> None:
     """Search for parameters and scores of options by missions; a last race on fresh training scenarios decides."""
+    check_named(configs, studies=study)
     check_numbers(seed, workers)
     from train.running.needs import Machine
     from train.running.runs import usable_cpus

@@ -19,6 +19,7 @@ from typing import Any
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.plain import short
+from selector.documents.trust import current_permission, permitting
 from train.cluster.bits import WorkerBits, own_bits
 from train.running.engine import Round, WorkerLost
 from train.running.runs import RunRecord, Work
@@ -86,7 +87,7 @@ class DaskEngine:
             return call("train.cluster.dask_engine", "do_task", directory, pickled)
 
         work = partial(client.submit, remote, os.getcwd(), pure=False)
-        given = {work(pickle.dumps(task)): task for task in tasks}
+        given = {work(pickle.dumps((task, current_permission()))): task for task in tasks}
         try:
             for future in as_completed(given):
                 yield from self._runs(future, given[future])
@@ -133,10 +134,13 @@ def slurm_cluster(jobs: int) -> Any:  # noqa: ANN401
 
 
 def do_task(directory: str, pickled: bytes) -> tuple[dict[str, str], list[RunRecord]]:
-    """Do a task in a worker, in the directory of the command; return the fingerprint of the worker, and the runs."""
+    """Do a task in a worker, in the directory and with the permission of the command.
+
+    Return the fingerprint of the worker, and the runs.
+    """
     if not Path(directory).is_dir():
         raise ConfigurationError(f"{directory}: not on a worker; expected the file system of the command")
     os.chdir(directory)
-    task: Work = pickle.loads(pickled)
-    with _one_task:
+    task, permission = pickle.loads(pickled)
+    with _one_task, permitting(permission):
         return own_bits(), list(task.each())

@@ -4,13 +4,36 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from clean_swarm_env.config.mission import MissionConfig
+from selector.documents.fields import Closed, Flag
 from selector.strategies.strategy import DecisionStrategy
 from train.knowledge_store import Memory
 from train.reports.write_report import Publication
 from train.running.runs import RunKey, RunRecord, Task
+
+OWN_STARTS = "own starts"
+
+
+class Asked(Closed):
+    """What the identity of results does not say of the evaluation; the manifest has it beside."""
+
+    scenarios: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 1
+    """Scenarios of a family."""
+    worlds: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
+    """World seeds of each."""
+    scoring: Flag = False
+    """Whether the strategies or conditions are fixed options, each of which is scored."""
+    starts: str = OWN_STARTS
+    """Where the start configurations of an experiment come from, in two words or by a path."""
+    starts_from: str = ""
+    """The same in a sentence."""
+    measured: Mapping[str, Mapping[str, Mapping[str, float | None]]] = Field(default={})
+    """Figures measured on them elsewhere: scenario -> name of a condition -> figure -> value."""
+
 
 Choosers = Mapping[str, DecisionStrategy]
 """Goal -> strategy with one row, which chooses one option for the whole team and mission."""
@@ -31,6 +54,8 @@ class Evaluation(ABC):
         mission: the mission; before the runs begin it gets what was learned of its options.
         scenarios: names of the scenarios, in the order in which missions learn.
         directories: the user's own directories of configurations.
+        asked: what the identity does not say.
+        context: under which a store keeps rewards of such missions.
         scored: condition -> goal -> option, where runs of fixed options are scored for the store.
 
     """
@@ -43,6 +68,8 @@ class Evaluation(ABC):
     mission: MissionConfig
     scenarios: list[str]
     directories: tuple[Path, ...]
+    asked: Asked
+    context: str
     scored: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 
     @property

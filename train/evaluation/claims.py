@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from clean_swarm_env.config.errors import ConfigurationError
@@ -10,11 +11,13 @@ from clean_swarm_env.config.families import FamilyConfig, place_of
 from selector.documents.errors import validated
 from selforg.registry import unknown
 from train.analysis.claims import Claim, claims_of
-from train.analysis.family_report import FamilyRuns, excesses_of
-from train.analysis.strategy_comparison import best_fixed_of
+from train.analysis.family_report import FamilyRuns, excesses_of, unfinished_of
+from train.analysis.spread import too_few
+from train.analysis.statistics import share_cell
+from train.analysis.strategy_comparison import BestFixed
 from train.evaluation.entrants import Entrant
 from train.evaluation.repeat_trial import evaluation_seed
-from train.reports.text_table import Grid, flat
+from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST, read_manifest
 
@@ -44,9 +47,14 @@ def family_runs(directory: Path) -> FamilyRuns:
     )
 
 
-def claims_over(directories: Sequence[Path], strategies: Sequence[str], against: str) -> list[Claim]:
-    """Return the claims about `strategies` beside `against` (a label; empty: the best fixed option of each family)."""
-    families, others = {}, {}
+def claims_over(
+    directories: Sequence[Path], strategies: Sequence[str], against: str
+) -> tuple[list[Claim], dict[str, dict[str, float]]]:
+    """Return the claims about `strategies` beside `against` (a label; empty: the best fixed option of each family).
+
+    Beside them stand family -> label -> share of unfinished missions, without labels where garbage keeps coming.
+    """
+    families, others, shares = {}, {}, {}
     for directory in directories:
         runs = family_runs(directory)
         name, excesses = runs.family.name, excesses_of(runs)
@@ -57,24 +65,32 @@ def claims_over(directories: Sequence[Path], strategies: Sequence[str], against:
             raise ConfigurationError(f"{directory}: expected each family once, got {name} twice")
         if not (against or runs.fixed):
             raise ConfigurationError(f"{directory}: expected fixed options, or --against")
+        best = None if against else BestFixed.of(excesses, runs.fixed)
+        left = unfinished_of(runs)
+        if best is not None:
+            excesses[best.label] = best.judged(excesses)
+            left |= {best.label: best.judged(left)} if left else {}
         families[name] = excesses
-        others[name] = against or best_fixed_of(excesses, runs.fixed)
-    return claims_of(families, strategies, others)
+        shares[name] = {label: float(missions.mean()) for label, missions in left.items()}
+        others[name] = against if best is None else best.label
+    return claims_of(families, strategies, others), shares
 
 
-def claims_table(claims: Sequence[Claim]) -> Grid:
-    """Return the claims as a table."""
+def claims_table(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, float]]) -> Grid:
+    """Return the claims as a table, with both shares of unfinished missions beside each ratio."""
     rows = [
         (
             f"{claim.strategy} on {claim.family}",
             claim.against,
+            " / ".join(share_cell(left[label]) for label in (claim.strategy, claim.against)) if left else EMPTY_CELL,
             f"{claim.ratio:.3f}",
-            f"[{claim.ci95[0]:.3f}, {claim.ci95[1]:.3f}]",
-            f"[{claim.corrected[0]:.3f}, {claim.corrected[1]:.3f}]",
-            f"{claim.p:.2g}",
-            f"{claim.holm:.2g}",
+            interval_cell(claim.ci95),
+            interval_cell(claim.corrected),
+            *(EMPTY_CELL if p is None else f"{p:.2g}" for p in (claim.p, claim.holm)),
         )
         for claim in claims
+        for left in (shares[claim.family],)
     ]
-    heads = ("against", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
-    return flat(f"{len(claims)} claims, corrected for their number", "strategy", heads, rows)
+    heads = ("against", "unfinished", "ratio of excess", "95 %", "95 % together", "p", "p (Holm)")
+    grid = flat(f"{len(claims)} claims, corrected for their number", "strategy", heads, rows)
+    return replace(grid, notes=too_few([claim.of for claim in claims]))

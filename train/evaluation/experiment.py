@@ -20,20 +20,23 @@ from selector.documents.errors import shown, within
 from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.problem import Problem
+from selector.strategies.registry import StrategySpec, named
 from selector.strategies.streams import row_keys
 from selforg.network.planning.names import check_planner
 from selforg.registry import unknown
-from train.analysis.report import Measured, report_of, summary_json
-from train.evaluation.base import Choosers, Evaluation
+from train.analysis.report import report_of, summary_json
+from train.evaluation.base import OWN_STARTS, Asked, Choosers, Evaluation
+from train.evaluation.trial_task import StartTask, TrialTask, experiment_tasks, identities
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.experiment_tables import all_tables
 from train.reports.figure import draw
 from train.reports.write_report import Publication
+from train.running.command import command_words
 from train.running.estimate import needs_of
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
-from train.running.runs import RunKey, RunRecord, RunTask, forcing, tasks_of
+from train.running.runs import RunKey, RunRecord, RunTask, forcing
 
 
 @dataclass(frozen=True)
@@ -61,62 +64,70 @@ class ExperimentRequest:
     @property
     def words(self) -> list[str]:
         """The command for this request."""
-        words = ["clean-swarm", "score" if self.scoring else "evaluate", self.experiment, "--seed", str(self.seed)]
-        words += [word for word in self.store.words if not (self.scoring and word == "--learn")]
-        words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
-        words += ["--starts", str(self.starts)] if self.starts is not None else []
-        words += [word for name in self.conditions for word in ("--condition", name)]
-        words += ["--force"] if self.machine.forced else []
-        return words + [word for path in self.directories for word in ("--configs", str(path))]
+        return command_words(
+            "score" if self.scoring else "evaluate",
+            self.experiment,
+            seed=self.seed,
+            store=self.store.shown,
+            learn=self.store.learn and not self.scoring,
+            scenarios=self.scenarios,
+            starts=self.starts,
+            condition=self.conditions,
+            force=self.machine.forced,
+            configs=self.directories,
+        )
 
 
 class ExperimentEvaluation(Evaluation):
     """The conditions of an experiment on its start configurations, on random ones, or on those of a file."""
 
-    def __init__(self, request: ExperimentRequest) -> None:
+    def __init__(
+        self, request: ExperimentRequest, experiment: ExperimentConfig | None = None, asked: Asked | None = None
+    ) -> None:
         if request.scenarios is not None and request.starts is not None:
             raise ConfigurationError("--scenarios and --starts: expected one of them, got both")
         directories = tuple(directory.resolve() for directory in request.directories)
         self.directories = directories
-        chosen = with_conditions(load_experiment(request.experiment, directories), request.conditions)
-        self.own_starts = request.starts is None and request.scenarios is None and bool(chosen.starts)
-        self.measured: Measured = {}
+        experiment = experiment or load_experiment(request.experiment, directories)
+        chosen = with_conditions(experiment, request.conditions)
         self.seed, self.words, self.stem = request.seed, request.words, f"{chosen.name}-seed{request.seed}"
-        self.scored, starts = {}, "own starts"
+        self.scored, measured, starts = {}, dict[str, Any](), OWN_STARTS
         if request.scoring:
             chosen, self.scored = by_option(chosen, directories)
         if request.starts is not None:
             given = load_starts(request.starts)
-            self.measured, self.starts_from = given.measured, str(request.starts)
+            measured, starts_from = dict(given.measured), str(request.starts)
             self.stem += f"-{request.starts.stem}"
             starts = str(request.starts)
             with within(shown(request.starts)):
                 mission = given.world_of(chosen.mission)
             changes: dict[str, Any] = {"mission": mission, "starts": given.starts}
-        elif self.own_starts:
-            self.starts_from, changes = "the experiment's own start configurations", {}
+        elif request.scenarios is None and chosen.starts:
+            starts_from, changes = "the experiment's own start configurations", {}
         else:
             count = request.scenarios or chosen.scenarios
             with within(request.experiment):
                 check_needs(Workload(chosen.mission, count * len(chosen.conditions)), request.machine)
-            self.starts_from = f"{count} random start configurations of seed {request.seed}"
+            starts_from = f"{count} random start configurations of seed {request.seed}"
             self.stem += f"-{count}-scenarios"
             starts = "random starts"
             with within(request.experiment):
                 drawn = tuple(random_start(chosen.mission, request.seed, index) for index in range(count))
             changes = {"starts": drawn}
         self.experiment = chosen.model_copy(update=changes)
+        self.asked = asked or Asked(scoring=request.scoring, starts=starts, starts_from=starts_from, measured=measured)
         check_mission(self.experiment, directories, request.experiment)
         store = replace(request.store, url=request.store.url or self.experiment.mission.store or None)
         self.mission = self.experiment.mission.model_copy(update={"store": ""})
         self.scenarios = [start.id for start in self.experiment.starts]
-        context, source = (
-            mission_context(chosen.mission.name),
-            f"experiment {chosen.name}, seed {request.seed}, {starts}",
-        )
-        self.memory = store.memory(knowledge_of(self.mission, directories), context, source)
+        self.context = mission_context(chosen.mission.name)
+        source = f"experiment {chosen.name}, seed {request.seed}, {self.asked.starts}"
+        self.memory = store.memory(knowledge_of(self.mission, directories), self.context, source)
         with within(shown(request.starts) if request.starts is not None else request.experiment):
             tasks = self._tasks()
+            for task in {task.condition: task for task in tasks if isinstance(task, StartTask)}.values():
+                with within(f"condition {task.condition!r}"):
+                    task.check()
             largest = max((task.mission for task in tasks), key=lambda mission: needs_of(mission).memory)
             check_needs(Workload(largest, len(tasks)), request.machine)
         self._missions = {(task.scenario, task.condition): task.mission for task in tasks}
@@ -128,19 +139,27 @@ class ExperimentEvaluation(Evaluation):
                 "files": fingerprints(directories),
                 "directories": [str(directory) for directory in directories],
                 **({"learns": True} if self.learns_in_turn else {}),
+                **({"deciders": found} if (found := identities(tasks)) else {}),
             },
-            "starts_from": self.starts_from,
             "versions": versions(),
             "platform": platform.platform(),
             **({LEARNED_BEFORE: as_plain(self.memory.knowledge.learned)} if self.memory is not None else {}),
         }
 
-    def tasks(self, done: Collection[RunKey]) -> list[RunTask]:
-        """Return one task for each run that is missing."""
-        return [task for task in self._tasks() if (task.scenario, task.condition) not in done]
+    @property
+    def unlearned(self) -> list[str]:
+        """Names of the conditions whose strategy could learn, but has learned nothing."""
+        specs = {each.name: each.strategy for each in self.experiment.conditions}
+        return [name for name, spec in specs.items() if isinstance(spec, StrategySpec) and named(spec.name).can_learn()]
 
-    def _tasks(self) -> list[RunTask]:
-        return tasks_of(self.experiment.model_copy(update={"mission": self.mission}), self.seed, self.directories)
+    def tasks(self, done: Collection[RunKey]) -> list[RunTask | TrialTask]:
+        """Return one task for each run that is missing."""
+        return [task for task in self._tasks() if task.keys[0] not in done]
+
+    def _tasks(self) -> list[RunTask | TrialTask]:
+        return experiment_tasks(
+            self.experiment.model_copy(update={"mission": self.mission}), self.seed, self.directories
+        )
 
     def choosers(self) -> dict[str, Choosers]:
         """Return the strategy of each condition, once for each goal."""
@@ -148,21 +167,20 @@ class ExperimentEvaluation(Evaluation):
         knowledge, alone = knowledge_of(self.mission, self.directories), np.zeros(1, dtype=np.int64)
         return {
             condition.name: {
-                goal: condition.strategy.build(
+                goal: learning_strategy(condition).build(
                     Problem.of(knowledge.with_scores(condition.scores), goal),
                     row_keys(np.random.SeedSequence([self.seed, c, g]), 1),
                     alone,
-                    self.directories,
                 )
                 for g, goal in enumerate(goals)
             }
             for c, condition in enumerate(self.experiment.conditions)
         }
 
-    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> RunTask:
+    def task_with(self, scenario: str, condition: str, options: Mapping[str, str]) -> RunTask | TrialTask:
         """Return the task of one run in which `options` serve the goals."""
         key = (scenario, condition)
-        return next(task for task in self._tasks() if (task.scenario, task.condition) == key).serving(options)
+        return next(task for task in self._tasks() if task.keys == (key,)).serving(options)
 
     def mistake(self, record: RunRecord) -> str:
         """Return why a run is not one of this experiment's."""
@@ -172,10 +190,19 @@ class ExperimentEvaluation(Evaluation):
 
     def publication(self, records: Sequence[RunRecord]) -> Publication:
         """Return Table 1, ratios between conditions, comparisons with measured figures, and the picture."""
-        report = report_of(self.experiment, self.seed, records, self.measured, own_starts=self.own_starts)
-        about = f"{self.experiment.description}\nSeed {self.seed}; {self.starts_from}."
+        report = report_of(
+            self.experiment, self.seed, records, self.asked.measured, own_starts=self.asked.starts == OWN_STARTS
+        )
+        about = f"{self.experiment.description}\nSeed {self.seed}; {self.asked.starts_from}."
         heading = f"# {self.experiment.name}\n\n{about}\n\n"
         return Publication(heading, all_tables(report), summary_json(report), draw(report))
+
+
+def learning_strategy(condition: ConditionConfig) -> StrategySpec:
+    """Return the strategy of a condition that learns in turn; ConfigurationError for a machine, policy or option."""
+    if isinstance(condition.strategy, str):
+        raise ConfigurationError(f"--learn: {condition.strategy}: expected a strategy that chooses once in a mission")
+    return condition.strategy
 
 
 def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:

@@ -12,13 +12,12 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
-from rich.tree import Tree
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
 from selforg.arrays import Flags
-from selforg.network.explain.explanation import BehaviourAccount, ConditionAccount, Explanation, GoalAccount
-from selforg.network.explain.text import TERM_TITLES, header
+from selforg.network.explain.explanation import BehaviourAccount, Explanation
+from selforg.network.explain.text import TERM_TITLES, condition_tree, header
 from selforg.space import Torus
 from train.evaluation.repeat import Repeated, steps_until
 
@@ -93,14 +92,15 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: Before) -> 
     ran = [f"{name} has run for {seconds:g} s" for name, seconds in before.running_s.items()]
     told = [where, "; ".join(ran), stopped.format(**situation), damaged, *header(explanation), due]
     facts = Text(f"{title}\n\n" + "\n".join(filter(None, told)))
-    trees = (_behaviours(explanation.behaviours), _goals(explanation.goals), _readings(explanation.readings))
+    read = ", ".join(f"{name} {value:.4g}" for name, value in explanation.readings.items())
+    tree = Text("\n".join([*condition_tree(explanation), f"readings: {read}"]))
     inner = [part for one in inside if one.inner for part in _inside(one.title, one.inner)]
-    return Group(facts, Text(), _table(explanation.behaviours), Text(), *trees, *inner)
+    return Group(facts, Text(), _table(explanation.behaviours), Text(), tree, *inner)
 
 
 def _inside(title: str, inner: Explanation) -> list[RenderableType]:
     """Return the step of a network inside a behaviour as text."""
-    return [Text(f"\ninside {title}"), _table(inner.behaviours), _behaviours(inner.behaviours)]
+    return [Text(f"\ninside {title}"), _table(inner.behaviours), Text("\n".join(condition_tree(inner)))]
 
 
 def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
@@ -114,38 +114,3 @@ def _table(behaviours: Sequence[BehaviourAccount]) -> Table:
         terms = [f"{account.components[name]:.2f}" for name in TERM_TITLES]
         table.add_row("*" if account.running else "", Text(account.name), f"{account.activation:.2f}", *terms)
     return table
-
-
-def _behaviours(behaviours: Sequence[BehaviourAccount]) -> Tree:
-    tree = Tree("behaviours, the most active first")
-    for account in behaviours:
-        branch = tree.add(Text(f"{'* ' if account.running else ''}{account.name}: {account.why}"))
-        ready = "ready" if account.ready else "not ready"
-        branch.add(Text(f"{ready}, satisfied {account.satisfaction:.3g}{_wishes(account)}"))
-        _add_conditions(branch, account.conditions)
-    return tree
-
-
-def _goals(goals: Sequence[GoalAccount]) -> Tree:
-    tree = Tree("goals")
-    for account in goals:
-        off = "" if account.enabled else " (off)"
-        branch = tree.add(Text(f"{account.name}{off}: satisfied {account.satisfaction:.3g}{_wishes(account)}"))
-        _add_conditions(branch, account.conditions)
-    return tree
-
-
-def _readings(readings: dict[str, float]) -> Tree:
-    tree = Tree("readings")
-    tree.add(Text(", ".join(f"{name} {value:.4g}" for name, value in readings.items())))
-    return tree
-
-
-def _add_conditions(branch: Tree, accounts: Sequence[ConditionAccount]) -> None:
-    for account in accounts:
-        _add_conditions(branch.add(Text(f"{account.label}: {account.satisfaction:.3g}")), account.parts)
-
-
-def _wishes(account: BehaviourAccount | GoalAccount) -> str:
-    wished = [f"{sensor} {wish:+.3g}" for sensor, wish in account.wishes if wish != 0.0]
-    return f", wishes {', '.join(wished)}" if wished else ""

@@ -12,26 +12,20 @@ from clean_swarm_env.config.families import FamilyConfig, place_of, scenario_nam
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import ObservationConfig
 from selector.documents.errors import DocumentError, within
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from train.analysis.family_report import FamilyRuns, family_report_of, family_summary_json
-from train.evaluation.base import Choosers, Evaluation
-from train.evaluation.entrants import (
-    FIXED,
-    check_fit,
-    entrants_of,
-    identified,
-    spec_of,
-    with_baselines,
-)
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.named import FIXED, decider_named
+from train.evaluation.base import Asked, Choosers, Evaluation
+from train.evaluation.entrants import check_fit, entrants_of, with_baselines
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.reports.family_figure import draw_front
 from train.reports.family_tables import family_tables
 from train.reports.write_report import Publication
-from train.running.decided_goal import DecidedGoal
+from train.running.command import command_words
 from train.running.needs import ALONE, Machine, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import LEARNED_BEFORE
@@ -67,18 +61,19 @@ class FamilyRequest:
     @property
     def words(self) -> list[str]:
         """The command for this request."""
-        if self.scoring:
-            words = ["clean-swarm", "score", self.family, "--seed", str(self.seed)]
-            words += [word for word in self.store.words if word != "--learn"]
-        else:
-            words = ["clean-swarm", "evaluate", "--family", self.family, "--seed", str(self.seed), *self.store.words]
-            words += [word for text in self.strategies for word in ("--strategy", text)]
-        words += ["--scenarios", str(self.scenarios)] if self.scenarios is not None else []
-        words += ["--world-seeds", str(self.worlds)] if self.worlds > 1 else []
-        words += ["--knowledge", self.knowledge] if self.knowledge is not None else []
-        words += ["--goal", self.goal] if self.goal is not None and not self.scoring else []
-        words += ["--force"] if self.machine.forced else []
-        return words + [word for path in self.directories for word in ("--configs", str(path))]
+        of_strategies = {"strategy": self.strategies, "goal": self.goal, "learn": self.store.learn}
+        return command_words(
+            *(("score",) if self.scoring else ("evaluate", "--family")),
+            self.family,
+            seed=self.seed,
+            store=self.store.shown,
+            **({} if self.scoring else of_strategies),
+            scenarios=self.scenarios,
+            world_seeds=self.worlds if self.worlds > 1 else None,
+            knowledge=self.knowledge,
+            force=self.machine.forced,
+            configs=self.directories,
+        )
 
 
 class FamilyEvaluation(Evaluation):
@@ -95,13 +90,13 @@ class FamilyEvaluation(Evaluation):
             check_needs(Workload(self.family.largest, missions, min(TASK_SCENARIOS, missions)), request.machine)
         self.mission = self.family.mission.model_copy(update={"store": ""})
         first = self.family.model_copy(update={"mission": self.mission}).scenario(0, 0, "test").mission
-        batch = Batch(first, observation=ObservationConfig.usual(self.family.terms), directories=request.directories)
+        batch = Batch(first, directories=request.directories)
         problem = DecidedGoal(batch, request.goal).problem
         self.goal, self.options = problem.goal, problem.options
         self.entrants = entrants_of(request.strategies, problem.options)
         if not (request.scoring or request.store.learn):
             self.entrants = with_baselines(self.entrants, problem.options)
-        check_fit(self.entrants, batch, self.family.terms, problem, request.directories)
+        check_fit(self.entrants, batch, problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]
         self.stem = f"{self.family.name}-seed{request.seed}"
@@ -112,14 +107,16 @@ class FamilyEvaluation(Evaluation):
             self.choosers()  # a strategy that cannot choose for a whole mission is an error
         source = f"family {self.family.name}, {self.goal}, seed {request.seed}"
         known = knowledge_of(self.mission, request.directories)
-        self.memory = store.memory(known, mission_context(self.family.name), source)
+        self.asked = Asked(scenarios=len(indices), worlds=request.worlds, scoring=request.scoring)
+        self.context = mission_context(self.family.name)
+        self.memory = store.memory(known, self.context, source)
         self.manifest = {
             "identity": {
                 "family": self.family.model_dump(mode="json"),
                 "seed": request.seed,
                 "goal": self.goal,
                 "strategies": {
-                    entrant.label: [identified(member, request.directories) for member in entrant.members]
+                    entrant.label: [decider_named(member, request.directories).identity for member in entrant.members]
                     for entrant in self.entrants
                 },
                 "files": fingerprints(self.directories),
@@ -153,9 +150,9 @@ class FamilyEvaluation(Evaluation):
         problem = Problem.of(knowledge_of(self.mission, directories), self.goal)
         return {
             condition: {
-                self.goal: spec_of(member).build(
-                    problem, row_keys(np.random.SeedSequence([self._request.seed, k]), 1), alone, directories
-                )
+                self.goal: decider_named(member, directories)
+                .spec()
+                .build(problem, row_keys(np.random.SeedSequence([self._request.seed, k]), 1), alone)
             }
             for k, (condition, member) in enumerate(self._members())
         }

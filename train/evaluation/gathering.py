@@ -12,7 +12,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.plain import short
 from train.evaluation.base import Evaluation
 from train.running.finished_runs import JOURNAL, runs_of
-from train.running.run_folder import COMMAND, MANIFEST, SHARE_FOLDERS, Json, RunFolder, read_manifest
+from train.running.run_folder import MANIFEST, SHARE_FOLDERS, Json, RunFolder
 from train.running.runs import RunKey, RunRecord
 
 ALL = "all"
@@ -68,32 +68,36 @@ def gathered(evaluation: Evaluation, directory: Path, count: int) -> tuple[list[
         ConfigurationError: a share is not there, is not finished, or is one of another evaluation.
 
     """
-    keys, runs, known = evaluation.keys, dict[RunKey, RunRecord](), list[Json]()
-    for share in (RunShare(number, count) for number in range(1, count + 1)):
-        path, part, command = share.folder(directory), share.part(keys), share.command(evaluation, directory)
+    keys, runs, known = evaluation.keys, dict[RunKey, tuple[RunRecord, Path]](), list[Json]()
+    shares = [RunShare(number, count) for number in range(1, count + 1)]
+    for share in shares:
+        path, command = share.folder(directory), share.command(evaluation, directory)
         if not (path / MANIFEST).exists():
             raise ConfigurationError(f"{path}: no such share; expected the results of `{command}`")
         folder = RunFolder(path, evaluation.manifest, resume=True, growing=evaluation.growing)
         with folder.alone():
-            runs |= {record.key: record for record in runs_of(path / JOURNAL, evaluation.mistake)}
-        lacking = sum(key not in runs for key in part)
-        if lacking:
-            raise ConfigurationError(f"{path}: lacks {lacking} of {len(part)} runs; to go on: `{command}`")
+            for record in runs_of(path / JOURNAL, evaluation.mistake):
+                other, first = runs.setdefault(record.key, (record, path))
+                if other.result != record.result:
+                    run = f"scenario {record.scenario}, condition {record.condition}"
+                    raise ConfigurationError(f"{first} and {path}: expected the same figures of {run}, got others")
         known.append(folder.learned)
         if folder.learned != known[0]:
             raise ConfigurationError(f"{path}: began with other learned scores than share 1")
-    return list(runs.values()), known[0]
+    for share in shares:
+        part, path = share.part(keys), share.folder(directory)
+        lacking = sum(key not in runs for key in part)
+        if lacking:
+            command = share.command(evaluation, directory)
+            raise ConfigurationError(f"{path}: lacks {lacking} of {len(part)} runs; to go on: `{command}`")
+    return [record for record, _ in runs.values()], known[0]
 
 
-def gathering_words(directory: Path) -> list[str]:
-    """Return the words of the command that gathers the shares in a directory, without the name of the program."""
+def first_share(directory: Path) -> tuple[RunShare, Path]:
+    """Return what gathers the shares in a directory, and the run folder of the first one that is there."""
     names = [path.name for path in sorted((directory / SHARE_FOLDERS).glob("*-of-*"))]
     counts = sorted({name.rpartition("-")[2] for name in names})
     if len(counts) != 1:
         found = f"shares of {' and of '.join(counts)}" if counts else "none"
         raise ConfigurationError(f"{directory / SHARE_FOLDERS}: expected shares of one number, got {found}")
-    path = directory / SHARE_FOLDERS / names[0]
-    match read_manifest(path).get(COMMAND):
-        case ["clean-swarm", "evaluate" | "score", *_] as words if all(isinstance(word, str) for word in words):
-            return [*words[1:], "--output", str(directory), "--resume", "--share", f"{ALL}/{counts[0]}"]
-    raise ConfigurationError(f"{path / MANIFEST}: {COMMAND}: expected the words of a command that evaluates")
+    return RunShare.of_text(f"{ALL}/{counts[0]}"), directory / SHARE_FOLDERS / names[0]

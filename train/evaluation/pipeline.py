@@ -5,15 +5,14 @@
 
 import json
 import shlex
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import MofNCompleteColumn
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
@@ -30,7 +29,8 @@ from train.reports.write_report import publish
 from train.running.engine import Engine, WorkerLost, each_done
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.finished_runs import Results
-from train.running.run_folder import CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
+from train.running.progress import progress
+from train.running.run_folder import ASKED, CHOSEN_OPTIONS, COMMAND, LEARNED_BEFORE, RunFolder, default_directory
 from train.running.runs import RunKey, RunRecord
 from train.running.warm_up import compile_first
 
@@ -67,7 +67,8 @@ def evaluate(evaluation: Evaluation, execution: Execution) -> int:
     root = execution.output or default_directory(evaluation.stem, resume=execution.resume)
     if evaluation.memory is not None and not execution.resume:
         evaluation.memory.check_new()
-    manifest, share, known = {**evaluation.manifest, COMMAND: evaluation.words}, execution.share, list[RunRecord]()
+    manifest = {**evaluation.manifest, ASKED: evaluation.asked.model_dump(), COMMAND: evaluation.words}
+    share, known = execution.share, list[RunRecord]()
     if share is not None and share.gathers:
         known, learned = gathered(evaluation, root, share.count)
         manifest |= {LEARNED_BEFORE: learned} if LEARNED_BEFORE in manifest else {}
@@ -97,9 +98,9 @@ def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -
         execution.console.print(done, soft_wrap=True, highlight=False)
         return FINISHED
     publication = evaluation.publication(results.records)
-    if folder.learned and memory is not None:
+    if folder.learned:
         known = knowledge_of(evaluation.mission, evaluation.directories)
-        title = f"known at the beginning in the context {memory.context!r}"
+        title = f"known at the beginning in the context {evaluation.context!r}"
         grids = (*publication.grids, learned_scores(known, title, evaluation.mission.time_limit))
         publication = replace(publication, grids=grids)
     publish(publication, folder, execution.console)
@@ -126,10 +127,10 @@ def _run_missing(evaluation: Evaluation, results: Results, execution: Execution)
     done = len(wanted) - sum(len(task.keys) for task in tasks)
     in_turn = evaluation.learns_in_turn
     runs = _lessons(evaluation, results, settings) if in_turn else each_done(tasks, execution.engine)
-    with _progress(len(wanted), done) as advance, closing(runs) as each:
+    with progress("runs", MofNCompleteColumn(), len(wanted), done) as update, closing(runs) as each:
         for record in each:
             results.add(record)
-            advance()
+            update(advance=1)
 
 
 def _lessons(
@@ -185,14 +186,6 @@ def mission_score(mission: MissionConfig, cost: float) -> float:
     lowest reward that a store takes.
     """
     return max(1.0 - cost / mission.time_limit, -REWARD_LIMIT)
-
-
-@contextmanager
-def _progress(total: int, done: int) -> Iterator[Callable[[], None]]:
-    """Show a progress bar on the standard error; the function returned has to be called after each run."""
-    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
-    with Progress(*columns, TimeRemainingColumn(elapsed_when_finished=False), console=Console(stderr=True)) as bar:
-        yield partial(bar.advance, bar.add_task("runs", total=total, completed=done))
 
 
 def _print_how_to_resume(evaluation: Evaluation, execution: Execution, results: Results, what: str) -> None:

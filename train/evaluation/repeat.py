@@ -16,12 +16,14 @@ from selector.documents.errors import shown, validated, within
 from selector.documents.fields import Closed, Number
 from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
+from selector.documents.writing import writing_to
 from selforg.registry import unknown
 from train.evaluation.repeat_trial import evaluation_seed, family_tasks, trial_steps
-from train.evaluation.trial_task import TrialTask
+from train.evaluation.trial_task import TrialTask, experiment_tasks, identities
+from train.running.needs import ALONE, Workload, check_needs
 from train.running.provenance import fingerprints, versions
 from train.running.run_folder import CHOSEN_OPTIONS, LEARNED_BEFORE, MANIFEST, RECORDINGS, read_manifest
-from train.running.runs import RunTask, tasks_of
+from train.running.runs import RunTask
 
 Repeated = RunTask | TrialTask
 """One run that can be repeated; a task of trials has one scenario then."""
@@ -59,10 +61,7 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
     for key, kind in NOT_REPEATED.items():
         if key in identity:
             raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
-    listed = identity.get("directories", manifest.get("directories", []))
-    if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
-        raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
-    directories = tuple(Path(name) for name in listed)
+    directories = held_directories(manifest, path)
     _check_same_files(identity.get("files"), directories, path)
     if "family" in identity:
         tasks: Sequence[Repeated] = family_tasks(identity, directories, directory)
@@ -78,11 +77,28 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
         return task.serving(options) if options else task
 
 
-def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> list[RunTask]:
+def held_directories(manifest: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
+    """Return the user's own directories of configurations that a manifest names."""
+    listed = manifest["identity"].get("directories", manifest.get("directories", []))
+    if not (isinstance(listed, list) and all(isinstance(name, str) for name in listed)):
+        raise ConfigurationError(f"{path}: identity.directories: expected paths, got {short(listed)}")
+    return tuple(Path(name) for name in listed)
+
+
+def _experiment_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], path: Path) -> Sequence[Repeated]:
     where = f"{path}: identity.configuration"
     experiment = validated(ExperimentConfig, identity.get("configuration"), where)
     with within(where):
-        return tasks_of(experiment, evaluation_seed(identity, path), directories)
+        tasks = experiment_tasks(experiment, evaluation_seed(identity, path), directories)
+        now = identities(tasks)
+    held = identity.get("deciders", {})
+    if not isinstance(held, dict) or set(held) != set(now):
+        expected = ", ".join(now) or "none"
+        raise ConfigurationError(f"{path}: identity.deciders: expected those of {expected}, got {short(held)}")
+    for condition, identity_now in now.items():
+        if held[condition] != identity_now:
+            raise ConfigurationError(f"{path}: condition {condition!r} is no longer what the evaluation ran with")
+    return tasks
 
 
 def chosen_options(directory: Path) -> dict[tuple[str, str], dict[str, str]]:
@@ -157,11 +173,11 @@ def _check_same_files(held: object, directories: Sequence[Path], path: Path) -> 
     raise ConfigurationError(f"{path}: {name} is no longer what the evaluation ran with; its runs cannot be repeated")
 
 
-def record_run(task: Repeated, output: Path, *, minds: bool = True) -> RecordedMission:
-    """Repeat a whole run and write it to a new file; return the recording.
+def record_run(task: Repeated, output: Path, *, minds: bool = True) -> Path:
+    """Repeat a whole run and write it to a new file; return the file.
 
     Raises:
-        ConfigurationError: the file exists or cannot be written, or the mission has nothing to do.
+        ConfigurationError: the file exists or cannot be written, or the mission has nothing to do or is too large.
 
     """
     if output.suffix != SUFFIX:
@@ -170,27 +186,26 @@ def record_run(task: Repeated, output: Path, *, minds: bool = True) -> RecordedM
         raise ConfigurationError(f"{output}: exists already; expected a new file")
     if not output.parent.is_dir():
         raise ConfigurationError(f"{output}: cannot be written (no such directory)")
-    task.recorded(RecordSettings(output.parent, minds, name=output.name)).run()
-    return RecordedMission(output)
+    check_needs(Workload(task.mission, 1), ALONE, "the run cannot be repeated here")
+    with writing_to(output, anew=True):
+        task.recorded(RecordSettings(output.parent, minds, name=output.name)).run()
+    return output
 
 
-def recording_of(
-    run: Path, scenario: str | None, condition: str | None, folder: Path, *, minds: bool = True
-) -> RecordedMission:
-    """Return a recording: that of a file, or one of a run in a directory of results, with minds if they are asked for.
+def recording_of(run: Path, scenario: str | None, condition: str | None, folder: Path, *, minds: bool = True) -> Path:
+    """Return the file of a recording: `run` itself, or that of a run in a directory of results, with or without minds.
 
     A run that was recorded so is read. Others are repeated, and recorded in `folder`.
     """
     if not run.is_dir():
-        return RecordedMission(run)
+        return run
     task = task_of(run, scenario, condition)
     for path in sorted((run / RECORDINGS).glob(f"*{SUFFIX}")):
         head = RecordedParts(blocks_of(path), str(path)).head
         own = (head["about"].get("scenario"), head["about"].get("condition")) == (task.scenario, task.condition)
         if own and head["minds"] >= minds:
             with suppress(NoFrames):
-                recording = RecordedMission(path)
-                if recording.result is not None:
-                    return recording
+                if RecordedMission(path, ()).result is not None:
+                    return path
     number = len(list(folder.iterdir())) + 1
     return record_run(task, folder / f"{number}{SUFFIX}", minds=minds)

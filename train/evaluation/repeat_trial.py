@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,10 @@ from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.errors import validated, within
 from selector.documents.plain import short
-from train.evaluation.entrants import Entrant, identified
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.named import decider_named
+from train.evaluation.entrants import Entrant
 from train.evaluation.trial_task import TrialTask
-from train.running.decided_goal import DecidedGoal
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.run_folder import MANIFEST
 from train.running.runs import under
@@ -52,21 +53,21 @@ def family_tasks(identity: Mapping[str, Any], directories: tuple[Path, ...], dir
 
 def trial_steps(task: TrialTask) -> Iterator[Worlds]:
     """Repeat a run with networks that note their reasons; yield the world after each control period."""
-    scenarios = iter((task.scenario_of(task.places[0]),))
+    scenarios, settings = iter((task.scenario_of(task.places[0]),)), task.settings
     batch = Batch(
         task.mission,
         source=lambda _: next(scenarios, None),
         directories=task.directories,
         explained=True,
-        observation=task.observation,
-        action=task.action,
+        observation=settings.observation,
+        action=settings.action,
     )
-    decided = DecidedGoal(batch, task.goal)
-    pilot = task.pilot(decided.problem, np.zeros(batch.robots, dtype=np.int64))
+    decided = DecidedGoal(batch, settings.goal)
+    decider = task.decider(decided.problem, np.zeros(batch.robots, dtype=np.int64))
     observations = batch.reset()
-    pilot.begin(batch.worlds.rows_of(0), task.mission_seed)
+    decider.reset(batch.worlds.rows_of(0), task.mission_seed)
     while batch.progress.outcome[0] == RUNNING:
-        yield from batch.ticks(decided.decide(pilot, observations))
+        yield from batch.ticks(decided.decide(decider, observations))
         if batch.progress.outcome[0] == RUNNING:
             observations = batch.end_period().observations
 
@@ -81,28 +82,39 @@ def evaluation_seed(identity: Mapping[str, Any], path: Path) -> int:
 
 def _runs(held: object, members: Mapping[str, str], where: str) -> dict[str, tuple[FamilyConfig, str]]:
     """Return family and member of each condition; with disturbances, of each condition under each."""
-    if not (isinstance(held, dict) and "disturbances" in held):
-        family = validated(FamilyConfig, held, where)
+    family = held_family(held, list(members), where)
+    if not isinstance(family, RobustnessConfig):
         return {condition: (family, member) for condition, member in members.items()}
-    robustness = validated(RobustnessConfig, held | {"strategies": list(members)}, where)
     return {
-        under(name, condition): (family, member)
-        for name, family in robustness.disturbed.items()
+        under(name, condition): (disturbed, member)
+        for name, disturbed in family.disturbed.items()
         for condition, member in members.items()
     }
 
 
+def held_family(held: object, labels: Sequence[str], where: str) -> FamilyConfig:
+    """Return the family of a manifest, with disturbances and the `labels` of strategies where it has them."""
+    if isinstance(held, dict) and "disturbances" in held:
+        return validated(RobustnessConfig, held | {"strategies": list(labels)}, where)
+    return validated(FamilyConfig, held, where)
+
+
 def _members(strategies: object, directories: tuple[Path, ...], path: Path) -> Iterator[tuple[str, str]]:
     """Yield condition and member of each strategy."""
+    for entrant, then in held_entrants(strategies, path):
+        for condition, member, held in zip(entrant.conditions, entrant.members, then, strict=True):
+            if decider_named(member, directories).identity != held:
+                raise ConfigurationError(
+                    f"{path}: {member} is no longer what the evaluation ran with; its runs cannot be repeated"
+                )
+            yield condition, member
+
+
+def held_entrants(strategies: object, path: Path) -> Iterator[tuple[Entrant, list[str]]]:
+    """Yield the entrants of a manifest, each with its members and their digests."""
     if not isinstance(strategies, dict):
         raise ConfigurationError(f"{path}: identity.strategies: expected a mapping, got {short(strategies)}")
     for label, held in strategies.items():
         if not (isinstance(held, list) and all(isinstance(member, str) for member in held)):
             raise ConfigurationError(f"{path}: identity.strategies.{label}: expected texts, got {short(held)}")
-        entrant = Entrant(label, tuple(member.partition(DIGEST)[0] for member in held))
-        for condition, member, then in zip(entrant.conditions, entrant.members, held, strict=True):
-            if identified(member, directories) != then:
-                raise ConfigurationError(
-                    f"{path}: {member} is no longer what the evaluation ran with; its runs cannot be repeated"
-                )
-            yield condition, member
+        yield Entrant(label, tuple(member.partition(DIGEST)[0] for member in held)), held

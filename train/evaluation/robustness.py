@@ -21,10 +21,7 @@ class RobustnessEvaluation(FamilyEvaluation):
     def __init__(self, request: FamilyRequest, robustness: RobustnessConfig) -> None:
         super().__init__(request, robustness)
         self._robustness, self._disturbed = robustness, robustness.disturbed
-        words = ["clean-swarm", "evaluate", request.family, "--seed", str(request.seed)]
-        words += ["--scenarios", str(request.scenarios)] if request.scenarios is not None else []
-        words += ["--force"] if request.machine.forced else []
-        self.words = words + [word for path in self.directories for word in ("--configs", str(path))]
+        self.words = [word for word in replace(request, strategies=()).words if word != "--family"]
         del self.manifest["identity"]["family"]["strategies"]  # they stand beside the family, where they may grow
 
     def tasks(self, done: Collection[RunKey]) -> list[TrialTask]:

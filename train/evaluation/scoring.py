@@ -14,8 +14,8 @@ from selector.coordination.robot_document import coordinated_goals
 from selector.documents.find import files_of, find_file
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
+from train.deciders.named import FIXED
 from train.evaluation.base import Evaluation
-from train.evaluation.entrants import FIXED
 from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.goals.scene_runs import GoalRequest, score_goal

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.learning.actions import ActionConfig
-from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError
 from selector.documents.plain import short
 from selector.strategies.problem import Problem
 from selforg.arrays import Ints
-from train.evaluation.entrants import FIXED, action_of, any_pilot
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import Decider
+from train.deciders.named import FIXED, NamedDecider, decider_named
 from train.running.finished_runs import natural_order
-from train.running.pilots import AnyPilot
-from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord
+from train.running.runs import WARM_UP_LIMIT, RunKey, RunRecord, RunTask, tasks_of
 from train.running.trials import TrialSettings, each_trial
 
 TASK_SCENARIOS = 25
@@ -90,9 +95,8 @@ class TrialTask:
         """Run the scenarios in one batch, and yield each run when it is done; its time is that since the one before."""
         before = time.perf_counter()
         scenarios = [self.scenario_of(place) for place in self.places]
-        record = self.record and replace(self.record, about=self.naming)
-        settings = TrialSettings(self.goal, TASK_SCENARIOS, self.observation, self.directories, record, self.action)
-        for place, result in each_trial(scenarios, self.pilot, settings):
+        settings = replace(self.settings, record=self.record and replace(self.record, about=self.naming))
+        for place, result in each_trial(scenarios, self.decider, settings):
             before, began = time.perf_counter(), before
             wall = round(before - began, 3)
             yield RunRecord(self.family.name, scenarios[place].id, self.seed, self.condition, result, wall)
@@ -128,15 +132,69 @@ class TrialTask:
         return replace(scenario, mission=scenario.mission.model_copy(update={"time_limit": limit}))
 
     @cached_property
-    def action(self) -> ActionConfig:
-        """What the member gives: options, movement vectors or both."""
-        return action_of(self.member, self.directories)
+    def named(self) -> NamedDecider:
+        """The member, as its text names it."""
+        return decider_named(self.member, self.directories)
 
     @property
-    def observation(self) -> ObservationConfig:
-        """What the member sees."""
-        return ObservationConfig.usual(self.family.terms, steered=self.action.mode == "velocity")
+    def settings(self) -> TrialSettings:
+        """What the member decides on, sees and gives."""
+        seen, action = self.named.observation(self.family.mission.terms), ActionConfig(mode=self.named.mode)
+        goal = self.named.goal or self.goal
+        return TrialSettings(goal, TASK_SCENARIOS, seen, self.directories, self.record, action)
 
-    def pilot(self, problem: Problem, teams: Ints) -> AnyPilot:
-        """Return the pilot of the member."""
-        return any_pilot(self.member, problem, teams, self.directories)
+    def decider(self, problem: Problem, teams: Ints) -> Decider:
+        """Return the decider of the member."""
+        return self.named.build(problem, teams)
+
+
+@dataclass(frozen=True)
+class StartTask(TrialTask):
+    """One start configuration of an experiment under a decider that is no strategy of all goals."""
+
+    given: StartConfiguration = field(kw_only=True)
+
+    @property
+    def keys(self) -> tuple[RunKey, ...]:
+        """Scenario and condition of the run."""
+        return ((self.given.id, self.condition),)
+
+    def scenario_of(self, place: tuple[int, int]) -> Scenario:
+        """Return the mission on the start configuration."""
+        mission = self.family.mission
+        mission = mission.model_copy(update={"time_limit": min(mission.time_limit, self.time_limit)})
+        return Scenario(self.given.id, run_seed(self.seed, self.given.id), mission, self.given)
+
+    @property
+    def settings(self) -> TrialSettings:
+        """What the member decides on, sees and gives."""
+        return replace(super().settings, goal=self.named.meant_for or None)
+
+    def check(self) -> None:
+        """Raise an error of one line for a decider that does not fit the mission."""
+        settings = self.settings
+        batch = Batch(
+            self.mission, directories=self.directories, observation=settings.observation, action=settings.action
+        )
+        self.decider(DecidedGoal(batch, settings.goal).problem, np.zeros(batch.rows, dtype=np.int64))
+
+
+def experiment_tasks(
+    experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()
+) -> list[RunTask | TrialTask]:
+    """Return a task for every condition on every start; ConfigurationError for a start that does not fit."""
+    members = {each.name: each.strategy for each in experiment.conditions if isinstance(each.strategy, str)}
+
+    def task(run: RunTask) -> RunTask | TrialTask:
+        if run.condition not in members:
+            return run
+        family = FamilyConfig(name=experiment.name, description=experiment.description, mission=run.mission)
+        member = members[run.condition]
+        return StartTask(family, seed, ((0, 0),), run.condition, member, "", directories, given=run.start)
+
+    return [task(run) for run in tasks_of(experiment, seed, directories)]
+
+
+def identities(tasks: Sequence[RunTask | TrialTask]) -> dict[str, str]:
+    """Return the identity of the decider of each condition that has one."""
+    return {task.condition: task.named.identity for task in tasks if isinstance(task, TrialTask)}

@@ -149,12 +149,12 @@ def run_goal(request: GoalRequest) -> GoalOutcome:
 def _values(request: GoalRequest, name: str, make: Callable[[Scene], Controller] | None = None) -> Mapping[str, Floats]:
     """Run the scene with what `make` returns, or with the baseline; return the measures (W,), and record if asked."""
     scene = find(request.goal)(request.setting, request.seeds)
-    scene.begin(make)
+    scene.start(make)
     recorder = SceneRecorder(scene, name, request.record, request.seeds) if request.record is not None else None
     while not scene.over:
         scene.advance()
         if recorder is not None:
-            recorder.take()
+            recorder.record()
     if recorder is not None:
         recorder.close()
     return scene.measured()

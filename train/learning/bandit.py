@@ -18,11 +18,12 @@ from selector.strategies.registry import StrategySpec
 from selector.strategies.strategy import DecisionStrategy
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
+from train.deciders.decider import DeciderMaker, columns_of
+from train.deciders.strategies import StrategyDecider
 from train.learning.by_missions import MissionLearning
 from train.learning.by_rewards import Learning, Paid, RewardLearning
 from train.learning.training import Training, TrainingJob, expert_knowledge
 from train.learning.validation import CheckpointDescription
-from train.running.pilots import PilotMaker, StrategyPilot, columns_of
 
 STRATEGY = "strategy.safetensors"
 
@@ -76,10 +77,10 @@ class BanditTraining(Training):
     def _learn(self) -> dict[str, Any]:
         seeds = np.random.SeedSequence([self.job.seed, self.checkpoint, 2])
         self.strategy.reseed(np.arange(self.strategy.rows), row_keys(seeds, self.strategy.rows))
-        costs = self._learning.learn(self.strategy, self.checkpoint, self._take)
-        return {"missions": len(costs), "training_cost_s": float(np.mean(costs)) if costs else None}
+        costs = self._learning.learn(self.strategy, self.checkpoint, self._learn_from)
+        return {"missions": len(costs), "training_excess_s": float(np.mean(costs)) if costs else None}
 
-    def _take(self, paid: Paid, decisions: int) -> None:
+    def _learn_from(self, paid: Paid, decisions: int) -> None:
         """Update the strategy by decisions whose rewards are complete, and count the decisions made."""
         self._decisions += decisions
         self.job.on_progress(self._decisions)
@@ -91,19 +92,19 @@ class BanditTraining(Training):
             keys = self.strategy.context_keys(paid.contexts)
             self._record.record(paid.options, paid.rewards, memory.contexts(keys))
 
-    def _pilot_maker(self) -> PilotMaker:
+    def _decider_maker(self) -> DeciderMaker:
         learned = self.strategy.learned()
 
-        def pilot(problem: Problem, teams: Ints) -> StrategyPilot:
+        def decider(problem: Problem, teams: Ints) -> StrategyDecider:
             own = self._built(self.settings.learned, replace(problem, features=self.settings.context), teams)
             own.load_learned({name: array[:1] for name, array in learned.items()})
-            return StrategyPilot(own, columns_of(problem, self.settings.context, "context"), problem)
+            return StrategyDecider(own, columns_of(problem, self.settings.context, "context"), problem)
 
-        return pilot
+        return decider
 
     def _built(self, spec: StrategySpec, problem: Problem, teams: Ints) -> DecisionStrategy:
         keys = row_keys(np.random.SeedSequence([self.job.seed, 3]), len(teams))
-        return spec.build(problem, keys, teams, self.job.directories)
+        return spec.build(problem, keys, teams)
 
     def _keep_best(self) -> None:
         self._best = self.strategy.learned()

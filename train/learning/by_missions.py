@@ -1,4 +1,4 @@
-"""Learning from the costs of whole missions: each team chooses an option for every situation once in a mission.
+"""Learning from the excess costs of whole missions: each team chooses an option for every situation once in a mission.
 
 The effect of an option often appears only when the whole team uses it for minutes: robots that keep their distance meet
 less often later. The costs of missions depend far more on the scenarios than on the decisions. Therefore several teams
@@ -11,7 +11,6 @@ Shapes: M missions of a round, G of each scenario; S situations, at least one.
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
 from collections.abc import Sequence
 from itertools import islice
 
@@ -22,10 +21,11 @@ from selector.strategies.problem import Problem
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
+from train.deciders.rules import TeamRuleDecider
 from train.learning.by_rewards import Paid, Taker
 from train.learning.config import ComparisonConfig, TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.running.pilots import RulePilot
+from train.learning.validation import judged
 from train.running.trials import TrialSettings, run_trials
 
 
@@ -46,7 +46,7 @@ class MissionLearning:
         self.teams: Ints = np.repeat(np.arange(self._missions), len(self._contexts))
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
-        """Train the strategy until the next checkpoint; return the costs of all missions [s]."""
+        """Train the strategy until the next checkpoint; return the excess costs of all missions [s]."""
         costs: list[float] = []
         contexts = np.tile(self._contexts, (self._missions, 1))
         rows = np.arange(len(self.teams))
@@ -66,39 +66,14 @@ class MissionLearning:
         return costs
 
     def _costs(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
-        """Return the costs (M,) [s] of missions in which teams follow `rules` (M, S); G missions for each scenario."""
+        """Return the excess (M,) [s] of missions in which teams follow `rules` (M, S); G missions for each scenario."""
         missions = [scenario for scenario in scenarios for _ in range(self._compared.group)]
         seeds = [scenario.seed for scenario in missions]
 
-        def pilot(problem: Problem, teams: Ints) -> TeamsPilot:
-            return TeamsPilot(problem, self._situations, len(teams), seeds, rules)
+        def decider(problem: Problem, teams: Ints) -> TeamRuleDecider:
+            return TeamRuleDecider(problem, self._situations, len(teams), seeds, rules)
 
-        return np.array([result.cost_s for result in run_trials(missions, pilot, self._trials)])
-
-
-class TeamsPilot(RulePilot):
-    """A pilot in which each team follows one rule during its mission.
-
-    Args:
-        problem: goal and options; its features are all components of the observation.
-        situations: see `RulePilot`.
-        rows: R.
-        seeds: (M,) seed of each mission; missions of one seed begin in this order.
-        rules: (M, S) options of each mission.
-
-    """
-
-    def __init__(
-        self, problem: Problem, situations: tuple[str, ...], rows: int, seeds: Sequence[int], rules: Ints
-    ) -> None:
-        super().__init__(problem, situations, np.zeros((rows, rules.shape[1]), dtype=np.int64))
-        self._waiting: dict[int, deque[Ints]] = defaultdict(deque)
-        for seed, rule in zip(seeds, rules, strict=True):
-            self._waiting[seed].append(rule)
-
-    def begin(self, rows: Ints, seed: int) -> None:
-        """Give `rows` (N,) the rule of the next mission of a seed."""
-        self.rules[rows] = self._waiting[seed].popleft()
+        return np.array([judged(result) for result in run_trials(missions, decider, self._trials)])
 
 
 def relative(cost: Floats, group: int, limit: float) -> Floats:

@@ -13,10 +13,10 @@ import numpy as np
 from clean_swarm_env.learning.joined import Joined
 from selector.strategies.strategy import DecisionStrategy
 from selforg.arrays import Flags, Floats, Ints
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import columns_of
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import columns_of
 
 
 class Paid(NamedTuple):
@@ -64,7 +64,7 @@ class RewardLearning:
 
     def learn(self, strategy: DecisionStrategy, checkpoint: int, take: Taker) -> list[float]:
         """Train the strategy until the next checkpoint; return the costs of the missions that ended [s]."""
-        self._curriculum.begin(checkpoint)
+        self._curriculum.set_scenarios(checkpoint)
         seen, rows = self._joined.reset(), self._joined.rows
         periods = max(round(self._credit.horizon / self._period), 1)
         credit = Credit(rows, periods, len(self._columns), self._credit.discount**self._period)
@@ -86,7 +86,7 @@ class RewardLearning:
             left[over] = 0
             seen = step.observations
             take(credit.pay(step.rewards, over), rows)
-            costs += [end.result.cost_s for batch in self._curriculum.batches for end in batch.finished]
+            costs += [end.result.excess_s for batch in self._curriculum.batches for end in batch.finished]
         return costs
 
 

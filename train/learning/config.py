@@ -50,7 +50,7 @@ class ValidationConfig(Closed):
     every: Count = 1
     """Checkpoints from one measurement to the next."""
     patience: Count = 1000
-    """Measurements without a better mission cost after which the training stops."""
+    """Measurements without a better score after which the training stops."""
 
 
 class PpoConfig(Closed):
@@ -64,8 +64,12 @@ class PpoConfig(Closed):
     """Number of passes over all decisions of an update."""
     learning_rate: Positive = 3e-4
     """Step size of Adam at the beginning; it falls linearly to a tenth [-]."""
+    counted: Literal["all", "running"] = "all"
+    """Decisions of robots at work that are learned from: all, or those in whose period the behaviour of the goal ran.
+    This is for goals whose options have a say only then, as ways to explore. The others are held: what they bring is
+    that of the last one that counted."""
     discount: Share = 0.98
-    """Weight of a reward one decision later [-]."""
+    """Weight of a reward one decision period later [-]."""
     trace: Share = 0.95
     """Weight of longer returns in the advantage (lambda of GAE) [-]."""
     clip: Positive = 0.2
@@ -83,22 +87,14 @@ class PpoConfig(Closed):
     correction of the movement."""
     deviation: Positive = 1.0
     """Standard deviation of vectors at the beginning, in shares of the largest speed [-]."""
-    chooser: DocumentName | None = None
-    """Corrections only: name or path of a policy that chooses the options, so that only corrections are learned; none:
-    options are learned, too."""
-    reach: Annotated[Positive, Field(le=1.0)] = 1.0
-    """Largest absolute value of a component of vectors, in shares of the largest speed."""
-    patience: Positive | None = None
-    """Corrections only: time after which robots that do not get on are not corrected [s], see `ActionConfig`."""
     critic: Literal["own", "team"] = "own"
     """What the value function sees: what the robot sees, or the global state of its world too (MAPPO). It is needed in
     training only."""
 
     @model_validator(mode="after")
-    def _corrects(self) -> Self:
-        for name in ("chooser", "patience"):
-            if getattr(self, name) is not None and self.action != "both":
-                raise ValueError(f"{name}: expected with action both, got {self.action}")
+    def _has_a_say(self) -> Self:
+        if self.counted == "running" and self.action != "option":
+            raise ValueError(f"counted: expected all with action {self.action}, got running")
         return self
 
 
@@ -116,7 +112,7 @@ class CreditConfig(Closed):
 
 
 class ComparisonConfig(Closed):
-    """Comparison of missions of one scenario by the logarithm of their costs."""
+    """Comparison of missions of one scenario by the logarithm of their excess costs."""
 
     group: Annotated[int, Field(strict=True, ge=2, le=10_000)] = 8
     """Missions of each scenario."""
@@ -134,7 +130,7 @@ class BanditConfig(Closed):
     credit: CreditConfig = CreditConfig()
     """Rewards that count if each robot decides."""
     comparison: ComparisonConfig | None = None
-    """Teams choose an option for each situation once in a mission and are rewarded for its cost compared with others.
+    """Teams choose an option for each situation once in a mission and are rewarded for its excess compared with others.
     `context` then names the situations, components of which the largest counts. None: robots decide, see `credit`."""
     exported: dict[Name, Any] = Field(default_factory=dict)
     """Parameters that the strategy gets after learning, for instance to stop exploring."""
@@ -249,7 +245,7 @@ class TrainingConfig(Closed):
     @property
     def action(self) -> ActionConfig:
         """What a learner gives."""
-        return ActionConfig(mode=self.ppo.action, patience=self.ppo.patience) if self.ppo else ActionConfig()
+        return ActionConfig(mode=self.ppo.action) if self.ppo else ActionConfig()
 
 
 def load_training(name: str, learner: str, directories: Sequence[Path] = ()) -> TrainingConfig:

@@ -57,7 +57,7 @@ class Curriculum:
             for family in families
         }
 
-    def begin(self, checkpoint: int) -> None:
+    def set_scenarios(self, checkpoint: int) -> None:
         """Set the scenarios of the batches after a checkpoint, from their next reset on."""
         words = np.random.SeedSequence([self._seed, checkpoint, 1]).generate_state(len(self.batches), np.uint32)
         for batch, word in zip(self.batches, words, strict=True):

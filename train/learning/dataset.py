@@ -12,10 +12,13 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from numpy.typing import NDArray
 
+from clean_swarm_env.borders.spaces import CORRECTION, OPTION
 from selector.documents.errors import DocumentError
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import PilotMaker
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.named import NamedDecider, decider_named
+from train.running.needs import ALONE, Workload, check_needs
 
 ENVIRONMENT = "clean_swarm_env.registration:CleanSwarm-v0"
 """Id by which Minari makes the environment of a dataset again, in a program that has not imported ours."""
@@ -41,13 +44,14 @@ class DatasetRequest:
     """The user's own directories of configurations."""
 
 
-def write_dataset(request: DatasetRequest, maker: PilotMaker, on_mission: Callable[[], object]) -> tuple[str, int]:
+def write_dataset(request: DatasetRequest, on_mission: Callable[[], object]) -> tuple[str, int]:
     """Run the missions and write the dataset; return its description and its number of decisions.
 
     `on_mission` is called after each mission.
 
     Raises:
-        DocumentError: Minari is not installed, has such a dataset already, or does not take the name.
+        DocumentError: Minari is not installed, has such a dataset already, or does not take the name; or the missions
+            need more memory or time than there is.
 
     """
     if find_spec("minari") is None:
@@ -61,14 +65,19 @@ def write_dataset(request: DatasetRequest, maker: PilotMaker, on_mission: Callab
         raise DocumentError(f"NAME: expected group/name-v0, got {request.name!r} ({error})") from error
     if known:
         raise DocumentError(f"NAME: expected a new dataset, {request.name!r} is there; `minari delete` removes it")
+    named = decider_named(request.strategy, request.directories)
     settings: dict[str, Any] = {"family": request.family}
+    if named.mode != "option" or named.trained_with:
+        settings |= {"action": {"mode": named.mode}, "observation": named.observation(()).model_dump(mode="json")}
     if request.size is not None:
         settings["size"] = request.size
     if request.directories:
         settings["directories"] = [str(directory.resolve()) for directory in request.directories]
     team = gymnasium.make(ENVIRONMENT, disable_env_checker=True, **settings)
+    mission = team.unwrapped.batch.mission  # type: ignore[attr-defined]
+    check_needs(Workload(mission, request.missions), ALONE, "fewer --missions need less")
     collector = minari.DataCollector(team, record_infos=True)
-    figures = [_mission(collector, request.seed + number, maker, on_mission) for number in range(request.missions)]
+    figures = [_mission(collector, request.seed + number, named, on_mission) for number in range(request.missions)]
     text = _description(request, collector.unwrapped.batch, figures)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # it asks for an address and for an environment of evaluations
@@ -82,20 +91,28 @@ def write_dataset(request: DatasetRequest, maker: PilotMaker, on_mission: Callab
     return text, minari.load_dataset(request.name).total_steps
 
 
-def _mission(env: Any, seed: int, maker: PilotMaker, on_mission: Callable[[], object]) -> dict[str, float]:  # noqa: ANN401
+def _mission(env: Any, seed: int, named: NamedDecider, on_mission: Callable[[], object]) -> dict[str, float]:  # noqa: ANN401
     """Run one mission and return its figures."""
     batch = env.unwrapped.batch
     decided = DecidedGoal(batch)
-    pilot = maker(decided.problem, np.zeros(batch.rows, dtype=np.int64))
+    decider = named.build(decided.problem, np.zeros(batch.rows, dtype=np.int64))
     env.reset(seed=seed)
-    pilot.begin(np.arange(batch.rows), seed)
+    decider.reset(np.arange(batch.rows), seed)
     total, over = 0.0, False
     while not over:
-        actions = decided.decide(pilot, batch.observations)
-        _, reward, terminated, truncated, infos = env.step(actions.ravel())
+        actions = decided.decide(decider, batch.observations)
+        _, reward, terminated, truncated, infos = env.step(_in_space(actions, env.action_space))
         total, over = total + float(reward), terminated or truncated
     on_mission()
     return {"return": total, **{name: float(infos[name]) for name in ("duration_s", "garbage_done", "completed")}}
+
+
+def _in_space(actions: NDArray[Any], space: gymnasium.Space[Any]) -> Any:  # noqa: ANN401  (as the space has it)
+    """Return actions (R, ...) of a batch as one of the team."""
+    if not isinstance(space, gymnasium.spaces.Dict):
+        return actions.ravel()
+    options, vectors = np.split(actions, [-2], axis=1)
+    return {OPTION: options.ravel().astype(np.int64), CORRECTION: vectors.ravel().astype(np.float32)}
 
 
 def _description(request: DatasetRequest, batch: Any, figures: list[dict[str, float]]) -> str:  # noqa: ANN401  (a Batch)
@@ -105,12 +122,17 @@ def _description(request: DatasetRequest, batch: Any, figures: list[dict[str, fl
     last, period = request.seed + len(figures) - 1, batch.mission.decision_period
     weights = ", ".join(f"{name} {weight:g}" for name, weight in batch.rewards.config.model_dump().items() if weight)
     done = f"{mean['duration_s']:.1f} s, {mean['garbage_done']:.1f} items, {mean['completed']:.0%} completed"
+    gives = {
+        "option": f"the number of an option for each goal. {options}",
+        "velocity": "a vector, ahead and left in shares of the largest speed",
+        "both": f"`{OPTION}`, an option for each goal, and `{CORRECTION}`, a vector that is added. {options}",
+    }[batch.action.mode]
     return f"""\
 Cleaning robots on a torus, {len(figures)} missions of the family {request.family}, seeds {request.seed} to {last}.
-Every {period:g} s {request.strategy} gives each of {batch.robots} robots an option.
+Every {period:g} s {request.strategy} decides for each of {batch.robots} robots.
 
 - Observations: robot after robot; of each {", ".join(batch.observer.names)}.
-- Actions: robot after robot the number of an option for each goal. {options}.
+- Actions: robot after robot {gives}.
 - Rewards: mean over the robots, with the weights {weights}.
 - Terminated: all garbage is dumped. Truncated: the time is over.
 - Infos: time, items and collisions of each period and of the mission so far.

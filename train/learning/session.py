@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import TextColumn
 
 from clean_swarm_env.learning.warm_up import announce, compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
@@ -23,9 +22,11 @@ from train.cluster.chosen import chosen_engine
 from train.knowledge_store import NO_STORE, Memory, StoreRequest, as_plain
 from train.learning.config import TrainingConfig, load_training
 from train.learning.training import Training, TrainingJob, expert_knowledge
+from train.running.command import command_words
 from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
+from train.running.progress import progress
 from train.running.provenance import versions
 from train.running.run_folder import LEARNED_BEFORE, RECORDINGS, RunFolder
 
@@ -66,12 +67,19 @@ class TrainingRequest:
 
     def command(self, *, resume: bool) -> str:
         """Return the command of this training."""
-        words = ["clean-swarm", "train", self.learner, "--config", self.config, "--seed", str(self.seed)]
-        words += ["--output", str(self.output)] if self.output is not None else []
-        words += self.store.words
-        words += [word for path in self.directories for word in ("--configs", str(path))]
-        words += ["--force"] if self.machine.forced else []
-        return shlex.join([*words, "--resume"] if resume else words)
+        words = command_words(
+            "train",
+            self.learner,
+            config=self.config,
+            seed=self.seed,
+            output=self.output,
+            store=self.store.shown,
+            learn=self.store.learn,
+            configs=self.directories,
+            force=self.machine.forced,
+            resume=resume,
+        )
+        return shlex.join(words)
 
 
 def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Training], console: Console) -> int:
@@ -105,10 +113,11 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
         announce()
     try:
         engine = chosen_engine(request.machine, request.bits)
-        with noting(folder, request.bits), _progress(config) as on_progress, engine.rounds() as done:
+        bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
+        with noting(folder, request.bits), bar as update, engine.rounds() as done:
             parts = TASKS_ELSEWHERE if request.machine.place else request.machine.workers
-            training = made(replace(job, on_progress=on_progress, parts=parts, done=done))
-            on_progress(training.decisions)
+            training = made(replace(job, on_progress=lambda now: update(completed=now), parts=parts, done=done))
+            update(completed=training.decisions)
             while not training.finished:
                 training.advance()
                 _print(console, training.history.entries[-1])
@@ -144,15 +153,6 @@ def check_installed(learner: str) -> dict[str, str]:
     except PackageNotFoundError as error:
         install = "pip install -c constraints.txt '.[train]'"
         raise DocumentError(f"training by {learner} needs {error.name}, which is not installed: {install}") from error
-
-
-@contextmanager
-def _progress(config: TrainingConfig) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on the standard error; the function returned takes the number of decisions made."""
-    columns = (TextColumn("decisions"), BarColumn(), TextColumn("{task.completed:,.0f}"), TimeElapsedColumn())
-    with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task("decisions", total=config.checkpoints * config.decisions)
-        yield lambda decisions: bar.update(task, completed=decisions)
 
 
 def _print(console: Console, entry: dict[str, Any]) -> None:

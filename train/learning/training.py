@@ -21,13 +21,13 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.knowledge import Knowledge, load_knowledge
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import DeciderMaker
 from train.knowledge_store import Memory
 from train.learning.config import TrainingConfig
 from train.learning.curriculum import Curriculum
 from train.learning.validation import CheckpointDescription, CheckpointHistory, measured
-from train.running.decided_goal import DecidedGoal
 from train.running.engine import Round, in_turn
-from train.running.pilots import PilotMaker
 from train.running.run_folder import RunFolder
 from train.running.trials import TrialSettings
 
@@ -118,7 +118,7 @@ class Training(ABC):
     def about(self, command: str) -> dict[str, Any]:
         """Return how the best result was trained, for its file."""
         configuration = self.config.model_dump(mode="json")
-        figures = self.history.best_entry
+        figures = min(self.history.entries, key=lambda entry: entry["score"] or np.inf, default={})
         return {"command": command, "seed": self.job.seed, "configuration": configuration, "figures": figures}
 
     @property
@@ -135,8 +135,8 @@ class Training(ABC):
         """Learn up to the next checkpoint and return figures for the history."""
 
     @abstractmethod
-    def _pilot_maker(self) -> PilotMaker:
-        """Return a maker of pilots that use what was learned so far."""
+    def _decider_maker(self) -> DeciderMaker:
+        """Return a maker of deciders that use what was learned so far."""
 
     @abstractmethod
     def _keep_best(self) -> None:
@@ -162,7 +162,9 @@ class Training(ABC):
     def _measured(self) -> dict[str, float]:
         if self.checkpoint % self.config.validation.every and self.checkpoint < self.config.checkpoints:
             return {}
-        return measured(self.curriculum.validation, self._pilot_maker(), replace(self.trials, record=self._recording()))
+        return measured(
+            self.curriculum.validation, self._decider_maker(), replace(self.trials, record=self._recording())
+        )
 
     def _recording(self) -> RecordSettings | None:
         record, name = self.job.record, f"checkpoint-{self.checkpoint}"

@@ -15,7 +15,7 @@ from clean_swarm_env.scenes import goals
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown
-from train.evaluation.entrants import FIXED
+from train.deciders.named import FIXED
 from train.live.goals import PlayedGoal, goal_again
 from train.live.missions import PlayedMission, mission_again, with_room
 from train.live.session import Played
@@ -58,6 +58,11 @@ def again(recording: RecordedMission) -> Played:
     return goal_again(recording) if "start" not in told else mission_again(recording)
 
 
+def playable(directories: tuple[Path, ...]) -> list[str]:
+    """Return the names of all missions, families and goals."""
+    return sorted({*files_of("missions", directories), *files_of("families", directories), *goals()})
+
+
 def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) -> Scenario:
     missions, families = files_of("missions", directories), files_of("families", directories)
     path = Path(name)
@@ -66,8 +71,7 @@ def _scenario(name: str, number: int, seed: int, directories: tuple[Path, ...]) 
     elif name in missions or name in families:
         of_family = name not in missions
     else:
-        known = sorted({*missions, *families, *goals()})
-        raise ConfigurationError(f"play: {unknown('mission, family or goal', name, known)}")
+        raise ConfigurationError(f"play: {unknown('mission, family or goal', name, playable(directories))}")
     if of_family:
         return load_family(name, directories).scenario(seed, number - 1, "test")
     mission = load_mission(name, directories)

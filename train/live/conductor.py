@@ -3,44 +3,55 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Mapping
+from base64 import b64encode
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from time import monotonic
 from typing import Any, Final
 
 from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.plain import short
+from selector.documents.plain import plain, short
 from train.live.session import Session
 from train.live.stream import Stream
 
+LEAST_SPEED: Final = 0.01
+"""Smallest speed: a control period in 20 s."""
 MOST_SPEED: Final = 1000.0
 """Largest speed; whatever the machine does not reach is as fast as it can."""
 MOST_LATE: Final = 0.2
 """A session that is later than this does not catch up [s]."""
 LOOKING: Final = 0.2
-"""Time after which a paused session looks whether it has been closed [s]."""
+"""Time after which a session that waits looks whether it has been closed [s]."""
 ANSWER: Final = 30.0
 """Longest time that an answer takes [s]: a control period, and the orders before."""
-RUNNING_ORDERS: Final = ("play", "pause", "step", "speed")
+RUNNING_ORDERS: Final = ("play", "pause", "step", "speed", "open")
 
 
 class Conductor:
     """Runs a session in one thread; other threads give orders.
 
+    Args:
+        sessions: name of a mission, family or goal -> what opens a session of it; the first one has the name "".
+        speed: seconds of the mission in a second.
+        playing: whether each session runs at once.
+
     Attributes:
         session: what is run; only the thread of `run` touches it.
-        stream: what happens.
+        stream: what happens in it.
 
     """
 
-    def __init__(self, session: Session, speed: float, *, playing: bool = True) -> None:
-        self.session, self._speed, self._playing = session, speed, playing
+    session: Session
+    stream: Stream
+
+    def __init__(self, sessions: Mapping[str, Callable[[], Session]], speed: float, *, playing: bool = True) -> None:
+        self._sessions, self._speed, self._at_once = sessions, speed, playing
         self._orders: queue.Queue[tuple[Mapping[str, Any], Future[None]]] = queue.Queue()
-        self.stream = Stream(session.beginning, self._state())
-        self._closed = False
+        self._closed, self._number, self._failure = False, 0, ""
+        self._open("")
 
     def order(self, order: Mapping[str, Any]) -> None:
-        """Have an order carried out: `{"do": "play"}`, `pause`, `step`, `speed`, or a change by hand.
+        """Have an order carried out: one of `RUNNING_ORDERS`, such as `{"do": "play"}`, or a change by hand.
 
         ValueError, of one line, says what is impossible. May be called from any thread but that of `run`.
         """
@@ -54,33 +65,37 @@ class Conductor:
 
     def run(self) -> None:
         """Run the session until `close` is called or an exception (Ctrl-C) ends it; then end stream and recording."""
-        due = monotonic()
+        latest = monotonic()
         try:
             while not self._closed:
-                wait = due - monotonic() if self._playing else LOOKING
+                due = latest + self.session.period / self._speed
+                wait = min(due - monotonic(), LOOKING) if self._playing else LOOKING
                 try:
                     self._obey(*self._orders.get(timeout=wait) if wait > 0.0 else self._orders.get_nowait())
                 except queue.Empty:
-                    if self._playing:
+                    if self._playing and monotonic() >= due:
                         self._tick()
-                        due = max(due + self.session.period / self._speed, monotonic() - MOST_LATE)
+                        latest = max(due, monotonic() - MOST_LATE)
         finally:
-            self.stream.end()
-            self.session.close()
+            self._end()
             while not self._orders.empty():
                 self._orders.get()[1].set_exception(ValueError("the session has ended"))
 
     def _obey(self, order: Mapping[str, Any], answer: Future[None]) -> None:
         try:
             self._carry_out(order)
-        except ValueError as error:
-            answer.set_exception(error)
+        except Exception as error:  # a mistake of ours in an order is shown, and ends no session
+            answer.set_exception(error if isinstance(error, ValueError) else ValueError(failed("the order", error)))
         else:
             answer.set_result(None)
 
     def _carry_out(self, order: Mapping[str, Any]) -> None:
         kind = order.get("do")
-        if kind not in RUNNING_ORDERS:
+        if kind == "open":
+            self._open(order.get("name"))
+        elif self._failure:
+            raise ValueError(self._failure)
+        elif kind not in RUNNING_ORDERS:
             self.session.do(order)
         elif kind == "speed":
             self._speed = checked_speed(order.get("speed"))
@@ -89,23 +104,66 @@ class Conductor:
         elif kind == "step":
             self._playing = False
             self._tick()
+            if self._failure:
+                raise ValueError(self._failure)
         else:
             self._playing = kind == "play"
         self.stream.tell(self._state())
 
+    def _open(self, name: object) -> None:
+        """Run a session in place of the present one, which goes on if the other one cannot be had."""
+        if not isinstance(name, str) or name not in self._sessions:
+            raise ConfigurationError(f"open: expected one of {list(self._sessions)}, got {short(name)}")
+        session = self._sessions[name]()
+        try:
+            if self._number:
+                self._end()
+        finally:  # also where the recording of the one before cannot be ended
+            self._start(session, name)
+
+    def _start(self, session: Session, name: str) -> None:
+        self.session, self._name, self._number, self._playing = session, name, self._number + 1, self._at_once
+        self._offered = {"strategies": session.strategies(), "missions": [name for name in self._sessions if name]}
+        self._failure = ""
+        self.stream = Stream(session.beginning, self._state())
+
+    def _end(self) -> None:
+        self.stream.end()
+        self.session.close()
+
     def _tick(self) -> None:
-        self.stream.add(self.session.tick())
+        try:
+            self.stream.add(self.session.tick())
+        except Exception as error:  # a mistake of ours, or a full disk: this session cannot go on, another one can
+            self._failure, self._playing = failed("the mission", error), False
+            self.stream.tell({**self.stream.state, "playing": False, "over": True, "failure": self._failure})
+            return
         if self.session.result is not None:
             self._playing = False
             self.stream.tell(self._state())
 
     def _state(self) -> dict[str, Any]:
-        over = self.session.result is not None
-        return {"playing": self._playing, "speed": self._speed, "over": over, **self.session.facts()}
+        """Return what the page shows beside the frames; `now` is a frame of the present, before the next one is run."""
+        return {
+            "number": self._number,
+            "name": self._name,
+            "playing": self._playing,
+            "speed": self._speed,
+            "over": self.session.result is not None,
+            "failure": self._failure,
+            "now": b64encode(self.session.present()).decode(),
+            **self._offered,
+            **self.session.facts(),
+        }
+
+
+def failed(what: str, error: Exception) -> str:
+    """Return the line that says that something failed."""
+    return f"{what} failed: {type(error).__name__}: {plain(str(error))}"
 
 
 def checked_speed(speed: object) -> float:
     """Return a speed, mission time over time; ConfigurationError if it is none."""
-    if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0.0 < speed <= MOST_SPEED:
-        raise ConfigurationError(f"speed: expected a number above 0 and up to {MOST_SPEED:g}, got {short(speed)}")
+    if isinstance(speed, bool) or not isinstance(speed, int | float) or not LEAST_SPEED <= speed <= MOST_SPEED:
+        raise ConfigurationError(f"speed: expected a number from {LEAST_SPEED:g} to {MOST_SPEED:g}, got {short(speed)}")
     return float(speed)

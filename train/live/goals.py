@@ -14,21 +14,19 @@ from clean_swarm_env.config.starts import nearest_distance
 from clean_swarm_env.goals.play import Play
 from clean_swarm_env.learning.batch import compile_missions
 from clean_swarm_env.recording.by_hand import Change, FollowStrategy, HoldOption, PutRobot
-from clean_swarm_env.recording.file import RecordingFile
+from clean_swarm_env.recording.file import RecordingFile, part_of
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.scene_recording import SceneFrames
-from clean_swarm_env.scenes import Setting, find
+from clean_swarm_env.scenes import find
 from clean_swarm_env.scenes.arena import CONTROL_PERIOD
 from clean_swarm_env.scenes.served import expertise
 from selector.documents.errors import validated
 from selector.documents.fields import Closed
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.evaluation.entrants import FIXED
+from train.deciders.named import FIXED
 from train.live.session import Session, check_files
 from train.running.provenance import fingerprints
-
-IN_SCENES = "expected put_robot, hold_option or follow_strategy, because this is the scene of a goal"
 
 
 @dataclass(frozen=True)
@@ -43,14 +41,9 @@ class PlayedGoal:
     by_hand: Sequence[Change] = ()
 
     @property
-    def setting(self) -> Setting:
-        """The scene's own setting."""
-        return find(self.name).setting
-
-    @property
     def robots(self) -> int:
         """Number of robots."""
-        return self.setting.robots
+        return find(self.name).setting.robots
 
     def open(self, output: Path, *, minds: bool) -> GoalSession:
         """Return the session, recorded in a file."""
@@ -91,7 +84,7 @@ class GoalSession(Session):
     def __init__(self, played: PlayedGoal, output: Path, *, minds: bool) -> None:
         compile_missions()
         expert = expertise(played.name, played.option, played.directories)
-        self.scene = find(played.name)(played.setting, (played.seed,))
+        self.scene = find(played.name)(find(played.name).setting, (played.seed,))
         self._play = Play(self.scene, expert, "option", explained=minds)
         self._team, self._arena = self._play.team, self.scene.arena
         self._names = expert.model.options
@@ -121,6 +114,12 @@ class GoalSession(Session):
         """Return the options, each as the strategy that always takes it."""
         return [f"{FIXED}:{name}" for name in self._names]
 
+    def present(self) -> bytes:
+        """Return the world as it is now."""
+        self._frames_of.note_poses()
+        now = self._frames_of.frames.present(0)
+        return part_of(self.ticks, now, {**self._frames_of.notes, "by_hand": self._made})
+
     def close(self) -> None:
         """End the recording."""
         self._frames_of.close()
@@ -134,7 +133,7 @@ class GoalSession(Session):
         elif isinstance(change, FollowStrategy):
             self._hold(np.arange(self._arena.rows), change.strategy.removeprefix(f"{FIXED}:"))
         else:
-            raise ConfigurationError(IN_SCENES)
+            raise ConfigurationError("expected put_robot, hold_option or follow_strategy in the scene of a goal")
         return change
 
     def _put(self, change: PutRobot) -> None:
@@ -162,7 +161,7 @@ class GoalSession(Session):
         first, frames = self.ticks, self._frames_of.frames
         self._frames_of.note_poses()
         self._play.tick()
-        self._frames_of.take()
+        self._frames_of.record()
         packed = frames.pack(0)
         frames.restart((0,))
         return self._file.add(first, packed, {**self._frames_of.notes, **notes})

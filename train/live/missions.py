@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.by_hand import AddRobot, Change, FollowStrategy, HoldOption
 from clean_swarm_env.recording.reader import RecordedMission
@@ -20,16 +22,17 @@ from clean_swarm_env.world.mission_end import RUNNING
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed
 from selector.documents.find import files_of
+from selector.strategies.registry import STRATEGIES
 from selforg.arrays import Ints
 from selforg.registry import unknown
-from train.evaluation.entrants import FIXED, LEARNED, MACHINE, POLICY, RULE, identified, member_pilot
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import Decider
+from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, decider_named
 from train.evaluation.repeat_trial import DIGEST
 from train.live.session import Session, check_files
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import Pilot
 from train.running.provenance import fingerprints
 
-OFFERED = ("MaxScore", "Random", f"{FIXED}:Off", RULE)
+OFFERED = ("MaxScore", "Random", f"{FIXED}:Off")
 """Strategies that a user may choose where they fit, besides policies and learned strategies."""
 SPARE_ROBOTS, SPARE_ITEMS = 20, 40
 """Robots and items that can be added by hand."""
@@ -44,7 +47,7 @@ class PlayedMission:
     name: str
     scenario: Scenario
     strategy: str
-    """As `member_pilot` takes it."""
+    """As `decider_named` takes it."""
     goal: str | None = None
     """Goal that the strategy chooses options for; see `DecidedGoal`."""
     directories: tuple[Path, ...] = ()
@@ -71,7 +74,7 @@ class PlayedMission:
             start=self.scenario.start,
             seed=self.scenario.seed,
             goal=self.goal or "",
-            strategy=identified(self.member, self.directories),
+            strategy=decider_named(self.member, self.directories).identity,
             directories=tuple(str(path) for path in self.directories),
             files=fingerprints(self.directories),
         )
@@ -114,7 +117,7 @@ def with_room(mission: MissionConfig) -> MissionConfig:
         "delivery": {"own_contents": mission.own_contents or mission.rows <= MOST_HEARING},
     }
     changed = {name: {**getattr(mission, name).model_dump(), **change} for name, change in parts.items()}
-    return validated(MissionConfig, {**mission.model_dump(), **changed}, "the mission with room for more")
+    return validated(MissionConfig, {**mission.model_dump(), **changed}, "the mission with room for more", own=True)
 
 
 class MissionSession(Session):
@@ -135,24 +138,28 @@ class MissionSession(Session):
     def __init__(self, play: PlayedMission, output: Path, *, minds: bool = True) -> None:
         scenarios = iter((play.scenario,))
         about = {"experiment": play.name, "condition": play.member, "play": play.described()}
-        settings = RecordSettings(output.parent, minds, about, output.name, thinking=True)
+        named = decider_named(play.member, play.directories)
+        mode: Mode = "velocity" if named.mode == "velocity" else "both"
+        settings = RecordSettings(output.parent, minds, about, output.name, thinking=mode == "both")
         self.batch = Batch(
             play.scenario.mission,
             source=lambda _: next(scenarios, None),
             begin_anew=False,
             directories=play.directories,
             record=settings,
+            observation=named.observation(play.scenario.mission.terms),
+            action=ActionConfig(mode=mode),
         )
         assert self.batch.recorder is not None
         self._recorder, self._play = self.batch.recorder, play
         self.worlds = self.batch.worlds
-        self._decided = DecidedGoal(self.batch, play.goal)
+        self._decided = DecidedGoal(self.batch, play.goal or named.meant_for or None)
         self.goal, self.options = self._decided.problem.goal, self._decided.problem.options
-        self.strategy, self._pilot = self._piloted(play.strategy)
+        self.strategy, self._decider = self._decided_by(play.strategy)
         self._by_hand: Ints = np.full(self.batch.rows, -1)  # the option that each robot holds by hand, -1 for none
         self._added = 0
         self._observations = self.batch.reset()
-        self._pilot.begin(self.worlds.rows_of(0), play.scenario.seed)
+        self._decider.reset(self.worlds.rows_of(0), play.scenario.seed)
         self._course = self._periods()
         super().__init__(self._recorder.beginning, self.worlds.period, play.by_hand)
 
@@ -166,43 +173,48 @@ class MissionSession(Session):
         loss = self.worlds.minds.reception.of_worlds()[1][0]
         return {"strategy": self.strategy.partition(DIGEST)[0], "loss": float(loss)}
 
+    def present(self) -> bytes:
+        """Return the world as it is now."""
+        return self._recorder.present({"by_hand": self._made})
+
     def close(self) -> None:
         """End the recording."""
         self.batch.close()
 
     def strategies(self) -> list[str]:
         """Return the strategies that fit this mission, for the user to choose from."""
-        directories = self._play.directories
-        named = [f"{POLICY}:{name}" for name in files_of("policies", directories)]
-        named += [f"{LEARNED}:{name}" for name in files_of("strategies", directories)]
-        named += [f"{MACHINE}:{name}" for name in files_of("machines", directories)]
-        fitting = [member for member in (*OFFERED, *named) if self._fits(member)]
-        return list(dict.fromkeys([self._play.member, *fitting]))
+        fitting = [self._play.member]
+        for member in (*OFFERED, *self._filed()):
+            with suppress(DocumentError):
+                self._decided_by(member)
+                fitting.append(member)
+        return list(dict.fromkeys(fitting))
 
-    def _fits(self, member: str) -> bool:
-        try:
-            self._piloted(member)
-        except DocumentError:
-            return False
-        return True
+    def _filed(self) -> list[str]:
+        """Return the strategies of the files in the directories of configurations, by their names."""
+        folders = {POLICY: "policies", LEARNED: "strategies", MACHINE: "machines"}
+        return [f"{kind}:{name}" for kind in folders for name in files_of(folders[kind], self._play.directories)]
 
-    def _piloted(self, text: str) -> tuple[str, Pilot]:
-        """Return a strategy with the digest of its file, and its pilot; `text` may have the digest of then."""
-        directories, member = self._play.directories, text.partition(DIGEST)[0]
-        pilot = member_pilot(member, self._decided.problem, np.zeros(self.batch.rows, dtype=np.int64), directories)
-        now = identified(member, directories)
+    def _decided_by(self, text: str) -> tuple[str, Decider]:
+        """Return a strategy with the digest of its file, and its decider; `text` may have the digest of then."""
+        member = text.partition(DIGEST)[0]
+        named = decider_named(member, self._play.directories)
+        now, drives = named.identity, self.batch.action.mode == "velocity"
+        if drives is not (named.mode == "velocity"):
+            raise ConfigurationError(f"{member}: expected a strategy that {'drives' if drives else 'chooses options'}")
         if DIGEST in text and now != text:
             raise ConfigurationError(f"{member} is no longer what was played with; the play cannot be repeated")
-        return now, pilot
+        teams = np.zeros(self.batch.rows, dtype=np.int64)
+        return now, named.build(self._decided.problem, teams)
 
     def _periods(self) -> Iterator[None]:
         """Run the mission; yield after each control period."""
         batch, progress = self.batch, self.batch.progress
         while progress.outcome[0] == RUNNING:
-            chosen = self._pilot.choose(self._observations)
-            self._decided.think(self._pilot.opinions())
-            options = np.where(self._by_hand >= 0, self._by_hand, chosen)
-            for _ in batch.ticks(self._decided.actions(options)):
+            actions, held = self._decided.decide(self._decider, self._observations), self._by_hand >= 0
+            if held.any():
+                actions[held, : self._decided.goals] = self._decided.actions(self._by_hand[held])
+            for _ in batch.ticks(actions):
                 yield
             self._observations = batch.end_period().observations
 
@@ -228,12 +240,19 @@ class MissionSession(Session):
         return change
 
     def _follow(self, change: FollowStrategy) -> FollowStrategy:
-        self.strategy, self._pilot = self._piloted(change.strategy)
-        self._pilot.begin(self.worlds.rows_of(0), self._play.scenario.seed)
+        """Let a strategy choose; neither orders nor recordings name one by a path, or code of the user's own."""
+        fixed = (f"{FIXED}:{option}" for option in self.options)
+        known = (self._play.member, *STRATEGIES.names(), *fixed, *self._filed())
+        if change.strategy.partition(DIGEST)[0] not in known:
+            raise ConfigurationError(f"follow_strategy: {unknown('strategy', change.strategy, known)}")
+        self.strategy, self._decider = self._decided_by(change.strategy)
+        self._decider.reset(self.worlds.rows_of(0), self._play.scenario.seed)
         self._by_hand[:] = -1
         return change.model_copy(update={"strategy": self.strategy})
 
     def _hold(self, change: HoldOption) -> None:
+        if self.batch.action.mode == "velocity":
+            raise ValueError(f"hold_option: {self._play.member} drives the robots; they hold no option")
         if change.option and change.option not in self.options:
             raise ValueError(unknown("option", change.option, self.options))
         rows = np.array(change.robots or range(self.batch.rows))

@@ -1,6 +1,7 @@
 """The server of a session, for browsers and programs on this machine: the page, the stream, and orders.
 
 It listens on 127.0.0.1 only, and whoever asks must know its token: other users and other pages in the browser do not.
+docs/play.md says against whom it is made.
 """
 
 from __future__ import annotations
@@ -9,27 +10,50 @@ import errno
 import hmac
 import json
 import os
+import re
 import secrets
+import socket
 import threading
 from base64 import b64encode
 from collections.abc import Mapping
+from contextlib import suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from io import BytesIO
+from operator import itemgetter
+from time import monotonic, sleep
 from typing import Any, Final
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
 
 from clean_swarm_env.config.errors import ConfigurationError
 from train.live.conductor import Conductor
 
 HOST: Final = "127.0.0.1"
+OWN_HOST: Final = re.compile(r"(127\.0\.0\.1|localhost)(:[0-9]+)?")
+"""The header `Host` of requests to this machine; the port may be another one, of a tunnel."""
 MOST_ORDER: Final = 100_000
 """Bytes of an order."""
 SIGN_OF_LIFE: Final = 10.0
 """Time without a block after which readers get a sign of life [s]: so it is found out which of them are gone."""
+MOST_CONNECTIONS: Final = 64
+"""Connections, each with a thread; for one more, the oldest is cut, of those first that have not named the token."""
+YOUNGER: Final = 1e9
+"""Time by which a connection that has named the token counts as younger [s]."""
+MOST_HEAD: Final = 65_536
+"""Bytes before the body of a request."""
+LONGEST_SILENCE: Final = 5.0
+"""Time between two pieces of a request, after which the connection ends [s]."""
+HEADERS: Final = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "frame-ancestors 'none'",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+"""Headers of every answer."""
 
 
 class LiveServer(ThreadingHTTPServer):
-    """Serves one session; each request has a thread of its own, which ends with the program.
+    """Serves one session; each request has a connection and a thread of its own, which ends with the program.
 
     Args:
         port: 0 for any free one.
@@ -43,6 +67,7 @@ class LiveServer(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = 128
     allow_reuse_address = (
         os.name == "posix"
     )  # there a port is free again at once; elsewhere two programs would share it
@@ -51,6 +76,7 @@ class LiveServer(ThreadingHTTPServer):
 
     def __init__(self, port: int = 0) -> None:
         self.token = secrets.token_urlsafe(24)
+        self.since: dict[Any, float] = {}  # connection -> when it began [s], or `YOUNGER` once it has named the token
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
@@ -63,42 +89,68 @@ class LiveServer(ThreadingHTTPServer):
         self.conductor, self.page = conductor, page.encode()
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
+    def process_request(self, request: Any, client_address: Any) -> None:  # noqa: ANN401  (as in the base class)
+        """Give a connection a thread, in place of the oldest one where there are too many."""
+        self.since[request] = monotonic()
+        super().process_request(request, client_address)
+        while len(self.since) > MOST_CONNECTIONS:
+            oldest, _ = min(list(self.since.items()), key=itemgetter(1))
+            with suppress(OSError):
+                oldest.shutdown(socket.SHUT_RDWR)  # its thread notices it, and ends
+            sleep(0.001)
+
+    def shutdown_request(self, request: Any) -> None:  # noqa: ANN401  (as in the base class)
+        """End a connection, and forget it."""
+        self.since.pop(request, None)
+        super().shutdown_request(request)
+
     def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ANN401  (as in the base class)
         """Say nothing of connections that clients have closed."""
 
 
+def _whole(text: str) -> int:
+    """Return the whole number of at most nine digits that a header gives, -1 if it gives none."""
+    return int(text) if text.isdecimal() and len(text) < 10 else -1
+
+
 class _Handler(BaseHTTPRequestHandler):
-    """Answers one request."""
+    """Answers one request; speaks HTTP/1.0, so that the connection then ends."""
 
     server: LiveServer
-    protocol_version = "HTTP/1.1"
     disable_nagle_algorithm = True
+    timeout = LONGEST_SILENCE
+
+    def handle(self) -> None:
+        """Answer one request, as soon as its head is there."""
+        self._body, head = self.rfile, b""
+        while len(head) < MOST_HEAD and (line := self.rfile.readline(MOST_HEAD - len(head))).strip():
+            head += line
+        self.rfile = BytesIO(head)
+        self.handle_one_request()
 
     def do_GET(self) -> None:
-        path = self._allowed()
+        path = self._allowed("/", "/events", "/stream")
         if path == "/":
             self._answer(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
-        elif path == "/events":
-            self._begin("text/event-stream")
-            self._send_events()
-        elif path == "/stream":
-            self._begin("application/octet-stream")
-            self._send_blocks()
         elif path:
-            self._refuse(HTTPStatus.NOT_FOUND, "expected /, /events or /stream")
+            self.connection.settimeout(None)  # a reader may sleep
+            self.send_response(HTTPStatus.OK)
+            self.send_header("Content-Type", "text/event-stream" if path == "/events" else "application/octet-stream")
+            self.end_headers()
+            self._send_events() if path == "/events" else self._send_blocks()
 
     def do_POST(self) -> None:
-        if self._allowed() is None:
+        if not self._allowed("/do"):
             return
-        length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > MOST_ORDER:
-            self.close_connection = True
-            self._refuse(HTTPStatus.BAD_REQUEST, f"expected an order of at most {MOST_ORDER} bytes")
+        length = _whole(",".join(self.headers.get_all("Content-Length", [])))  # two of them are none
+        if not 0 <= length <= MOST_ORDER or "Transfer-Encoding" in self.headers:
+            self._refuse(HTTPStatus.BAD_REQUEST, f"expected Content-Length and an order of at most {MOST_ORDER} bytes")
             return
+        body = self._body.read(length)
         try:
-            order = json.loads(self.rfile.read(int(length)))
-            if not isinstance(order, Mapping):
-                raise ValueError("expected an object in JSON")
+            order = json.loads(body)
+            if len(body) < length or not isinstance(order, Mapping):
+                raise ValueError("expected an object in JSON, as long as Content-Length says")
             self.server.conductor.order(order)
         except (ValueError, RecursionError) as error:
             self._refuse(HTTPStatus.BAD_REQUEST, str(error) or "expected an order in JSON")
@@ -110,23 +162,34 @@ class _Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *args: object) -> None:
         """Write no log."""
 
-    def _allowed(self) -> str | None:
-        """Return the path that is asked for; refuse requests without the token."""
-        asked = urlsplit(self.path)
-        token = parse_qs(asked.query).get("token", [""])[0]
-        if hmac.compare_digest(token.encode(), self.server.token.encode()):
-            return asked.path
-        self.close_connection = True
-        self._refuse(HTTPStatus.FORBIDDEN, "expected the address that `clean-swarm play` has printed, with its token")
-        return None
+    def end_headers(self) -> None:
+        """End the headers, with those of every answer."""
+        for name, value in HEADERS.items():
+            self.send_header(name, value)
+        super().end_headers()
+
+    def _allowed(self, *paths: str) -> str:
+        """Return the path that is asked for, one of `paths`; refuse requests for others, or from elsewhere."""
+        path, _, query = self.path.partition("?")
+        token = parse_qs(query).get("token", [""])[0]
+        host, origins = ",".join(self.headers.get_all("Host", [])), self.headers.get_all("Origin", [])
+        if not OWN_HOST.fullmatch(host) or any(origin != f"http://{host}" for origin in origins):
+            self._refuse(HTTPStatus.FORBIDDEN, f"expected {HOST} or localhost as Host, and no other Origin")
+        elif not hmac.compare_digest(token.encode(), self.server.token.encode()):
+            self._refuse(
+                HTTPStatus.FORBIDDEN, "expected the address that `clean-swarm play` has printed, with its token"
+            )
+        elif path not in paths:
+            self._refuse(HTTPStatus.NOT_FOUND, f"expected {' or '.join(paths)}")
+        else:
+            self.server.since[self.connection] += YOUNGER
+            return path
+        return ""
 
     def _send_events(self) -> None:
         """Send states and blocks as server-sent events; the id of an event says how many blocks have been sent."""
-        stream, read = self.server.conductor.stream, 0
-        last = self.headers.get("Last-Event-ID", "")
-        if last.isdecimal():
-            read = int(last)
-        state = None
+        stream, state = self.server.conductor.stream, None
+        read = max(0, _whole(self.headers.get("Last-Event-ID", "")))
         while not stream.ended:
             blocks = stream.after(read, state, SIGN_OF_LIFE)
             text = "" if blocks or stream.state is not state else ": there\n\n"
@@ -147,14 +210,6 @@ class _Handler(BaseHTTPRequestHandler):
                 read += 1
                 self.wfile.write(block)
 
-    def _begin(self, kind: str) -> None:
-        self.close_connection = True
-        self.send_response(HTTPStatus.OK)
-        self.send_header("Content-Type", kind)
-        self.send_header("Cache-Control", "no-store")
-        self.send_header("Connection", "close")
-        self.end_headers()
-
     def _refuse(self, status: HTTPStatus, text: str) -> None:
         self._answer(status, json.dumps({"error": text}).encode(), "application/json")
 
@@ -162,7 +217,5 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))
-        self.send_header("Cache-Control", "no-store")
-        self.send_header("Referrer-Policy", "no-referrer")
         self.end_headers()
         self.wfile.write(content)

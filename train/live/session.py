@@ -38,7 +38,7 @@ class Played(Protocol):
 class Session(ABC):
     """One run that is played.
 
-    Subclasses implement `ticks`, `facts`, `strategies`, `close`, and what begins with an underscore.
+    Subclasses implement `ticks`, `facts`, `strategies`, `present`, `close`, and what begins with an underscore.
 
     Args:
         beginning: the bytes with which the recording begins.
@@ -97,6 +97,10 @@ class Session(ABC):
     @abstractmethod
     def strategies(self) -> list[str]:
         """Return the strategies that fit, for the user to choose from."""
+
+    @abstractmethod
+    def present(self) -> bytes:
+        """Return the world as it is now, before the next control period, as a block that is part of no recording."""
 
     @abstractmethod
     def close(self) -> None:

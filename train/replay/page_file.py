@@ -6,7 +6,6 @@ imports are left out, and `export` before a declaration. So no name may be decla
 
 import base64
 import html
-import json
 import re
 from collections.abc import Sequence
 from importlib.resources import files
@@ -14,6 +13,7 @@ from pathlib import Path
 
 from clean_swarm_env.recording.reader import RecordedMission
 from selector.documents.writing import write_whole
+from train.running.needs import check_file
 
 MODULES = ("recording", "course", "world", "mind", "charts", "page", "live", "main")
 """The modules in the order in which they are joined: each imports earlier ones only."""
@@ -24,8 +24,11 @@ def write_page(recordings: Sequence[RecordedMission], output: Path) -> None:
 
     Raises:
         DocumentError: the file cannot be written.
+        ConfigurationError: the page needs more memory or room than there is.
 
     """
+    held = sum(recording.path.stat().st_size for recording in recordings)
+    check_file(output, held, f"a page of {held:,} bytes", "`picture` and `video` need less")
     write_whole(output, page_of(recordings).encode())
 
 
@@ -37,13 +40,9 @@ def page_of(recordings: Sequence[RecordedMission]) -> str:
     return _page(title, "\n".join(f'<script type="text/plain">{text}</script>' for text in held), "'none'")
 
 
-def live_page(name: str, strategies: Sequence[str]) -> str:
-    """Return the page of a session as HTML; it asks the server that it comes from for the frames.
-
-    strategies: those from which the user may choose.
-    """
-    facts = json.dumps({"strategies": list(strategies)}).replace("<", "\\u003c")
-    return _page(f"{name}, live", f'<script type="application/json" id="live">{facts}</script>', "'self'")
+def live_page() -> str:
+    """Return the page of sessions as HTML; it asks the server that it comes from for the frames."""
+    return _page("live", '<div id="live" hidden></div>', "'self'")
 
 
 def _page(title: str, content: str, asked: str) -> str:

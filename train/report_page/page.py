@@ -15,8 +15,16 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.drawing.canvas import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
 from train.report_page.course_charts import learning_curves, selection_by_situation, selection_over_time
-from train.report_page.results import HeldResults
-from train.report_page.run_charts import FIGURES, differences, distributions, profile, scenario_map, table_of
+from train.report_page.results import SELECTION_CHANNELS, HeldResults
+from train.report_page.run_charts import (
+    FIGURES,
+    differences,
+    distributions,
+    profile,
+    scenario_map,
+    table_of,
+    with_unfinished,
+)
 from train.running.runs import RunRecord
 
 PAGE = """<!DOCTYPE html>
@@ -27,11 +35,9 @@ PAGE = """<!DOCTYPE html>
 {body}
 </body></html>
 """
-SELECTION_CHANNELS = {"x", "y", "present", "working", "cargo", "recycled"}
-"""Channels that charts of selection need, beside the option that is held."""
 EXPLAINED = (
-    "Dots are runs, boxes quartiles, large dots means with their 95 % intervals (Student). The pointer on a mark shows "
-    "its numbers."
+    "Dots are runs, boxes quartiles, large dots means with their 95 % intervals (Student, by the number of scenarios). "
+    "The pointer on a mark shows its numbers."
 )
 
 
@@ -65,12 +71,17 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
         yield f"<h2>Tables{escape(label)}</h2>" + html_of_markdown(held.tables)
     tables = {figure: table_of(records, conditions, scenarios, figure) for figure in FIGURES}
     yield "<h2>Distributions</h2>"
+    labels = with_unfinished(records, conditions)
     for figure, values in tables.items():
-        yield f"<h3>{escape(figure)}</h3>" + distributions(values, conditions, scenarios, figure)
+        yield f"<h3>{escape(figure)}</h3>" + distributions(values, labels, scenarios, figure)
     costs = tables["cost [s]"]
-    paired = differences(costs, conditions, scenarios, "cost [s]")
+    paired = differences(costs, labels, scenarios, "cost [s]")
     if paired:
-        yield "<h2>Paired differences</h2>" + paired
+        yield "<h2>Paired differences</h2>"
+        yield _note(
+            "The condition of the lowest mean was chosen on these very scenarios; some of its lead may be luck."
+        )
+        yield paired
         yield "<h2>Performance profile</h2>"
         yield _note("Share of scenarios on which a condition costs at most so many times the lowest cost there.")
         yield profile(costs, conditions)

@@ -13,10 +13,13 @@ from clean_swarm_env.recording.reader import RecordedMission, recordings_in
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from train.running.finished_runs import JOURNAL, natural_order, runs_of
+from train.running.needs import most_numbers
 from train.running.run_folder import RECORDINGS, read_manifest
 from train.running.runs import RunRecord
 
 HISTORY, TABLES = "history.jsonl", "table.md"
+SELECTION_CHANNELS = {"x", "y", "present", "working", "cargo", "recycled"}
+"""Channels that charts of selection need, beside the option that is held."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +51,6 @@ class HeldResults:
         """Names of the scenarios, in natural order."""
         return sorted({record.scenario for record in self.records}, key=natural_order)
 
-    @property
-    def conditions(self) -> list[str]:
-        """Names of the conditions, in the order of the manifest or else of the runs."""
-        return list(dict.fromkeys(record.condition for record in self.records))
-
 
 def results_in(path: Path) -> HeldResults:
     """Read a directory of results.
@@ -67,7 +65,8 @@ def results_in(path: Path) -> HeldResults:
         raise ConfigurationError(f"{path}: holds neither finished runs ({JOURNAL}) nor checkpoints ({HISTORY})")
     tables = read_text(path / TABLES) if (path / TABLES).exists() else ""
     checkpoints = sorted((path / RECORDINGS).glob("checkpoint-*"), key=lambda folder: natural_order(folder.name))
-    recordings = list(recordings_in(checkpoints[-1] if checkpoints else path / RECORDINGS))
+    folder = checkpoints[-1] if checkpoints else path / RECORDINGS
+    recordings = list(recordings_in(folder, (*SELECTION_CHANNELS, "held/"), most_numbers()))
     return HeldResults(path, manifest, records, history, tables, recordings)
 
 

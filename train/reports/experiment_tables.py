@@ -4,13 +4,14 @@
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from selforg.arrays import Floats
 from train.analysis.report import Report
-from train.analysis.statistics import Interval, distance_metrics
+from train.analysis.spread import Interval, too_few
+from train.analysis.statistics import distance_metrics, share_cell
 from train.reports.text_table import EMPTY_CELL, Columns, Grid, Row, flat
 
 TITLES = {
@@ -69,17 +70,21 @@ def table_1(report: Report) -> Grid:
 
 def ratios(report: Report) -> Grid:
     """Return the ratios of means between the conditions with their intervals, and the paper's."""
-    published = report.experiment.reference
+    published, own = report.experiment.reference, report.figures
+    unfinished = dict(zip(own.conditions, (1.0 - own.completed.mean(axis=1)).tolist(), strict=True))
     rows = []
     for found in report.comparisons:
-        figures = (_number(found.ratio.ratio), _interval(found.ratio.ci95))
+        p = EMPTY_CELL if found.ratio.p is None else f"{found.ratio.p:.2g}"
+        shares = " / ".join(share_cell(unfinished[name]) for name in (found.a, found.b))
+        figures = (shares, _number(found.ratio.ratio), _interval(found.ratio.ci95), p)
         row: tuple[str, ...] = (TITLES[found.metric], f"{found.a} / {found.b}", *figures)
         if published:
             a, b = (published.figures.get(name, {}).get(found.metric, ()) for name in (found.a, found.b))
             row += (f"{np.mean(a) / np.mean(b):.2f}" if a and b else EMPTY_CELL,)
         rows.append(row)
-    heads = ("conditions", "ratio", "95 % interval") + (("paper",) if published else ())
-    return flat("ratios of means", "figure", heads, rows)
+    heads = ("conditions", "unfinished", "ratio", "95 % interval", "p") + (("paper",) if published else ())
+    grid = flat("ratios of means", "figure", heads, rows)
+    return replace(grid, notes=too_few([found.ratio for found in report.comparisons]))
 
 
 def measured_means(report: Report) -> Grid:

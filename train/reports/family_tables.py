@@ -1,70 +1,74 @@
 """The tables of an evaluation on a family: means, comparison with fixed options, and costs over prices."""
 
+from dataclasses import replace
+
 from clean_swarm_env.world.mission_end import LEFT_LIMITS
-from train.analysis.family_report import FamilyReport
+from train.analysis.family_report import LIMITS, FamilyReport
 from train.analysis.front import PRICES
-from train.analysis.strategy_comparison import ORACLE, Estimate, StrategyComparison, StrategyStanding
-from train.reports.text_table import EMPTY_CELL, Grid, flat
+from train.analysis.spread import too_few
+from train.analysis.statistics import share_cell
+from train.analysis.strategy_comparison import ORACLE, StrategyComparison, StrategyStanding
+from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
+
+MEANS = ("items", "duration_s", "events", "contact_s", "cost_s", "excess_s")
 
 
 def family_tables(report: FamilyReport) -> list[Grid]:
     """Return the tables in the order of the report."""
-    return [_means(report), *([_gaps(report.comparison)] if report.comparison is not None else []), _prices(report)]
+    compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
+    return [_means(report), *compared, _prices(report)]
 
 
 def _means(report: FamilyReport) -> Grid:
     family = report.runs.family
     rows = []
     for label, own in report.summaries.items():
-        excess = own["excess_s"]
-        row = (
-            label,
-            f"{own['completed'].mean:.0%}",
-            f"{own['items'].mean:.1f}",
-            f"{own['duration_s'].mean:.1f}",
-            f"{own['events'].mean:.1f}",
-            f"{own['contact_s'].mean:.1f}",
-            f"{own['cost_s'].mean:.1f}",
-            f"{excess.mean:.1f}",
-            "" if excess.ci95 is None else f"[{excess.ci95[0]:.1f}, {excess.ci95[1]:.1f}]",
-        )
+        figures = [f"{own[name].mean:.1f}" for name in MEANS]
+        row = (label, share_cell(report.unfinished(label)), *figures, interval_cell(own["excess_s"].ci95, 1))
         rows.append(row)
-    mission = family.scenario(0, 0, "test").mission
+    mission = report.runs.missions[0]
     every = "for each item done, " if mission.continuous else ""
     contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
     left = "" if mission.continuous else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
     title = f"{family.name}: means; cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
-    heads = ("completed", "items", "duration s", "events", "contact s", "cost s", "excess s", "95 %")
+    heads = ("unfinished", "items", "duration s", "events", "contact s", "cost s", "excess s", "95 %")
     return flat(title, "strategy", heads, rows)
 
 
-def _gaps(comparison: StrategyComparison) -> Grid:
-    rows = [_gap_row(standing, comparison) for standing in comparison.standings]
-    title = f"excess cost beside {comparison.best_fixed}"
+def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
+    rows = [_gap_row(standing, report, comparison) for standing in comparison.standings]
+    title = f"excess cost beside the best fixed option, {comparison.best_fixed.label}"
+    notes = ["The best fixed option is chosen on one half of the scenarios and judged on the other, both ways round."]
     if comparison.gap is None:
-        told = f"no {ORACLE}: it needs --world-seeds 2 or more"
-    elif comparison.has_gap:
-        title += f" and the {ORACLE}, the best fixed option of each scenario"
-        told = (
-            f"gap {comparison.gap.value:.1f} s {_interval(comparison.gap, 1)}; the {ORACLE} chose on other world seeds"
-        )
+        notes.append(f"no {ORACLE}: it needs --world-seeds 2 or more")
     else:
-        told = f"no gap: {comparison.gap.value:.1f} s {_interval(comparison.gap, 1)} to the {ORACLE}"
-    heads = ("excess s", "ratio to best fixed", "95 %", "p", "share of the gap", "95 %")
-    grid = flat(title, "strategy", heads, rows)
-    return Grid(grid.title, grid.corner, grid.columns, grid.rows, notes=(told,))
+        gap = f"{comparison.gap.value:.1f} s {interval_cell(comparison.gap.ci95, 1)}"
+        chose = f"gap {gap}; the {ORACLE} chose on other world seeds"
+        notes.append(chose if comparison.has_gap else f"no gap: {gap} to the {ORACLE}")
+    title += f", and the {ORACLE}, the best fixed option of each scenario" if comparison.has_gap else ""
+    notes += too_few([standing.ratio for standing in comparison.standings])
+    if report.limits:
+        notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
+    priced = ("limit / 2", "limit x 2") if report.limits else ()
+    heads = ("unfinished", "excess s", "ratio to best fixed", "95 %", "p", *priced, "share of the gap", "95 %")
+    return replace(flat(title, "strategy", heads, rows), notes=tuple(notes))
 
 
-def _gap_row(standing: StrategyStanding, comparison: StrategyComparison) -> tuple[str, ...]:
-    share = standing.share
+def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: StrategyComparison) -> tuple[str, ...]:
+    label, ratio, share = standing.label, standing.ratio, standing.share
+    alone = label == comparison.best_fixed.label
+    priced = report.limits.get(label, ())
     return (
-        standing.label,
+        label,
+        share_cell(report.unfinished(label)),
         f"{standing.excess.value:.1f}",
-        f"{standing.ratio.value:.3f}",
-        _interval(standing.ratio),
-        EMPTY_CELL if standing.p is None or standing.label == comparison.best_fixed else f"{standing.p:.2g}",
+        EMPTY_CELL if ratio.ratio is None else f"{ratio.ratio:.3f}",
+        interval_cell(ratio.ci95),
+        EMPTY_CELL if ratio.p is None or alone else f"{ratio.p:.2g}",
+        *(EMPTY_CELL if one.ratio is None else f"{one.ratio:.3f}" for one in priced),
+        *(("",) * len(LIMITS) if report.limits and not priced else ()),
         "no gap" if share is None else f"{share.value:.2f}",
-        "" if share is None else _interval(share),
+        "" if share is None else interval_cell(share.ci95),
     )
 
 
@@ -74,17 +78,14 @@ def _prices(report: FamilyReport) -> Grid:
     rows = [
         (
             label,
+            share_cell(report.unfinished(label)),
             "yes" if label in front.undominated else "",
             *(f"{value:.1f}{' *' if label == best[k] else ''}" for k, value in enumerate(excesses)),
         )
         for label, excesses in front.excesses.items()
     ]
-    heads = ("undominated", *(f"{price:g} s" for price in PRICES))
+    heads = ("unfinished", "undominated", *(f"{price:g} s" for price in PRICES))
     title = (
         "excess cost in s over prices of a collision event; * lowest; undominated: none has less time and fewer events"
     )
     return flat(title, "strategy", heads, rows)
-
-
-def _interval(estimate: Estimate, digits: int = 3) -> str:
-    return "" if estimate.ci95 is None else f"[{estimate.ci95[0]:.{digits}f}, {estimate.ci95[1]:.{digits}f}]"

@@ -52,7 +52,7 @@ def _panel(axes: Axes, report: Report, metric: str, label: str) -> None:
         boxes["medians"][c].set(color=colour, linewidth=2)
         _points(axes, places[c], values[c], report.figures.completed[c], colour)
         _mean(axes, c + 0.3, report.summaries[name][metric], colour)
-    axes.set_xticks(range(len(values)), [_folded(name) for name in report.figures.conditions])
+    axes.set_xticks(range(len(values)), [name.replace("-", "\n", 1) for name in report.figures.conditions])
     axes.tick_params(axis="x", labelsize=10 if len(values) < 3 else 8)
     axes.set_xlim(-0.5, len(values) - 0.3)
     axes.set_ylabel(label)
@@ -77,10 +77,6 @@ def _offsets(count: int) -> Floats:
     """Return sideways offsets (K,) that separate neighbouring scenarios, the same for every condition."""
     offsets: Floats = SPREAD * np.cos(np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)))
     return offsets
-
-
-def _folded(name: str) -> str:
-    return name.replace("-", "\n", 1)
 
 
 def _ratio_line(report: Report, metric: str) -> str:

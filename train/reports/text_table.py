@@ -48,6 +48,11 @@ def flat(title: str, corner: str, heads: Sequence[str], rows: Sequence[tuple[str
     return Grid(title, corner, columns, tuple(Row(label, tuple((cell,) for cell in cells)) for label, *cells in rows))
 
 
+def interval_cell(ci95: tuple[float, float] | None, digits: int = 3) -> str:
+    """Return a 95 % interval; empty if there is none."""
+    return "" if ci95 is None else "[{}, {}]".format(*(f"{x:.{digits}f}" if x < 1e5 else f"{x:.1g}" for x in ci95))
+
+
 def markdown(grid: Grid) -> str:
     """Return a grid as a Markdown table, with all columns but the first aligned to the right."""
     heads = [f"{group.title} {head}".strip() for group in grid.columns for head in group.heads]

@@ -1,4 +1,4 @@
-"""Estimates of what missions need: rows, memory, ticks and time, before anything is made for them.
+"""Estimates of what missions and files of them need: memory, time and room, before anything is made for them.
 
 The figures were measured on one core of an AMD EPYC with the shipped robot. They are right within a factor of three,
 which is enough to tell a mission that a machine can run from one that it cannot.
@@ -9,10 +9,23 @@ from math import ceil
 
 from clean_swarm_env.config.mission import MissionConfig
 
-PROCESS, PER_ROBOT, PER_MESSAGE, PER_POSE, PER_ITEM = 200e6, 50e3, 300.0, 64.0, 200.0
-"""Memory of a process, of a robot, of what a robot knows of one other, of a remembered pose, of an item [byte]."""
+PROCESS, PER_ROBOT, PER_MESSAGE, PER_POSE, PER_ITEM, PER_NUMBER = 200e6, 50e3, 300.0, 64.0, 200.0, 12.0
+"""Memory of a process, of a robot, of what a robot knows of one other, of a remembered pose, of an item, and of a
+number of a recording, as it is kept and once more as a value [byte]."""
 TICK, ROBOT_TICK, HEARD_TICK, ITEM_TICK = 1e-4, 8e-6, 1e-6, 2e-8
 """Time of a tick, and of a robot, of a pair that hear each other, of a pair of robot and item in a tick [s]."""
+
+FILE_COSTS = {
+    ".webp": (0.0, 5e-8, 0.015),
+    ".gif": (0.0, 2.5e-8, 0.01),
+    ".webm": (0.0, 6e-8, 0.01),
+    ".mp4": (0.0, 2.5e-7, 0.01),
+    ".html": (6.0, 0.0, 1.5),
+    ".mcap": (0.0, 1e-6, 1.0),
+    "": (0.0, 2e-7, 0.4),
+}
+"""Memory [byte], time [s] and room on the disk [byte] of a file by its ending, or of a directory of tables: for a pixel
+in each picture of a video, a byte of a recording on a page, a recorded number in tables."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from pathlib import Path
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
+from selector.documents.writing import writing_to
 from train.running.run_folder import RunFolder
 from train.running.runs import RUN_COLUMNS, RunKey, RunRecord
 
@@ -53,7 +54,8 @@ class Results:
         """Keep a finished run; it is on the disk when the call returns."""
         self.records.append(record)
         for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
-            with (self.folder.path / name).open("a", encoding="utf-8", newline="") as file:
+            path = self.folder.path / name
+            with writing_to(path), path.open("a", encoding="utf-8", newline="") as file:
                 file.write(text)
                 file.flush()
                 os.fsync(file.fileno())

@@ -1,12 +1,14 @@
-"""The check of what an evaluation or a training needs: it is refused in one line where the machine has less."""
+"""The check of what a command needs: it is refused in one line where the machine has less."""
 
 import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import disk_usage
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
-from train.running.estimate import PROCESS, needs_of
+from train.running.estimate import FILE_COSTS, PER_NUMBER, PROCESS, needs_of
 
 LONGEST = 7 * 86_400.0
 """Longest estimated time of a command [s]: nobody waits longer without knowing."""
@@ -45,11 +47,14 @@ class Workload:
     """Worlds side by side in each process."""
 
 
-def check_needs(workload: Workload, machine: Machine) -> None:
+def check_needs(workload: Workload, machine: Machine, hint: str = "--force starts them anyway") -> None:
     """Raise ConfigurationError if missions need more memory or time than the limits, unless they are forced.
 
-    The limits are those of memory, of the time of all missions (`LONGEST`), and of a control period (`LONGEST_TICK`).
+    The limits are those of memory, of the time of all missions (`LONGEST`), and of a control period (`LONGEST_TICK`);
+    `hint` ends the text.
     """
+    if machine.forced:
+        return
     needs, processes = needs_of(workload.mission), min(machine.workers, workload.missions)
     at_once = processes * workload.worlds
     tick_time = workload.worlds * needs.tick_time
@@ -58,12 +63,36 @@ def check_needs(workload: Workload, machine: Machine) -> None:
         ("time", workload.missions * needs.time / processes, LONGEST, _duration),
         ("time for a control period, in which Ctrl-C waits", tick_time, LONGEST_TICK, _duration),
     )
-    for what, needed, there, in_words in estimates:
-        if needed > there and not machine.forced:
-            missions = f"{workload.missions} missions, {at_once} at a time"
-            size = f"of up to {needs.robots} robots, {needs.items} items and {needs.ticks} ticks"
-            limit = f"expected at most {in_words(there)} of {what}, got about {in_words(needed)}"
-            raise ConfigurationError(f"{missions}, {size}: {limit}; --force starts them anyway")
+    size = f"{needs.robots} robots, {needs.items} items and {needs.ticks} ticks"
+    _check(f"{workload.missions} missions, {at_once} at a time, of up to {size}", estimates, hint)
+
+
+def check_file(output: Path, amount: float, what: str, hint: str) -> str:
+    """Return what a file is estimated to need, in words. `FILE_COSTS` says of what `amount` is; `what` tells of it.
+
+    Raises:
+        ConfigurationError: it is more memory, time or room than there is.
+
+    """
+    memory, time, room = (amount * each for each in FILE_COSTS.get(output.suffix.lower(), FILE_COSTS[""]))
+    place = next(folder for folder in output.absolute().parents if folder.exists())
+    limits = (memory_of_machine(), LONGEST, float(disk_usage(place).free))
+    names, words = ("memory", "time", "room on the disk"), (_bytes, _duration, _bytes)
+    _check(f"{output}: {what}", list(zip(names, (PROCESS + memory, time, room), limits, words, strict=True)), hint)
+    return f"{what}, about {_duration(time)} and {_bytes(room)}"
+
+
+def most_numbers() -> float:
+    """Return how many numbers of recordings fit into the memory of this machine."""
+    return max(memory_of_machine() - PROCESS, 0.0) / PER_NUMBER
+
+
+def _check(what: str, estimates: Sequence[tuple[str, float, float, Callable[[float], str]]], hint: str) -> None:
+    """Compare what is needed with what is there, of memory, time and more; each is said in words of its own."""
+    for name, needed, there, in_words in estimates:
+        if needed > there:
+            text = f"expected at most {in_words(there)} of {name}, got about {in_words(needed)}"
+            raise ConfigurationError(f"{what}: {text}; {hint}")
 
 
 def memory_of_machine() -> float:
@@ -77,7 +106,7 @@ def memory_of_machine() -> float:
 
 
 def _bytes(number: float) -> str:
-    return f"{number / 1e9:,.1f} GB"
+    return f"{number / 1e9:,.1f} GB" if number >= 1e8 else f"{number / 1e6:,.1f} MB"
 
 
 def _duration(seconds: float) -> str:

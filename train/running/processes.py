@@ -13,6 +13,7 @@ from multiprocessing.process import BaseProcess
 from traceback import format_exc
 
 from clean_swarm_env.siblings import call
+from selector.documents.trust import Permission, current_permission, permitting
 from train.running.engine import MOST_DEATHS, Round, WorkerLost, in_turn
 from train.running.runs import RunKey, RunRecord, Work
 
@@ -106,7 +107,7 @@ class _Workers:
     def _started(self) -> Connection:
         context = multiprocessing.get_context("spawn")  # a forked child would inherit threads of Numba and BLAS
         ours, theirs = context.Pipe()
-        process = context.Process(target=call, args=(__name__, "work", theirs))
+        process = context.Process(target=call, args=(__name__, "work", theirs, current_permission()))
         with _ctrl_c_ignored():  # the worker inherits this
             process.start()
         theirs.close()  # now its end is the worker's alone, and closed when that ends
@@ -153,15 +154,16 @@ def _ctrl_c_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def work(connection: Connection) -> None:
+def work(connection: Connection, permission: Permission) -> None:
     """Do the tasks that come over a pipe: send each run when it is done, None after a task, or the error of a task.
 
-    A thread ends this worker when its parent ends, because a killed parent cannot end its workers.
+    The worker has the permission of its parent. A thread ends it when its parent ends, because a killed parent cannot
+    end its workers.
     """
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.join,), daemon=True).start()
-    with suppress(EOFError, OSError):  # the parent closed the pipe: there are no more tasks
+    with permitting(permission), suppress(EOFError, OSError):  # the parent closes the pipe after the last task
         while True:
             task: Work = connection.recv()
             try:

@@ -225,7 +225,10 @@ def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
 
 
 def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:
-    """Return a task for every condition on every start; ConfigurationError for a start that does not fit."""
+    """Return a task for every condition on every start; ConfigurationError for a start that does not fit.
+
+    Conditions that are decided otherwise than by a strategy of all goals get that of the highest score.
+    """
     missions = [for_start(experiment.mission, start) for start in experiment.starts]
     return [
         RunTask(
@@ -236,7 +239,7 @@ def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, .
             mission=mission,
             start=start,
             scores=condition.scores,
-            strategy=condition.strategy,
+            strategy=BY_SCORE if isinstance(condition.strategy, str) else condition.strategy,
             directories=directories,
             run_mission=run_mission,
         )

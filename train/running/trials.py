@@ -1,4 +1,4 @@
-"""Trials: missions of given scenarios, many at the same time, in which a pilot chooses the options, steers, or both.
+"""Trials: missions of given scenarios, many at the same time, in which a decider chooses the options, drives, or both.
 
 The result of a mission depends neither on the worlds beside it nor on their number.
 """
@@ -18,8 +18,8 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import PilotMaker
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import DeciderMaker
 
 MOST_WORLDS = 32
 """Default of the largest number of worlds in a batch."""
@@ -30,7 +30,7 @@ class TrialSettings:
     """Settings of trials."""
 
     goal: str | None = None
-    """Goal that the pilot chooses options for; see `DecidedGoal`."""
+    """Goal that the decider chooses options for; see `DecidedGoal`."""
     worlds: int = MOST_WORLDS
     """Largest number of worlds side by side."""
     observation: ObservationConfig | None = None
@@ -40,11 +40,11 @@ class TrialSettings:
     record: RecordSettings | None = None
     """Where the missions are recorded; none is unless given."""
     action: ActionConfig = field(default_factory=ActionConfig)
-    """What the pilot gives: options, movement vectors or both."""
+    """What the decider gives: options, movement vectors or both."""
 
 
 def run_trials(
-    scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings | None = None
+    scenarios: Sequence[Scenario], maker: DeciderMaker, settings: TrialSettings | None = None
 ) -> list[MissionResult]:
     """Return the result of each scenario, in the order of the scenarios."""
     results = dict(each_trial(scenarios, maker, settings))
@@ -52,7 +52,7 @@ def run_trials(
 
 
 def each_trial(
-    scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings | None = None
+    scenarios: Sequence[Scenario], maker: DeciderMaker, settings: TrialSettings | None = None
 ) -> Iterator[tuple[int, MissionResult]]:
     """Yield the place in `scenarios` and the result of each mission when it is done."""
     for numbers in grouped([scenario.mission for scenario in scenarios]):
@@ -62,7 +62,7 @@ def each_trial(
 
 
 def _trials(
-    scenarios: Sequence[Scenario], maker: PilotMaker, settings: TrialSettings
+    scenarios: Sequence[Scenario], maker: DeciderMaker, settings: TrialSettings
 ) -> Iterator[tuple[int, MissionResult]]:
     """Yield the place in `scenarios`, all of one frame, and the result of each mission as it finishes."""
     worlds = min(settings.worlds, len(scenarios))
@@ -88,12 +88,12 @@ def _trials(
         action=settings.action,
     )
     decided = DecidedGoal(batch, settings.goal)
-    pilot = maker(decided.problem, np.repeat(np.arange(worlds), batch.robots))
+    decider = maker(decided.problem, np.repeat(np.arange(worlds), batch.robots))
     observations = batch.reset()
     while max(doing) >= 0:
         for world, seed in begun:
-            pilot.begin(batch.worlds.rows_of(world), seed)
+            decider.reset(batch.worlds.rows_of(world), seed)
         begun.clear()
-        observations = batch.step(decided.decide(pilot, observations)).observations
+        observations = batch.step(decided.decide(decider, observations)).observations
         for end in batch.finished:
             yield did[end.world], end.result

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from selforg.arrays import Floats
-from train.analysis.statistics import Ratio, Summary, ratio_of_means, summarise
+from train.analysis.spread import Ratio
+from train.analysis.statistics import Summary, summarise
 from train.studies.config import RANDOM, StudyConfig
 from train.studies.missions import COST, FIGURES, LAST_RACE, STATEMENT, Candidate, MissionField
 from train.studies.search import Arm, CandidateSearch
@@ -35,12 +36,12 @@ class Stated:
 
     def ratio_to(self, other: Stated) -> Ratio:
         """Return the ratio of the mean cost to that of another."""
-        return ratio_of_means(self.figures[COST], other.figures[COST])
+        return Ratio.of(self.figures[COST], other.figures[COST])
 
     def beats(self, other: Stated) -> bool:
-        """Return whether the interval of the ratio says that this one is cheaper."""
-        interval = self.ratio_to(other).ci95
-        return interval is not None and interval[1] < 1.0
+        """Return whether the interval of the ratio says that this one is cheaper; it does not for few scenarios."""
+        ratio = self.ratio_to(other)
+        return ratio.p is not None and ratio.ci95 is not None and ratio.ci95[1] < 1.0
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from selector.knowledge import knowledge_from
 from selforg.arrays import Floats
 from train.evaluation.pipeline import mission_score
 from train.knowledge_store import StoreRequest
-from train.studies.conclusion import BEST_RANDOM, Conclusion, Stated
+from train.studies.conclusion import BEST_RANDOM, Conclusion
 from train.studies.config import StudyConfig
 from train.studies.missions import COST
 from train.studies.space import StudySpace
@@ -45,7 +45,8 @@ class Export:
             for stated in (*conclusion.results, *others):
                 option = space.served(stated.candidate.goals)[goal]
                 name = stated.label if stated in conclusion.results else str(option["name"])
-                scores = self._scores_of(stated)
+                costs = stated.figures[COST].tolist()
+                scores = np.array([mission_score(family.mission, cost) for cost in costs])
                 self._scores.setdefault((goal, name), scores)
                 options.setdefault(name, {**option, "name": name, "score": round(float(scores.mean()), 6)})
             self._goals[goal] = list(options.values())
@@ -74,9 +75,6 @@ class Export:
             figures = {"count": len(scores), "mean": float(scores.mean()), "variance": float(scores.var())}
             learned[goal][name] = figures
         return learned
-
-    def _scores_of(self, stated: Stated) -> Floats:
-        return np.array([mission_score(self._family.mission, cost) for cost in stated.figures[COST].tolist()])
 
     def _description(self) -> str:
         study, lines = self._study, []

@@ -14,7 +14,7 @@ from selforg.arrays import Floats
 from train.learning.racing import front
 from train.studies.conclusion import Conclusion
 from train.studies.config import ArchiveConfig
-from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT
+from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, FIGURES
 from train.studies.proposals import empty_archive
 from train.studies.search import Arm
 
@@ -83,4 +83,4 @@ def _draw_archive(axes: Axes, arms: Sequence[Arm], config: ArchiveConfig) -> Non
 
 def _means(arm: Arm) -> Floats:
     """Return the estimated means (T, F) of the trials that the library did not refuse."""
-    return np.array([trial.means for trial in arm.trials if trial.means]).reshape(-1, 4)
+    return np.array([trial.means for trial in arm.trials if trial.means]).reshape(-1, len(FIGURES))

@@ -14,7 +14,9 @@ import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
 from selector.documents.errors import shown
+from selector.documents.plain import short
 from selector.documents.reading import json_value, read_text
+from selector.documents.writing import writing_to
 from selforg.arrays import Floats
 from train.running.run_folder import RunFolder
 
@@ -48,12 +50,12 @@ class MissionJournal:
     def add(self, stage: str, candidate: str, number: int, figures: Figures) -> None:
         """Keep the figures of a finished mission; a kill of this process does not lose them."""
         self._known[stage, candidate][number] = figures
-        with self._path.open("a", encoding="utf-8") as file:
+        with writing_to(self._path), self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps([stage, candidate, number, *figures], allow_nan=False) + "\n")
 
     def sync(self) -> None:
         """Bring all missions to the disk, where a loss of power does not lose them."""
-        with self._path.open("a", encoding="utf-8") as file:
+        with writing_to(self._path), self._path.open("a", encoding="utf-8") as file:
             os.fsync(file.fileno())
 
     def missing(self, stage: str, candidate: str, count: int) -> tuple[int, ...]:
@@ -75,4 +77,6 @@ class MissionJournal:
             ):
                 self._known[stage, candidate][number] = tuple(map(float, figures))
             case _:
-                raise ConfigurationError(f"{where}: expected a finished mission of a study")
+                expected = f"stage, candidate, scenario and {self._width} figures of a finished mission"
+                anew = "studies of other versions cannot go on: begin anew with another --output"
+                raise ConfigurationError(f"{where}: expected {expected}, got {short(line)}; {anew}")

@@ -14,24 +14,24 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.world.mission_end import left_cost
 from selector.documents.parameters import Content
 from selector.documents.reading import as_yaml
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.evaluation.entrants import member_pilot
+from train.deciders.decider import Decided, Decider, columns_of
 from train.evaluation.trial_task import TASK_SCENARIOS, TrialTask
 from train.running.engine import Round
-from train.running.pilots import Pilot, columns_of
 from train.running.run_folder import RunFolder
 from train.running.runs import RunRecord, Task
 from train.running.trials import TrialSettings, each_trial
 from train.studies.journal import MissionJournal
 from train.studies.space import Varied
 
-FIGURES = ("cost_s", "duration_s", "events", "avoiding")
+FIGURES = ("cost_s", "duration_s", "events", "avoiding", "unfinished")
 """Figures of a mission: cost [s]; time [s] and collision events at the first distance, for each item done where garbage
-keeps coming; share of robots and seconds in which a robot avoided others [-]."""
-COST, DURATION, EVENT_COUNT, AVOIDING = range(4)
+keeps coming; share of robots and seconds in which a robot avoided others [-]; 1 if items were left, else 0."""
+COST, DURATION, EVENT_COUNT, AVOIDING, UNFINISHED = range(5)
 STAGES = ("search", "last", "statement")
 """Stages of a study; no two have a scenario in common."""
 SEARCH, LAST_RACE, STATEMENT = STAGES
@@ -72,46 +72,47 @@ class CandidateTask(TrialTask):
         scenarios = [self.scenario_of(place) for place in self.places]
         watches: list[AvoidanceWatch] = []
 
-        def pilot(problem: Problem, teams: Ints) -> AvoidanceWatch:
-            watches.append(AvoidanceWatch(member_pilot(self.member, problem, teams, self.directories), problem))
+        def decider(problem: Problem, teams: Ints) -> AvoidanceWatch:
+            watches.append(AvoidanceWatch(self.decider(problem, teams), problem))
             return watches[-1]
 
         settings = TrialSettings(self.goal, TASK_SCENARIOS, SEEN, self.directories)
-        for place, result in each_trial(scenarios, pilot, settings):
+        for place, result in each_trial(scenarios, decider, settings):
             scenario = scenarios[place]
             items = max(result.garbage_done, 1) if scenario.mission.continuous else 1
             time = result.ticks / scenario.mission.world.control_rate
             events = round(result.collision_events_per_s[0] * time)
             avoiding = watches[-1].share(scenario.seed)
-            figures = (result.cost_s, result.duration_s / items, events / items, avoiding)
+            left = float(left_cost(scenario.mission, result.garbage_done) > 0.0)
+            figures = (result.cost_s, result.duration_s / items, events / items, avoiding, left)
             run = (self.experiment, scenario.id, self.seed, self.condition, result, 0.0)
             yield CandidateRun(*run, self.places[place][0], figures)
 
 
-class AvoidanceWatch:
-    """A pilot that also notes, at each decision, which robots avoid others just then."""
+class AvoidanceWatch(Decider):
+    """A decider that also notes, at each decision, which robots avoid others just then."""
 
-    def __init__(self, pilot: Pilot, problem: Problem) -> None:
-        self._pilot, self._column = pilot, columns_of(problem, ("avoiding",), "study")[0]
+    def __init__(self, decider: Decider, problem: Problem) -> None:
+        super().__init__(problem)
+        self._decider, self._column = decider, columns_of(problem, ("avoiding",), "study")[0]
         self._rows: dict[int, Ints] = {}
         self._counts: dict[int, list[float]] = {}
 
-    def begin(self, rows: Ints, seed: int) -> None:
+    def reset(self, rows: Ints, seed: int) -> None:
         """Prepare `rows` (N,) for the mission of a seed."""
-        self._pilot.begin(rows, seed)
+        self._decider.reset(rows, seed)
         self._rows = {other: kept for other, kept in self._rows.items() if kept[0] != rows[0]}
         self._rows[seed], self._counts[seed] = rows, [0.0, 0.0]
 
-    def choose(self, observations: Observations) -> Ints:
-        """Return the options (R,) of the pilot."""
+    def _decide(self, observations: Observations) -> Decided:
         for seed, rows in self._rows.items():
             self._counts[seed][0] += float(observations[rows, self._column].mean())
             self._counts[seed][1] += 1.0
-        return self._pilot.choose(observations)
+        return self._decider.decide(observations)
 
     def opinions(self) -> Floats:
-        """Return what the pilot thought (R, O)."""
-        return self._pilot.opinions()
+        """Return what the decider thought (R, O)."""
+        return self._decider.opinions()
 
     def share(self, seed: int) -> float:
         """Return the share of robots and decisions of a mission up to now in which a robot avoided others [-]."""

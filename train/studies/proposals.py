@@ -24,7 +24,7 @@ from train.studies.space import Dimension, StudySpace, Varied
 
 
 @dataclass(frozen=True)
-class Told:
+class Feedback:
     """What values brought."""
 
     values: tuple[float, ...]
@@ -43,7 +43,7 @@ class Proposer(ABC):
         """Return values to try, in the order of the dimensions."""
 
     @abstractmethod
-    def tell(self, told: Sequence[Told]) -> None:
+    def tell(self, feedback: Sequence[Feedback]) -> None:
         """Learn from what the values asked for last brought, in their order."""
 
 
@@ -67,8 +67,8 @@ class _OptunaProposer(Proposer):
             for trial in self._asked
         ]
 
-    def tell(self, told: Sequence[Told]) -> None:
-        for trial, brought in zip(self._asked, told, strict=True):
+    def tell(self, feedback: Sequence[Feedback]) -> None:
+        for trial, brought in zip(self._asked, feedback, strict=True):
             if brought.values:
                 self._study.tell(trial, brought.values)
             else:
@@ -98,11 +98,11 @@ class _ElitesProposer(Proposer):
         self._asked = self._emitter.ask()[:count]
         return [tuple(one.at(x) for one, x in zip(self._dimensions, row, strict=True)) for row in self._asked.tolist()]
 
-    def tell(self, told: Sequence[Told]) -> None:
-        good = [k for k, brought in enumerate(told) if brought.values]
+    def tell(self, feedback: Sequence[Feedback]) -> None:
+        good = [k for k, brought in enumerate(feedback) if brought.values]
         if good:
-            measures = [(told[k].events, told[k].avoiding) for k in good]
-            self._archive.add(self._asked[good], [-told[k].values[0] for k in good], measures)
+            measures = [(feedback[k].events, feedback[k].avoiding) for k in good]
+            self._archive.add(self._asked[good], [-feedback[k].values[0] for k in good], measures)
 
 
 def proposer_of(method: Method, study: StudyConfig, space: StudySpace, seed: int) -> Proposer:

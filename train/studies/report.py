@@ -6,10 +6,12 @@ import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
-from train.reports.text_table import EMPTY_CELL, Grid, flat
+from train.analysis.spread import too_few
+from train.analysis.statistics import share_cell
+from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
 from train.studies.conclusion import TO_BEAT, UNCHANGED, Conclusion, Stated
 from train.studies.missions import FIGURES
 from train.studies.search import Arm
@@ -29,7 +31,7 @@ def study_summary_json(conclusion: Conclusion, space: StudySpace, arms: Sequence
         "results": [
             {
                 **_stated(result, space),
-                "ratios": {one.label: asdict(result.ratio_to(one)) for one in conclusion.yardsticks},
+                "ratios": {one.label: result.ratio_to(one).content for one in conclusion.yardsticks},
                 "not_shown_to_beat": conclusion.marks(result),
             }
             for result in conclusion.results
@@ -60,11 +62,11 @@ def _stated(stated: Stated, space: StudySpace) -> dict[str, Any]:
 def _costs(conclusion: Conclusion) -> Grid:
     rows = []
     for stated in (*conclusion.results, *conclusion.yardsticks):
-        cost, duration, events, avoiding = (stated.summaries[name] for name in FIGURES)
-        figures = (f"{cost.mean:.1f}", _interval(cost.ci95, 1), f"{duration.mean:.1f}", f"{events.mean:.1f}")
-        rows.append((stated.label, *figures, f"{avoiding.mean:.3f}"))
+        cost, duration, events, avoiding, left = (stated.summaries[name] for name in FIGURES)
+        figures = (f"{cost.mean:.1f}", interval_cell(cost.ci95, 1), f"{duration.mean:.1f}", f"{events.mean:.1f}")
+        rows.append((stated.label, share_cell(left.mean), *figures, f"{avoiding.mean:.3f}"))
     count = conclusion.results[0].figures.shape[1]
-    heads = ("cost s", "95 %", "duration s", "events", "avoiding")
+    heads = ("unfinished", "cost s", "95 %", "duration s", "events", "avoiding")
     return flat(f"means over {count} training scenarios that decided nothing", "options", heads, rows)
 
 
@@ -74,7 +76,9 @@ def _comparison(conclusion: Conclusion) -> Grid:
         for stated in conclusion.results
     ]
     heads = (*TO_BEAT, UNCHANGED, "not shown to beat")
-    return flat("ratios of mean costs, with 95 % intervals", "result to", heads, rows)
+    grid = flat("ratios of mean costs, with 95 % intervals", "result to", heads, rows)
+    ratios = [one.ratio_to(other) for one in conclusion.results for other in conclusion.yardsticks if one is not other]
+    return replace(grid, notes=too_few(ratios))
 
 
 def _ratios(stated: Stated, conclusion: Conclusion) -> list[str]:
@@ -83,7 +87,7 @@ def _ratios(stated: Stated, conclusion: Conclusion) -> list[str]:
     for label in (*TO_BEAT, UNCHANGED):
         ratio = stated.ratio_to(there[label]) if label in there and label != stated.label else None
         known = ratio is not None and ratio.ratio is not None
-        cells.append(f"{ratio.ratio:.3f} {_interval(ratio.ci95, 3)}" if ratio and known else EMPTY_CELL)
+        cells.append(f"{ratio.ratio:.3f} {interval_cell(ratio.ci95)}" if ratio and known else EMPTY_CELL)
     return cells
 
 
@@ -98,7 +102,3 @@ def _values(conclusion: Conclusion, space: StudySpace, importance: Importances) 
 
 def _text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _interval(ci95: tuple[float, float] | None, digits: int) -> str:
-    return "" if ci95 is None else f"[{ci95[0]:.{digits}f}, {ci95[1]:.{digits}f}]"

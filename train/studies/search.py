@@ -18,7 +18,7 @@ from selforg.arrays import Floats
 from train.learning.racing import RaceConfig, front, race
 from train.studies.config import Method, StudyConfig
 from train.studies.missions import AVOIDING, COST, DURATION, EVENT_COUNT, LAST_RACE, SEARCH, Candidate, MissionField
-from train.studies.proposals import Told, proposer_of
+from train.studies.proposals import Feedback, proposer_of
 from train.studies.space import StudySpace
 
 
@@ -27,7 +27,7 @@ class StudyTrial:
     """A candidate, and what the method was told of it."""
 
     candidate: Candidate
-    told: Told
+    feedback: Feedback
     means: tuple[float, ...] = ()
     """Estimated means of the figures, in the order of FIGURES; none where the library refused the values."""
     scenarios: int = 0
@@ -72,9 +72,9 @@ class CandidateSearch:
             ]
             able = [candidate for candidate in batch if not self._space.mistake(candidate.goals)]
             best = self._best(race([*best, *able], self._measure(SEARCH), study.race)) if able else best
-            told = [self._trial(candidate, candidate in able) for candidate in batch]
-            proposer.tell([trial.told for trial in told])
-            trials += told
+            tried = [self._trial(candidate, candidate in able) for candidate in batch]
+            proposer.tell([trial.feedback for trial in tried])
+            trials += tried
             on_batch(trials)
         if not best:
             raise DocumentError(f"{study.name}: {method}: the library refused all {len(trials)} candidates")
@@ -99,11 +99,11 @@ class CandidateSearch:
 
     def _trial(self, candidate: Candidate, able: bool) -> StudyTrial:
         if not able:
-            return StudyTrial(candidate, Told(()))
+            return StudyTrial(candidate, Feedback(()))
         means = self.means(candidate)
         values = tuple(means[self._counting].tolist())
-        told = Told(values, float(means[EVENT_COUNT]), float(means[AVOIDING]))
-        return StudyTrial(candidate, told, tuple(means.tolist()), self._field.asked(SEARCH, candidate))
+        feedback = Feedback(values, float(means[EVENT_COUNT]), float(means[AVOIDING]))
+        return StudyTrial(candidate, feedback, tuple(means.tolist()), self._field.asked(SEARCH, candidate))
 
     def _best(self, left: Iterable[Candidate]) -> list[Candidate]:
         """Return the best of the candidates that are left, at most as many as there are finalists."""

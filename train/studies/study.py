@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import MofNCompleteColumn
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of
@@ -19,13 +18,15 @@ from clean_swarm_env.learning.warm_up import compiled_before
 from selector.documents.errors import within
 from train.cluster.bits import WorkerBits, noted_bits, noting
 from train.cluster.chosen import chosen_engine
+from train.deciders.decided_goal import DecidedGoal
 from train.evaluation.trial_task import TASK_SCENARIOS
 from train.knowledge_store import NO_STORE, StoreRequest
 from train.reports.write_report import Publication, publish
-from train.running.decided_goal import DecidedGoal
+from train.running.command import command_words
 from train.running.engine import WorkerLost
 from train.running.exit_codes import FAILED, FINISHED, INTERRUPTED
 from train.running.needs import ALONE, Machine, Workload, check_needs
+from train.running.progress import progress
 from train.running.provenance import fingerprints
 from train.running.run_folder import RunFolder, default_directory
 from train.running.warm_up import compile_first
@@ -67,11 +68,14 @@ class StudyRequest:
     @property
     def words(self) -> list[str]:
         """The command for this request, without its directory."""
-        words = ["clean-swarm", *self.command, "--seed", str(self.seed)]
-        words += ["--storage", shown_url(self.storage)] if self.storage is not None else []
-        words += [word for word in self.store.words if word != "--learn"]
-        words += ["--force"] if self.machine.forced else []
-        return words + [word for path in self.directories for word in ("--configs", str(path))]
+        return command_words(
+            *self.command,
+            seed=self.seed,
+            storage=None if self.storage is None else shown_url(self.storage),
+            store=self.store.shown,
+            force=self.machine.forced,
+            configs=self.directories,
+        )
 
 
 def run_study(request: StudyRequest, console: Console, make: TaskMaker | None = None) -> int:
@@ -110,13 +114,17 @@ def _studied(
 ) -> int:
     """Do the missions that a directory lacks, and write the results there; return the exit code."""
     study = request.study
-    storage = TrialStorage(request.storage or f"sqlite:///{(folder.path / 'trials.sqlite').resolve()}")
+    storage = TrialStorage(
+        request.storage or f"sqlite:///{(folder.path / 'trials.sqlite').resolve()}",
+        own="" if request.storage else str(folder.path / "trials.sqlite"),
+    )
     journal = MissionJournal(folder, len(FIGURES))
     unchanged = Candidate(UNCHANGED, space.unchanged())
     if not compiled_before():
         compile_first(make(STAGES[0], unchanged, (0,)))
     try:
-        with chosen_engine(request.machine, request.bits).rounds() as done, _progress(study) as on_trials:
+        bar = progress(study.method, MofNCompleteColumn(), study.trials)
+        with chosen_engine(request.machine, request.bits).rounds() as done, bar as update:
             missions = MissionField(make, journal, done)
             search = CandidateSearch(study, space, missions, unchanged)
             arms = []
@@ -124,7 +132,8 @@ def _studied(
 
                 def on_batch(trials: Sequence[StudyTrial], method: str = method) -> None:
                     storage.keep(f"{study.name} {method} {request.seed}", trials, space, study.figures)
-                    on_trials(method, len(trials), journal.missions)
+                    told = f"trials, {journal.missions:,} missions"
+                    update(description=method, completed=len(trials), more=told)
 
                 arms.append(search.arm(method, request.seed, on_batch))
             conclusion = conclude(study, space, search, arms, missions)
@@ -163,17 +172,3 @@ def _checked(request: StudyRequest) -> tuple[FamilyConfig, StudySpace]:
         most = study.trials * len(study.methods) * study.race.block * study.race.blocks
         check_needs(Workload(family.largest, most, TASK_SCENARIOS), request.machine)
     return family, space
-
-
-@contextmanager
-def _progress(study: StudyConfig) -> Iterator[Callable[[str, int, int], None]]:
-    """Show a progress bar on the standard error; the function returned takes method, trials and missions."""
-    columns = (
-        TextColumn("{task.description} trials"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[n]}"),
-    )
-    with Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task(study.method, total=study.trials, n="")
-        yield lambda method, trials, n: bar.update(task, description=method, completed=trials, n=f"{n:,} missions")

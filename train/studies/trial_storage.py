@@ -41,8 +41,10 @@ class TrialStorage:
 
     """
 
-    def __init__(self, url: str) -> None:
-        self._where = url.partition("://")[0] if "://" in url else url
+    def __init__(self, url: str, *, own: str = "") -> None:
+        """Open the storage; `own` names in errors a file that the study keeps itself and makes again."""
+        given = url.partition("://")[0] if "://" in url else url
+        self._where = f"{own}: may be deleted, the study makes it again" if own else f"--storage {given}"
         if url.startswith(JOURNAL_SCHEME):
             with self._one_line():
                 self._storage: BaseStorage = JournalStorage(JournalFileBackend(url.removeprefix(JOURNAL_SCHEME)))
@@ -59,7 +61,7 @@ class TrialStorage:
             )
             held = study.get_trials(deepcopy=False)
             for number, trial in enumerate(trials):
-                own = frozen(trial, space, trial.told.values)
+                own = frozen(trial, space, trial.feedback.values)
                 if number >= len(held):
                     study.add_trial(own)
                 elif (held[number].params, held[number].values) != (own.params, own.values):
@@ -69,12 +71,12 @@ class TrialStorage:
     def _one_line(self) -> Iterator[None]:
         """Turn what optuna and a database raise into errors of one line."""
         try:
-            with within(f"--storage {self._where}"), reported("database"):
+            with within(self._where), reported("database"):
                 yield
         except (OSError, RuntimeError, ValueError, ImportError) as error:
             if isinstance(error, DocumentError):
                 raise
-            raise DocumentError(f"--storage {self._where}: {' '.join(str(error).split())}") from error
+            raise DocumentError(f"{self._where}: {' '.join(str(error).split())}") from error
 
 
 def importances(trials: Sequence[StudyTrial], space: StudySpace) -> dict[str, float]:

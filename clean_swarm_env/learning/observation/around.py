@@ -62,9 +62,14 @@ class Around(NamedTuple):
     phases: Annotated[Ints, "R"]  # numbers of `PHASES`
     station_distances: Annotated[Floats, "R 2"]  # to the nearest recycling station and dump [m]
     station_ways: Annotated[Floats, "R 2 3"]  # the ways to them, see `write_way`, by `longest`
+    # as the robot has heard: see `selforg.mechanisms.kernels.others`
     neighbour: Annotated[Ints, "R"]  # row of the nearest other robot within the largest range, -1 without one
+    heard: Annotated[Floats, "R OTHER"]  # what is known of it; its velocity is relative to that of the row
     within: Annotated[Ints, "R K"]  # number of other robots within each range
-    carriers: Annotated[Ints, "R"]  # number of other robots with cargo within the largest range
+    # as it is
+    true_neighbour: Annotated[Ints, "R"]
+    true_within: Annotated[Ints, "R K"]
+    true_carriers: Annotated[Ints, "R"]  # number of other robots with cargo within the largest range
 
 
 AROUND_RECORD = Recording(Around)
@@ -72,13 +77,11 @@ open_around = AROUND_RECORD.open
 
 
 @inlined
-def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats) -> float:
-    """Write the way of a row to a place (2,) [m] into `way` (3,); return the distance [m].
+def write_offset(around: Around, row: int, dx: float, dy: float, scale: float, way: Floats) -> float:
+    """Write the way of a row to what is (dx, dy) [m] from it into `way` (3,); return the distance [m].
 
-    The way is the distance by `scale`, at most 1, then the unit vector to the place in the robot's frame.
+    The way is the distance by `scale`, at most 1, then the unit vector there in the robot's frame.
     """
-    dx = nearest_image(place[0] - around.positions[row, 0], around.extent[0])
-    dy = nearest_image(place[1] - around.positions[row, 1], around.extent[1])
     length = float(np.sqrt(dx * dx + dy * dy))
     way[0], way[1], way[2] = min(length / scale, 1.0), 0.0, 0.0
     if length > 0.0:
@@ -86,6 +89,14 @@ def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats
         way[1] = min(max((cosine * dx + sine * dy) / length, -1.0), 1.0)
         way[2] = min(max((cosine * dy - sine * dx) / length, -1.0), 1.0)
     return length
+
+
+@inlined
+def write_way(around: Around, row: int, place: Floats, scale: float, way: Floats) -> float:
+    """Write the way of a row to a place (2,) [m], see `write_offset`; return the distance [m]."""
+    dx = nearest_image(place[0] - around.positions[row, 0], around.extent[0])
+    dy = nearest_image(place[1] - around.positions[row, 1], around.extent[1])
+    return write_offset(around, row, dx, dy, scale, way)
 
 
 @inlined

@@ -18,6 +18,7 @@ from clean_swarm_env.learning.observation import find_terms as find_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
+from clean_swarm_env.learning.observation import true_terms as true_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from selector.documents.errors import DocumentError, validated
 from selector.documents.fields import Closed, Number, Positive
@@ -26,9 +27,11 @@ from selforg.registry import unknown
 
 DEFAULT_TERMS = (
     "garbage", "cargo", "phase", "situation", "recycling", "dump", "nearness", "target", "neighbour", "encounter",
-    "crowd", "carriers", "avoidance", "movement", "mission", "idle", "density", "holds",
+    "crowd", "avoidance", "movement", "time", "idle", "holds",
 )  # fmt: skip
-"""The terms of an observation unless others are chosen, all of them compiled; their modules are imported above."""
+"""The terms of an observation unless others are chosen: what a robot senses or has heard, all of them compiled."""
+TRUE_TERMS = ("true_neighbour", "true_encounter", "true_crowd", "true_carriers", "true_density", "true_done")
+"""Compiled terms that no robot could know; the modules of all terms are imported above."""
 
 
 class TermConfig(Closed):
@@ -95,18 +98,23 @@ class ObservationConfig(Closed):
                     raise ValueError(f"terms: {term.name}: missing setting {name!r}")
         return self
 
-    def steered(self) -> Self:
-        """Return the observation of robots that are steered by vectors: they hold no options."""
+    def driven(self) -> Self:
+        """Return the observation of robots that are driven by vectors: they hold no options."""
         held = any(term.name == "holds" for term in self.terms)
         if held and "terms" in self.model_fields_set:
             raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
         return self.model_copy(update={"terms": tuple(term for term in self.terms if term.name != "holds")})
 
-    @classmethod
-    def usual(cls, further: Sequence[str] = (), *, steered: bool = False) -> Self:
-        """Return the default observation, followed by `further` terms; who is steered sees no options."""
-        usual = cls().steered() if steered else cls()
-        return validated(cls, {"terms": (*usual.terms, *further)}, "observation") if further else usual
+    def beside(self, further: Sequence[str] = (), *, driven: bool = False) -> Self:
+        """Return the observation with `further` terms behind the default ones, or with the terms that were chosen.
+
+        Robots that are `driven` see no options.
+        """
+        seen = self.driven() if driven else self
+        if not further or "terms" in self.model_fields_set:
+            return seen
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return validated(type(self), {**given, "terms": (*seen.terms, *further)}, "observation", own=True)
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
         """Return the terms of what is `observed`."""

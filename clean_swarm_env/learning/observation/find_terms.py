@@ -28,7 +28,7 @@ class FindsTerm(Term):
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""
         worlds = self.observed.worlds
-        seen = self._queries.see(worlds.now, rows, FINDS)
+        seen = self._queries.gather(worlds.now, rows, FINDS)
         count = np.diff(seen.start)
         robot = np.repeat(np.arange(len(rows)), count)
         felt = count > 0

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
@@ -17,8 +17,10 @@ from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
+from selforg.mechanisms.kernels.others import OTHER_COLUMNS
 
 Observations = NDArray[np.float32]
+COMPILED_TERMS = (*DEFAULT_TERMS, *TRUE_TERMS)
 
 
 class Observer:
@@ -47,11 +49,11 @@ class Observer:
         self._rows: Ints = np.zeros(worlds.rows, dtype=np.int64)
         self._seen: Floats = np.zeros((worlds.rows, self.width))
         self._all = np.arange(worlds.worlds)
-        self._first: Ints = np.full(len(DEFAULT_TERMS), -1)  # first component of each compiled term, -1: not chosen
+        self._first: Ints = np.full(len(COMPILED_TERMS), -1)  # first component of each compiled term, -1: not chosen
         self._own: list[tuple[Term, slice]] = []  # terms of the user's own, and their components
         for term, first, last in zip(terms, accumulate(sizes, initial=0), accumulate(sizes), strict=False):
             if isinstance(term, CompiledTerm):
-                self._first[DEFAULT_TERMS.index(term.name)] = first
+                self._first[COMPILED_TERMS.index(term.name)] = first
             else:
                 self._own.append((term, slice(first, last)))
 
@@ -61,11 +63,11 @@ class Observer:
         around.record.ticks[:] = self._worlds.ticks
         for number, held in enumerate(self._held):
             around.record.held[number] = held
-        rows = self._rows[: search(around.words, worlds, self._rows)]
+        rows = self._rows[: search(around.words, self._worlds.minds.poses.packed.words, worlds, self._rows)]
         self._seen.fill(0.0)
         for term, components in self._own:
             term.write(rows, self._seen.T[components])
-        see(around.words, worlds, self._first, self._seen, self._weights, observations)
+        write_observations(around.words, worlds, self._first, self._seen, self._weights, observations)
 
 
 def around_robots(worlds: Worlds, progress: MissionProgress, config: ObservationConfig) -> Around:
@@ -83,8 +85,8 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         headings=physics.headings,
         bodies=physics.bodies,
         present=physics.present,
-        speed=worlds.drive.speed,
-        turn_rate=worlds.drive.turn_rate,
+        speed=worlds.floor.drive.speed,
+        turn_rate=worlds.floor.drive.turn_rate,
         cargo=garbage.cargo,
         recycled=garbage.recycled,
         items=garbage.positions,
@@ -118,52 +120,55 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         station_distances=np.zeros((worlds.rows, 2)),
         station_ways=np.zeros((worlds.rows, 2, 3)),
         neighbour=numbers(worlds.rows),
+        heard=np.zeros((worlds.rows, OTHER_COLUMNS)),
         within=numbers(worlds.rows, len(config.neighbour_ranges)),
-        carriers=numbers(worlds.rows),
+        true_neighbour=numbers(worlds.rows),
+        true_within=numbers(worlds.rows, len(config.neighbour_ranges)),
+        true_carriers=numbers(worlds.rows),
     )
 
 
-See = Callable[[Around, Ints, int, Floats], None]
+WriteTerms = Callable[[Around, Ints, int, Floats], None]
 
 
 @inlined
-def see_nothing(around: Around, first: Ints, row: int, seen: Floats) -> None:
+def write_nothing(around: Around, first: Ints, row: int, seen: Floats) -> None:
     """Write no component."""
 
 
-def see_also(before: See, name: str) -> See:
-    """Return a function that writes the terms that `before` writes, and the term of DEFAULT_TERMS of this name."""
-    number, term = DEFAULT_TERMS.index(name), TERMS.find(name)
+def write_also(before: WriteTerms, name: str) -> WriteTerms:
+    """Return a function that writes the terms that `before` writes, and the compiled term of this name."""
+    number, term = COMPILED_TERMS.index(name), TERMS.find(name)
     assert issubclass(term, CompiledTerm)
-    see_term = term.see
+    write_row = term.write_row
 
     @inlined
-    def see_both(around: Around, first: Ints, row: int, seen: Floats) -> None:
+    def write_both(around: Around, first: Ints, row: int, seen: Floats) -> None:
         before(around, first, row, seen)
         if first[number] >= 0:
-            see_term(around, row, seen[first[number] :])
+            write_row(around, row, seen[first[number] :])
 
-    return see_both
+    return write_both
 
 
-see_terms: See = see_nothing
-for _name in DEFAULT_TERMS:
-    see_terms = see_also(see_terms, _name)
+write_terms: WriteTerms = write_nothing
+for _name in COMPILED_TERMS:
+    write_terms = write_also(write_terms, _name)
 
 
 @lean_kernel
-def see(
+def write_observations(
     around: Words[Around], chosen: Ints, first: Ints, seen: Floats, weights: Observations, observations: Observations
 ) -> None:
     """Write the terms that are chosen into `seen` (R, F), and that times `weights` (F,) into `observations` (R, F).
 
-    The worlds are those `chosen` (C,). `first` holds the first component of each term of DEFAULT_TERMS, -1 for a term
-    that is not chosen. Robots that are not present see nothing.
+    The worlds are those `chosen` (C,). `first` holds the first component of each of COMPILED_TERMS, -1 for one that is
+    not chosen. Robots that are not present see nothing.
     """
     a = open_around(around)
     for world in chosen:
         for row in range(world * a.robots, (world + 1) * a.robots):
             if a.present[row]:
-                see_terms(a, first, row, seen[row])
+                write_terms(a, first, row, seen[row])
             for k in range(weights.shape[0]):
                 observations[row, k] = np.float32(seen[row, k]) * weights[k] if a.present[row] else np.float32(0.0)

@@ -3,68 +3,39 @@
 from __future__ import annotations
 
 from clean_swarm_env.learning.observation.around import Around
-from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed
+from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, compiled_term
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined
 from selforg.network.state.state import EXECUTING
 
 
-@TERMS.register
-class AvoidanceTerm(CompiledTerm):
+@compiled_term("avoidance", "avoidance_length", "avoiding")
+def see_avoidance(around: Around, row: int, out: Floats) -> None:
     """Length of the avoidance vector by the reach of a pose, and whether the robot avoids others just now."""
-
-    name = "avoidance"
-    components = ("avoidance_length", "avoiding")
-
-    @staticmethod
-    @inlined
-    def see(around: Around, row: int, out: Floats) -> None:
-        if around.avoidance >= 0:
-            out[0] = min(around.readings[row, around.avoidance] / around.reach, 1.0)
-        if around.avoiding >= 0:
-            out[1] = around.marks[row, EXECUTING, around.avoiding]
+    if around.avoidance >= 0:
+        out[0] = min(around.readings[row, around.avoidance] / around.reach, 1.0)
+    if around.avoiding >= 0:
+        out[1] = around.marks[row, EXECUTING, around.avoiding]
 
 
-@TERMS.register
-class MovementTerm(CompiledTerm):
+@compiled_term("movement", "speed", "turn_rate")
+def see_movement(around: Around, row: int, out: Floats) -> None:
     """Speed and turn rate of the drive, by the largest ones."""
-
-    name = "movement"
-    components = ("speed", "turn_rate")
-
-    @staticmethod
-    @inlined
-    def see(around: Around, row: int, out: Floats) -> None:
-        out[0] = min(around.speed[row] / around.max_speed, 1.0)
-        out[1] = min(max(around.turn_rate[row] / around.max_turn_rate, -1.0), 1.0)
+    out[0] = min(around.speed[row] / around.max_speed, 1.0)
+    out[1] = min(max(around.turn_rate[row] / around.max_turn_rate, -1.0), 1.0)
 
 
-@TERMS.register
-class MissionTerm(CompiledTerm):
-    """Share of the items dumped of those that arrived, and of the time limit that is left."""
-
-    name = "mission"
-    components = ("garbage_done", "time_left")
-
-    @staticmethod
-    @inlined
-    def see(around: Around, row: int, out: Floats) -> None:
-        world = row // around.robots
-        out[0] = around.done[world] / max(around.arrived[world], 1)
-        out[1] = max(1.0 - around.ticks[world] / around.limits[world], 0.0)
+@compiled_term("time", "time_left")
+def see_time(around: Around, row: int, out: Floats) -> None:
+    """Share of the time limit that is left."""
+    world = row // around.robots
+    out[0] = max(1.0 - around.ticks[world] / around.limits[world], 0.0)
 
 
-@TERMS.register
-class IdleTerm(CompiledTerm):
+@compiled_term("idle", "idle")
+def see_idle(around: Around, row: int, out: Floats) -> None:
     """Time since the robot last picked, recycled or dumped something, by `patience`."""
-
-    name = "idle"
-    components = ("idle",)
-
-    @staticmethod
-    @inlined
-    def see(around: Around, row: int, out: Floats) -> None:
-        out[0] = min(around.idle[row] / around.patience, 1.0)
+    out[0] = min(around.idle[row] / around.patience, 1.0)
 
 
 @TERMS.register
@@ -83,6 +54,6 @@ class HoldsTerm(CompiledTerm):
 
     @staticmethod
     @inlined
-    def see(around: Around, row: int, out: Floats) -> None:
+    def write_row(around: Around, row: int, out: Floats) -> None:
         for goal in range(around.held.shape[0]):
             out[around.first_options[goal] + around.held[goal, row]] = 1.0

@@ -21,6 +21,18 @@ from clean_swarm_env.world.garbage import LYING, NOTHING
 from selforg.arrays import Ints
 from selforg.compiler.decorators import kernel, part
 from selforg.compiler.records import Words
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, open_poses
+from selforg.mechanisms.kernels.half_planes import own_velocity
+from selforg.mechanisms.kernels.others import (
+    OTHER_COLUMNS,
+    OTHER_ROW,
+    OTHER_VX,
+    OTHER_VY,
+    OTHER_X,
+    OTHER_Y,
+    note_others,
+)
 from selforg.space import nearest_image
 
 MARGIN = 1.0 + 1e-9
@@ -28,14 +40,15 @@ MARGIN = 1.0 + 1e-9
 
 
 @kernel
-def search(around: Words[Around], chosen: Ints, rows: Ints) -> int:
-    """Find items, stations and neighbours of the robots in the worlds `chosen` (C,).
+def search(around: Words[Around], poses: Words[Poses], chosen: Ints, rows: Ints) -> int:
+    """Find items, stations and neighbours of the robots in the worlds `chosen` (C,), and what they know of others.
 
     Lists the robots that are present in `rows` (R,) and returns their number.
     """
     count = list_present(around, chosen, rows)
     find_items(around, rows[:count])
     find_stations(around, rows[:count])
+    find_heard(around, poses, rows[:count])
     find_neighbours(around, rows[:count])
     return count
 
@@ -95,8 +108,32 @@ def find_stations(around: Words[Around], rows: Ints) -> None:
 
 
 @kernel
+def find_heard(around: Words[Around], poses: Words[Poses], rows: Ints) -> None:
+    """Find what each of `rows` (P,) knows of the nearest other robot in range, and count those within each range.
+
+    What is known is of the time at which the row spread its own pose last.
+    """
+    a, p = open_around(around), open_poses(poses)
+    squares, others = a.ranges * a.ranges, np.empty((a.robots, OTHER_COLUMNS))
+    for row in rows:
+        a.neighbour[row], a.within[row], shortest = -1, 0, np.inf
+        if p.rows[row, c.ROW_POSES] == 0:
+            continue
+        vx, vy = own_velocity(row, poses)
+        for k in range(note_others(row, p.own[row, 0, c.POSE_STAMP], np.inf, others, poses)):
+            square = others[k, OTHER_X] * others[k, OTHER_X] + others[k, OTHER_Y] * others[k, OTHER_Y]
+            for near in range(squares.shape[0]):
+                a.within[row, near] += square <= squares[near]
+            if square <= squares[-1] and square < shortest:
+                shortest, a.neighbour[row] = square, int(others[k, OTHER_ROW])
+                a.heard[row] = others[k]
+                a.heard[row, OTHER_VX] -= vx
+                a.heard[row, OTHER_VY] -= vy
+
+
+@kernel
 def find_neighbours(around: Words[Around], rows: Ints) -> None:
-    """Find the nearest other robot in range of each of `rows` (P,), and count those within each range."""
+    """Find where others truly are: the nearest in range of each of `rows` (P,), and the number within each range."""
     a = open_around(around)
     robots, squares = a.robots, a.ranges * a.ranges
     farthest = squares[-1]
@@ -109,7 +146,7 @@ def find_neighbours(around: Words[Around], rows: Ints) -> None:
             filled = first
         x, y = a.positions[row, 0], a.positions[row, 1]
         best, shortest, carriers = -1, farthest, 0
-        a.within[row] = 0
+        a.true_within[row] = 0
         line, column, walks = 0, 0, 1
         if lines > 0:
             line, column, walks = cell_at(y, lines, a.extent[1]), cell_at(x, columns, a.extent[0]), 9
@@ -127,7 +164,7 @@ def find_neighbours(around: Words[Around], rows: Ints) -> None:
                     continue
                 carriers += a.cargo[other] != NOTHING
                 for k in range(squares.shape[0]):
-                    a.within[row, k] += square <= squares[k]
+                    a.true_within[row, k] += square <= squares[k]
                 if best < 0 or square < shortest or (square == shortest and other < best):
                     best, shortest = other, square
-        a.neighbour[row], a.carriers[row] = best, carriers
+        a.true_neighbour[row], a.true_carriers[row] = best, carriers

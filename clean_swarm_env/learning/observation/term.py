@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,8 +12,11 @@ from clean_swarm_env.learning.observation.around import Around
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats, Ints
+from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed
 from selforg.registry import Registry
+
+RowWriter = Callable[[Around, int, Floats], None]
 
 
 @dataclass(frozen=True)
@@ -91,11 +95,11 @@ class Term(ABC):
 
 
 class CompiledTerm(Term):
-    """A term of DEFAULT_TERMS: `see` writes it for one robot, and one kernel calls `see` of all these terms."""
+    """A term of DEFAULT_TERMS or TRUE_TERMS: `write_row` writes it for one robot, and one kernel writes all."""
 
     @staticmethod
     @abstractmethod
-    def see(around: Around, row: int, out: Floats) -> None:
+    def write_row(around: Around, row: int, out: Floats) -> None:
         """Write the components of a row into the first places of `out`, which holds zeros (compiled)."""
 
     def write(self, rows: Ints, out: Floats) -> None:
@@ -103,3 +107,15 @@ class CompiledTerm(Term):
 
 
 TERMS: Registry[Term] = Registry("observation term", lambda term: term.name)
+
+
+def compiled_term(name: str, *components: str) -> Callable[[RowWriter], RowWriter]:
+    """Register a function as `write_row` of the compiled term `name`; its docstring is what the term means."""
+
+    def register(write_row: RowWriter) -> RowWriter:
+        members = {"name": name, "components": components, "write_row": staticmethod(inlined(write_row))}
+        members |= {"__doc__": write_row.__doc__, "__module__": write_row.__module__}
+        TERMS.register(type(write_row.__name__, (CompiledTerm,), members))
+        return write_row
+
+    return register

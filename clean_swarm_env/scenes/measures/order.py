@@ -35,7 +35,7 @@ def unevenness(positions: Floats, ground: Ground) -> Floats:
 
 def radial_spread(positions: Floats, centre: Floats, ground: Ground) -> Floats:
     """Return the standard deviation (W,) [m] of the distances to `centre` (W, 2) or (2,): 0 on a circle."""
-    spread: Floats = _from_centre(positions, centre, ground).std(axis=1)
+    spread: Floats = ground.distances(_broadcast(centre, positions), positions).std(axis=1)
     return spread
 
 
@@ -52,10 +52,6 @@ def barycentre(positions: Floats, ground: Ground) -> Floats:
     """Return the mean place (W, 2) [m], around the first robot on a torus (so all must be within half of it)."""
     first = positions[:, :1]
     return ground.space.wrap(first[:, 0] + ground.offsets(np.broadcast_to(first, positions.shape), positions).mean(1))
-
-
-def _from_centre(positions: Floats, centre: Floats, ground: Ground) -> Floats:
-    return ground.distances(_broadcast(centre, positions), positions)
 
 
 def _broadcast(centre: Floats, positions: Floats) -> Floats:

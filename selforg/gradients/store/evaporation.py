@@ -21,13 +21,13 @@ def start_evaporation(slot: int, now: float, store: Words[Store]) -> None:
     s = open_store(store)
     s.far[slot, c.FAR_START] = s.near[slot, c.DIFFUSION]
     s.near[slot, c.NEAR_DUE] = np.inf
-    if s.far[slot, c.FAR_FACTOR] >= 1.0:
+    if s.whole_seconds and s.far[slot, c.FAR_PERIOD] > 0.0:
+        evaporate_whole_seconds(slot, now, store)  # whatever the factor (B8)
+    elif s.far[slot, c.FAR_FACTOR] >= 1.0:
         return
-    if s.far[slot, c.FAR_PERIOD] <= 0.0:
+    elif s.far[slot, c.FAR_PERIOD] <= 0.0:
         s.near[slot, c.DIFFUSION] = 0.0
         s.far[slot, c.FAR_START] = 0.0
-    elif s.whole_seconds:
-        evaporate_whole_seconds(slot, now, store)
     else:
         s.near[slot, c.NEAR_DUE] = s.far[slot, c.FAR_CLOCK] + s.far[slot, c.FAR_PERIOD]
         if now >= s.near[slot, c.NEAR_DUE]:
@@ -53,7 +53,7 @@ def evaporate(slot: int, now: float, store: Words[Store]) -> None:
 def evaporate_whole_seconds(slot: int, now: float, store: Words[Store]) -> None:
     """Evaporate a gradient up to `now` [s] as the original does: only the whole seconds of its age count."""
     s = open_store(store)
-    if s.far[slot, c.FAR_FACTOR] >= 1.0 or s.far[slot, c.FAR_PERIOD] <= 0.0:
+    if s.far[slot, c.FAR_PERIOD] <= 0.0:
         return
     age = now - s.far[slot, c.FAR_CLOCK]
     if age < s.far[slot, c.FAR_PERIOD]:

@@ -44,13 +44,13 @@ def look_all_around(
 
 @part
 def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
-    """Write what a row sees into the pairs of `sight` from `look.begin` on and return where it ends.
+    """Write what a row sees into the pairs of `sight` from `look.first` on and return where it ends.
 
     Pairs beyond the end of the table are counted, not written; the caller then calls again with a longer table.
     """
     s, channels = open_store(store), open_sight(sight).channels
-    found = look.begin
-    if look.see & c.SEE_MOVING and channels[0] == 1:
+    found = look.first
+    if look.see_bits & c.SEE_MOVING and channels[0] == 1:
         found = gather_poses(look, sight, poses, store)
     if s.counters[c.COUNTER_USED] == 0:
         return found
@@ -60,7 +60,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[St
         first = first_layer(int(channels[index]), space, store)
         for level in range(c.LEVELS):
             members = s.layers[first + level, c.LAYER_COUNT]
-            looked_at = look.see & (c.SEE_MOVING if level == c.MOVING else c.SEE_STATIC)
+            looked_at = look.see_bits & (c.SEE_MOVING if level == c.MOVING else c.SEE_STATIC)
             if members == 0 or found >= look.limit or looked_at == 0:
                 continue
             cells = -1
@@ -80,8 +80,8 @@ def gather_layer(layer: int, cells: int, found: int, look: Look, sight: Words[Si
     """
     s = open_store(store)
     moving = layer % c.LEVELS == c.MOVING
-    newest_only = moving and look.see & c.SEE_HISTORY == 0
-    skipped = look.row if moving and look.see & c.SKIP_OWN else -1  # rows are sources from 0 up
+    newest_only = moving and look.see_bits & c.SEE_HISTORY == 0
+    skipped = look.row if moving and look.see_bits & c.SKIP_OWN else -1  # rows are sources from 0 up
     visited, number, slot, cell = 0, max(cells, 0 if cells == 0 else 1), -1, 0
     # a caller that needs few pairs must not evaporate other gradients
     together = MOST_CANDIDATES if look.limit > len(open_sight(sight).pairs) else 1
@@ -168,12 +168,12 @@ def index_poses(poses: Words[Poses]) -> None:
 def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[Store]) -> int:
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
     p, window, pairs = open_poses(poses), open_store(store).window, open_sight(sight).pairs
-    row, history = look.row, look.see & c.SEE_HISTORY
+    row, history = look.row, look.see_bits & c.SEE_HISTORY
     team = int(p.rows[row, c.ROW_TEAM])
     begin, end = int(p.first[team]), int(p.first[team + 1])
     ex, ey, ez = p.extent[0], p.extent[1], p.extent[2]
     half_x, half_y, half_z = half_of(ex), half_of(ey), half_of(ez)
-    found, cells = look.begin, -1
+    found, cells = look.first, -1
     hearing = p.rows.shape[1] > c.ROW_HEARD
     if end - begin > CROWD and history == 0 and not hearing:  # cells know the newest poses only
         radius = max(look.margins[0], look.margins[1], look.margins[2]) + p.reach[team]

@@ -73,10 +73,10 @@ class Look(NamedTuple):
     """What one row looks at once; made and passed on in compiled code only."""
 
     row: int
-    begin: int  # pair from which on what the row sees is written
+    first: int  # pair from which on what the row sees is written
     limit: int  # number of pairs at which looking ends; one more than there is room for: all are counted
     now: float  # [s]
-    see: int  # SEE_ bits
+    see_bits: int  # what is looked at: SEE_STATIC, SEE_MOVING, ...
     margins: Margins
     x: float  # where the row is [m]
     y: float

@@ -152,7 +152,7 @@ def evaporate_space(space: int, now: float, store: Words[Store]) -> None:
             slot = s.layers[layer, c.LAYER_HEAD]
             while slot >= 0:
                 following = s.marks[slot, c.MARK_AFTER]
-                if s.whole_seconds:
+                if s.whole_seconds and s.far[slot, c.FAR_FACTOR] < 1.0:
                     evaporate_whole_seconds(slot, now, store)
                 if still_there(slot, now, store) and evaporated_away(slot, store):
                     remove(slot, store)

@@ -16,7 +16,7 @@ class DecisionRule(NamedTuple):
     """A decision rule, what rows have decided so far, and room for what they decide now."""
 
     rule: int  # DECIDE_
-    see: int  # SEE_ bits
+    see_bits: int  # SEE_ bits
     view_distance: float  # [m]
     threshold: float  # of a quorum: number of neighbours
     key: int  # code of the payload entry that is compared
@@ -46,7 +46,7 @@ def decide_rows(
         d.decided[row] = sees or d.rule != DECIDE_BARYCENTER  # distances need an own position
         if sees:
             margins = (d.view_distance, d.view_distance, d.view_distance)
-            found = gather(look_all_around(row, now, d.see, margins, 0, sight, poses), sight, poses, store)
+            found = gather(look_all_around(row, now, d.see_bits, margins, 0, sight, poses), sight, poses, store)
         if found > len(pairs):
             return index
         if d.rule == DECIDE_QUORUM:

@@ -16,7 +16,7 @@ from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
 from selforg.mechanisms.kernels.flocking_terms import action, adjacency
 from selforg.mechanisms.kernels.moving import Movements, limit, open_movements
-from selforg.randomness import take_direction
+from selforg.randomness import next_direction
 from selforg.space import nearest_image
 
 BOID_OFFSET = 0  # and the two columns after it [m]
@@ -29,7 +29,7 @@ class Flock(NamedTuple):
     """The parameters of a flocking rule, the random directions of a `DirectionStream`, and room for boids."""
 
     reynolds: int  # 1: Reynolds, 0: Olfati-Saber
-    see: int  # SEE_ bits
+    see_bits: int  # SEE_ bits
     view_distance: float  # [m]
     max_speed: float  # [m/s]
     separation: float  # weight r of Reynolds' separation
@@ -89,7 +89,7 @@ def separation(count: int, own_goal: float, full: float, row: int, flock: Words[
             for axis in range(3):
                 f.total[axis] -= weight * f.boids[index, BOID_OFFSET + axis] / distance
         else:
-            x, y, z = take_direction(f.directions, f.cursor, f.low, row)
+            x, y, z = next_direction(f.directions, f.cursor, f.low, row)
             f.total[0] += weight * x
             f.total[1] += weight * y
             f.total[2] += weight * z
@@ -129,7 +129,7 @@ def flock_rows(
         f.total[:] = 0.0
         answers.active[place] = known[row, c.ROW_POSES] >= (1 if f.reynolds else 2)
         if answers.active[place]:
-            found = gather(look_all_around(row, now, f.see, margins, 0, sight, poses), sight, poses, store)
+            found = gather(look_all_around(row, now, f.see_bits, margins, 0, sight, poses), sight, poses, store)
             if found > room:
                 return index
             if f.reynolds:

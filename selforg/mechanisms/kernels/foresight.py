@@ -23,7 +23,7 @@ from selforg.mechanisms.kernels.others import (
     note_others,
     speed_to_change,
 )
-from selforg.randomness import take_direction
+from selforg.randomness import next_direction
 from selforg.space import nearest_image
 
 PLACE_X, PLACE_Y, PLACE_KNOWN = 0, 1, 2  # columns of `Foresight.places`
@@ -143,6 +143,6 @@ def is_stuck(row: int, now: float, foresight: Words[Foresight], poses: Words[Pos
         times[SINCE] = now
     elif now - times[SINCE] > f.patience:
         # robots that block each other must not try again at the same time
-        cosine, sine, _ = take_direction(f.directions, f.cursor, f.low, row)
+        cosine, sine, _ = next_direction(f.directions, f.cursor, f.low, row)
         times[SINCE], times[DARING_UNTIL] = now, now + 2.5 + 1.5 * direction(sine, cosine) / np.pi
     return bool(now < times[DARING_UNTIL])

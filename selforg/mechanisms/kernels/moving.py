@@ -14,7 +14,7 @@ from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
 from selforg.gradients.store.records import Look, Margins, Poses, Sight, Store, open_poses, open_sight
-from selforg.randomness import take_direction
+from selforg.randomness import next_direction
 
 NO_ROOM = -1
 
@@ -46,7 +46,7 @@ class Steering(NamedTuple):
     random: int
     ahead: int
     chooses: int
-    see: int  # SEE_ bits
+    see_bits: int  # SEE_ bits
     view_distance: float  # [m]
     min_speed: float  # [m/s]
     max_speed: float  # [m/s]
@@ -93,7 +93,7 @@ def move_row(
     found, moves = 0, False
     if looks:
         margins = margins_of(goal_radius, steering)
-        found = gather(look_all_around(row, now, m.see, margins, 0, sight, poses), sight, poses, store)
+        found = gather(look_all_around(row, now, m.see_bits, margins, 0, sight, poses), sight, poses, store)
     if found > len(open_sight(sight).pairs):
         return NO_ROOM
     if m.ahead:
@@ -144,7 +144,7 @@ def look_for_one(row: int, now: float, steering: Words[Steering], poses: Words[P
         m.view_distance if m.wakes_neutral else -np.inf,
         m.view_distance if m.wakes_attractive else -np.inf,
     )
-    return Look(row, 0, 1, now, m.see, margins, own[row, 0, c.X], own[row, 0, c.Y], own[row, 0, c.Z])
+    return Look(row, 0, 1, now, m.see_bits, margins, own[row, 0, c.X], own[row, 0, c.Y], own[row, 0, c.Z])
 
 
 @part
@@ -155,7 +155,7 @@ def finish(row: int, own_reach: float, steering: Words[Steering]) -> None:
         limit(m.total, 0.0, own_reach)
         return
     if m.random and m.total[0] == 0.0 and m.total[1] == 0.0 and m.total[2] == 0.0:
-        x, y, z = take_direction(m.directions, m.cursor, m.low, row)
+        x, y, z = next_direction(m.directions, m.cursor, m.low, row)
         m.total[0], m.total[1], m.total[2] = x * m.max_speed, y * m.max_speed, z * m.max_speed
     limit(m.total, m.min_speed, m.max_speed)
 
@@ -178,7 +178,7 @@ def add(index: int, length: float, full: float, row: int, sight: Words[Sight], s
         m.total[1] += scale * pairs[index, c.PAIR_DY]
         m.total[2] += scale * pairs[index, c.PAIR_DZ]
     else:
-        x, y, z = take_direction(m.directions, m.cursor, m.low, row)
+        x, y, z = next_direction(m.directions, m.cursor, m.low, row)
         m.total[0] += abs(length) * x
         m.total[1] += abs(length) * y
         m.total[2] += abs(length) * z

@@ -16,7 +16,9 @@ from selforg.space import nearest_image
 
 OTHER_X, OTHER_Y = 0, 1  # offset from the robot [m]
 OTHER_VX, OTHER_VY = 2, 3  # velocity [m/s], zero after a single pose
-OTHER_COLUMNS = 4
+OTHER_COSINE, OTHER_SINE = 4, 5  # heading, both zero if there is none
+OTHER_ROW = 6  # its row
+OTHER_COLUMNS = 7
 
 
 @part
@@ -59,5 +61,8 @@ def note_others(row: int, now: float, view: float, others: Floats, poses: Words[
         age = now - p.own[other, last, c.POSE_STAMP]
         others[count, OTHER_X], others[count, OTHER_Y] = dx + vx * age, dy + vy * age
         others[count, OTHER_VX], others[count, OTHER_VY] = vx, vy
+        others[count, OTHER_COSINE] = p.own[other, last, c.POSE_HEADING]
+        others[count, OTHER_SINE] = p.own[other, last, c.POSE_HEADING + 1]
+        others[count, OTHER_ROW] = other
         count += 1
     return count

@@ -41,7 +41,7 @@ from selforg.mechanisms.kernels.moving import (
     write_answer,
 )
 from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_fernandez, repulsion_ge
-from selforg.randomness import take_direction
+from selforg.randomness import next_direction
 
 ALL_IN_VIEW = (VIEW_DISTANCE, VIEW_DISTANCE, VIEW_DISTANCE)
 ATTRACTIVE_IN_VIEW = (NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE)
@@ -110,7 +110,7 @@ def sums(combination: MovementRule, **fields: Any) -> Callable[[Formula], Moveme
 def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
     """Look at no gradient: the sum is a random direction of 1 m/s."""
     s = open_steering(steering)
-    s.total[0], s.total[1], s.total[2] = take_direction(s.directions, s.cursor, s.low, row)
+    s.total[0], s.total[1], s.total[2] = next_direction(s.directions, s.cursor, s.low, row)
     return True
 
 

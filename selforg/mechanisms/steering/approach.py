@@ -73,7 +73,7 @@ class ApproachLeastBusy(SteeringMechanism):
 
     def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
-        goals = self._queries.see(now, rows, self._look, signs=ATTRACTIVE)
+        goals = self._queries.gather(now, rows, self._look, signs=ATTRACTIVE)
         poses = self.poses.packed.words
         approach_rows(now, rows, goals.start, goals.pairs, commands, self._approaching.words, poses)
 

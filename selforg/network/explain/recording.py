@@ -4,7 +4,7 @@
     recorder = Recorder(network)
     ...
     network.step()
-    recorder.take()
+    recorder.record()
 
 `stacked` turns the steps into arrays with a leading axis T (for `numpy.savez`), `record_at` takes one step out again.
 """
@@ -63,7 +63,7 @@ class Recorder:
         self.rows = np.arange(network.rows) if rows is None else rows
         self.steps: list[StepRecord] = []
 
-    def take(self) -> StepRecord:
+    def record(self) -> StepRecord:
         """Record the last step."""
         state, plans, rows = self.network.state, self.network.plans, self.rows
         record = StepRecord(

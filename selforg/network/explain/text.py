@@ -44,10 +44,10 @@ def table(behaviours: Sequence[BehaviourAccount]) -> list[str]:
 
 
 def condition_tree(explanation: Explanation) -> Iterator[str]:
-    """Yield behaviours and goals with their wishes and conditions."""
+    """Yield behaviours and goals with their wishes and conditions; * marks what runs."""
     for account in explanation.behaviours:
-        ready = "ready" if account.ready else "not ready"
-        yield f"{account.name}: {ready}, satisfied {account.satisfaction:.3g}{_wishes(account)}"
+        mark, ready = "* " if account.running else "", "ready" if account.ready else "not ready"
+        yield f"{mark}{account.name}: {account.why} ({ready}, satisfied {account.satisfaction:.3g}{_wishes(account)})"
         yield from _branches(account.conditions, "")
     for goal in explanation.goals:
         off = "" if goal.enabled else " (off)"

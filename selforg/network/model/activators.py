@@ -8,6 +8,7 @@ Satisfaction lies in [low, high] (default [0, 1]); the wish in [-1, 1] is the si
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -35,10 +36,8 @@ class Activator(ABC):
         if not 0.0 <= self.low <= self.high <= 1.0:
             raise ValueError(f"{type(self).__name__}: expected 0 <= low <= high <= 1, got {self.low} and {self.high}")
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return the arguments with which the contract tests build the class."""
-        return {}
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Arguments with which the contract tests build the class."""
 
     @property
     @abstractmethod
@@ -86,10 +85,7 @@ class Threshold(Activator):
     value_range: AtLeastZero = 0.0
     kind: ClassVar[int] = THRESHOLD_RULE
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a threshold."""
-        return {"threshold": 2.0}
+    example: ClassVar[Mapping[str, Any]] = {"threshold": 2.0}
 
     @property
     def parameters(self) -> tuple[float, float]:
@@ -111,10 +107,7 @@ class Linear(Activator):
     full: Finite
     kind: ClassVar[int] = LINEAR_RULE
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a slope."""
-        return {"zero": 1.0, "full": 3.0}
+    example: ClassVar[Mapping[str, Any]] = {"zero": 1.0, "full": 3.0}
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -160,10 +153,7 @@ class Equal(Activator):
     value: Finite
     kind: ClassVar[int] = EQUAL_RULE
 
-    @classmethod
-    def example(cls) -> dict[str, Any]:
-        """Return a value."""
-        return {"value": 2.0}
+    example: ClassVar[Mapping[str, Any]] = {"value": 2.0}
 
     @property
     def parameters(self) -> tuple[float, float]:

@@ -21,8 +21,8 @@ from selforg.compiler.records import Recording
 ) = range(6)
 
 LAST_STEP, LAST_CHANGE, TWO_STEPS, SINCE_IDLE, READING_LAYERS = range(5)
-"""Layers of readings [1e-6 units]: those of the last step; what changed in the last step, in the last two, and since
-nothing ran or a plan was asked for."""
+"""Layers of readings, with six decimals: those of the last step; what changed in the last step, in the last two, and
+since nothing ran or a plan was asked for."""
 
 UNITS = 1e6
 """The planner compares numbers with six decimals."""

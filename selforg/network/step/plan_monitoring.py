@@ -9,10 +9,11 @@ The rules are those of the original (`M1` to `M6`, found from its recorded trace
 - a behaviour ended itself that was not due, or ends while the plan holds it again later; planner-independent ones never
   ask for a plan (M5).
 
-The step that is due is passed when its behaviour ended itself, with all equal steps that follow (M5), or when it ran
-and all its effects count as realised: an effect that is not below the change of this step and the one before (M3). A
-positive effect is therefore realised at once, a negative one only after the change (Q22). `strict_progress` asks for a
-change of the effect's own sign and at least half its size instead, summed up since the robot last stood idle.
+The step that is due is passed when its behaviour ended itself, with all equal steps that follow (several that end in
+one step pass theirs one after the other, M5), or when it ran and all its effects count as realised: an effect that is
+not below the change of this step and the one before (M3). A positive effect is therefore realised at once, a negative
+one only after the change (Q22). `strict_progress` asks for a change of the effect's own sign and at least half its size
+instead, summed up since the robot last stood idle.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ def pass_steps(row: int, model: Words[PackedModel], states: Words[RowStates], pl
     for b in range(marks.shape[2]):
         if not marks[row, st.ENDED, b]:
             continue
-        meant = b == due and not realised  # as in the original, not what ended and was realised in one step
+        # as in the original, none is in a step in which the due one was realised
+        meant = not realised and index < length and steps[row, index] == b
         if meant:
             while index < length and steps[row, index] == b:
                 index += 1
@@ -81,16 +83,22 @@ def see_changes(row: int, model: Words[PackedModel], states: Words[RowStates], p
         idle = idle and not ran(row, b, marks)
     expected = True
     for sensor in range(readings.shape[1]):
-        reading, last = np.rint(readings[row, sensor] * ps.UNITS), seen[row, ps.LAST_STEP, sensor]
+        reading, last = six_decimals(readings[row, sensor]), seen[row, ps.LAST_STEP, sensor]
         counts = reading != last and is_relevant(row, sensor, model, states)
         change = reading - last if counts else 0.0
         before = 0.0 if idle else seen[row, ps.SINCE_IDLE, sensor]
         seen[row, ps.TWO_STEPS, sensor] = seen[row, ps.LAST_CHANGE, sensor] + change
         seen[row, ps.LAST_STEP, sensor] = reading
         seen[row, ps.LAST_CHANGE, sensor] = change
-        seen[row, ps.SINCE_IDLE, sensor] = before + change
+        seen[row, ps.SINCE_IDLE, sensor] = six_decimals(before + change)
         expected = expected and (change == 0.0 or was_expected(row, sensor, change, model, states))
     return expected
+
+
+@inlined
+def six_decimals(number: float) -> float:
+    """Return `number` as the planner writes it. Differences are not rounded, as in the original (M3)."""
+    return float(np.rint(number * ps.UNITS) / ps.UNITS)
 
 
 @inlined
@@ -145,7 +153,7 @@ def is_realised(row: int, b: int, model: Words[PackedModel], states: Words[RowSt
     for e in range(first[b], first[b + 1]):
         if tag[e] >= 0 and tag[e] != marks[row, st.ALTERNATIVE, b]:
             continue
-        wanted, recent = np.rint(effect[e] * ps.UNITS), readings[row, ps.TWO_STEPS, sensor[e]]
+        wanted, recent = six_decimals(effect[e]), readings[row, ps.TWO_STEPS, sensor[e]]
         since_idle = readings[row, ps.SINCE_IDLE, sensor[e]]
         seen = wanted * since_idle > 0.0 and abs(since_idle) >= 0.5 * abs(wanted)
         if not (seen if strict else wanted >= recent):

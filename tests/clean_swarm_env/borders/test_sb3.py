@@ -127,6 +127,22 @@ def test_attributes_and_methods_of_rows():
     assert envs.env_is_wrapped(VecMonitor) == [False] * 10
 
 
+def test_making_it_sets_one_torch_thread_unless_the_user_says_otherwise(monkeypatch):
+    import torch
+
+    before = torch.get_num_threads()
+    try:
+        for given, expected in ((None, 1), ("3", 3)):
+            torch.set_num_threads(3)
+            monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+            if given:
+                monkeypatch.setenv("OMP_NUM_THREADS", given)
+            RobotVecEnv(1, mission=SHORT)
+            assert torch.get_num_threads() == expected
+    finally:
+        torch.set_num_threads(before)
+
+
 @long_course
 def test_a_single_agent_for_the_team_passes_sb3s_check():
     check_env(CleanSwarmTeam(SHORT))

@@ -30,7 +30,7 @@ def test_the_environments_of_teams_pass_gymnasiums_check(name):
 
 
 @long_course
-def test_a_team_steered_by_vectors_passes_gymnasiums_check():
+def test_a_team_driven_by_vectors_passes_gymnasiums_check():
     env = CleanSwarmTeam(SHORT, action=ActionConfig(mode="velocity"))
     assert env.action_space.shape == (10,)
     check_env(env, skip_render_check=True)

@@ -22,7 +22,7 @@ FAMILIES = list(files_of("families"))
 def test_all_families_are_shipped():
     alike = ["continuous", "crowded", "random", "shifting", "sparse", "unseen"]
     exploring = ["clustered", "crowded-exploring", "hotspots", "rare", "unseen-exploring"]
-    others = ["careful", "table1", "yards", *exploring]
+    others = ["table1", "yards", *exploring]
     assert sorted(FAMILIES) == sorted([*others, *alike, *(f"{name}-bumpers" for name in alike)])
 
 
@@ -59,7 +59,6 @@ def test_scenarios_are_the_same_again_and_all_different(name):
         ("shifting", 939487392),
         ("sparse", 2069781226),
         ("unseen", 1649095382),
-        ("careful", 1600260454),
         ("table1", 3197883819),
     ],
 )

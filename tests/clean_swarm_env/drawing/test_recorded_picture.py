@@ -24,11 +24,11 @@ def seen(tmp_path_factory):
     folder: Path = tmp_path_factory.mktemp("seen")
     course = Course(MissionRun(MISSION, random_start(MISSION, 1, 0), 2, {}))
     recorder = MissionRecorder(course.worlds, RecordSettings(folder, name="run"))
-    recorder.begin(0, {})
+    recorder.open(0, {})
     canvases = [canvas_of(course.worlds, 0)]
     while course.in_progress:
         course.tick()
-        recorder.take()
+        recorder.record()
         canvases.append(canvas_of(course.worlds, 0))
     recorder.close()
     return canvases, RecordedMission(folder / "run.swarm")

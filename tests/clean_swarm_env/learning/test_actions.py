@@ -134,7 +134,7 @@ def test_zero_means_to_stand_still_and_what_is_beyond_the_bounds_counts_as_the_b
     assert np.array_equal(batch.worlds.physics.positions, other.worlds.physics.positions)
 
 
-def steered_by_hand(batch: Batch) -> np.ndarray:
+def driven_by_hand(batch: Batch) -> np.ndarray:
     """Return vectors (R, 2) towards the nearest item, with cargo towards its station, else straight on."""
     seen = dict(zip(batch.observer.names, batch.observations.T, strict=True))
     to_item = np.stack([seen["garbage_ahead"], seen["garbage_left"]], axis=1)
@@ -144,7 +144,7 @@ def steered_by_hand(batch: Batch) -> np.ndarray:
 
 
 @long_course
-def test_a_team_steered_by_hand_completes_its_mission_alone_as_in_a_batch():
+def test_a_team_driven_by_hand_completes_its_mission_alone_as_in_a_batch():
     """Robots pass through each other, as in the paper's simulator, so that none is in the way."""
     config, courses = mission("reference"), []
     for seeds, world in (([4], 0), ([3, 4, 5], 1)):
@@ -152,7 +152,7 @@ def test_a_team_steered_by_hand_completes_its_mission_alone_as_in_a_batch():
         batch.reset(seeds)
         course = []
         while world not in [end.world for end in batch.finished] and len(course) < 600:
-            step = batch.step(steered_by_hand(batch))
+            step = batch.step(driven_by_hand(batch))
             rows = batch.worlds.rows_of(world)
             course.append(
                 (step.rewards[rows].tobytes(), step.observations[rows].tobytes(), bool(step.terminated[world]))
@@ -195,50 +195,6 @@ def test_a_correction_is_added_to_what_behaviours_command():
         assert commands.commanded.all()
         np.testing.assert_allclose(commands.vectors, before + correction, atol=1e-12)
     assert before.any()
-
-
-def braking(patience):
-    """A batch whose robots are corrected backwards all the time: they turn and turn."""
-    batch = Batch(action={"mode": "both", "patience": patience})
-    batch.reset([1])
-    return batch, np.tile([0.0, -1.0, 0.0], (5, 1))
-
-
-def test_robots_that_do_not_get_on_are_sent_off_at_random_until_they_do():
-    batch, actions = braking(2.0)
-    worlds, space = batch.worlds, batch.worlds.minds.poses.space
-    places, since, shares, sent = np.zeros((5, 2)), np.zeros(5, int), [], []
-    for tick in range(600):
-        if tick % 5 == 0:
-            ticks, stuck = batch.ticks(actions), worlds.period * (tick - 1 - since) > 2.0 + 1e-9
-        positions = worlds.physics.positions.copy()
-        next(ticks)
-        given = worlds._correction
-        got_on = np.hypot(*space.offsets(places, positions).T) > 0.5
-        places[got_on], since[got_on] = positions[got_on], tick
-        np.testing.assert_allclose(np.hypot(*given.T), np.where(stuck, 0.2, 1.0))
-        shares.append(stuck)
-        sent.extend(given[stuck].tolist() if tick % 5 == 0 else [])
-    assert 0.05 < np.mean(shares) < 0.95
-    assert np.abs(np.mean(sent, axis=0)).max() < 0.06
-    assert len(set(map(tuple, sent))) == len(sent) > 50
-
-
-def test_the_patience_is_part_of_the_state_of_a_world():
-    batch, actions = braking(2.0)
-    for _ in range(17):
-        batch.step(actions)
-    other, _ = braking(2.0)
-    other.step(actions)
-    other.set_state(batch.get_state())
-    for _ in range(20):
-        assert batch.step(actions).observations.tobytes() == other.step(actions).observations.tobytes()
-
-
-@pytest.mark.parametrize("mode", ["option", "velocity"])
-def test_patience_without_corrections_is_refused(mode):
-    with pytest.raises(ValueError, match=f"patience: expected with corrections, mode both, got mode {mode}"):
-        ActionConfig(mode=mode, patience=2.0)
 
 
 @pytest.mark.parametrize("actions", [np.zeros((5, 2)), np.zeros(5), np.full((5, 3), np.nan), np.full((5, 3), 0.5)])

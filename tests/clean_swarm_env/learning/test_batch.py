@@ -144,7 +144,7 @@ def test_episodes_may_be_the_scenarios_of_a_family(family):
     alone = trajectory(Batch(family=family, knowledge="avoidance"), [5], 60)[0]
     batch = Batch(family=family, knowledge="avoidance", worlds=3)
     assert trajectory(batch, [4, 5, 6], 60)[1] == alone
-    assert len(batch.options["AvoidCollision"]) == 9
+    assert len(batch.options["AvoidCollision"]) == 10
     step = batch.step(np.zeros(batch.rows, dtype=np.int64))
     absent = ~batch.progress.took_part
     assert family == "random" or absent.any()
@@ -161,5 +161,5 @@ def test_splits_of_a_family_have_other_scenarios_and_unfit_families_are_refused(
 
 
 def test_unknown_settings_are_refused():
-    with pytest.raises(TypeError, match=r"unexpected settings \['famly'\]"):
+    with pytest.raises(TypeError, match=r"unknown setting 'famly' .* did you mean 'family'"):
         Batch(famly="crowded")

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_mission, with_changes
-from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, ObservationConfig
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TRUE_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.phases import PHASES
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from tests.clean_swarm_env.courses import OPTIONS, long_course, mission
 
 RANGES = (1.0, 1.5, 2.5)
+ALL = ObservationConfig(terms=(*DEFAULT_TERMS, *TRUE_TERMS))
 
 
 def _offset(worlds, place, other):
@@ -60,23 +61,46 @@ def _others(batch, row):
     offsets = {other: _offset(worlds, physics.positions[row], physics.positions[other]) for other in others}
     near = sorted((hypot(*offset), other) for other, offset in offsets.items() if hypot(*offset) <= RANGES[-1])
     terms = {
-        "neighbour": [0.0, 1.0, 0.0, 0.0],
-        "encounter": [0.0] * 4,
-        "crowd": [sum(distance <= reach for distance, _ in near) / 6 for reach in RANGES],
-        "carriers": [sum(bool(loaded[other]) for _, other in near) / 6],
-        "density": [(len(others) + 1) * pi / 121],
+        "true_neighbour": [0.0, 1.0, 0.0, 0.0],
+        "true_encounter": [0.0] * 4,
+        "true_crowd": [sum(distance <= reach for distance, _ in near) / 6 for reach in RANGES],
+        "true_carriers": [sum(bool(loaded[other]) for _, other in near) / 6],
+        "true_density": [(len(others) + 1) * pi / 121],
     }
     if near:
         distance, other = near[0]
         turned = physics.headings[other] - physics.headings[row]
         relative = physics.velocities[row] - physics.velocities[other]
         closing = float(relative @ offsets[other]) / distance / 2.0
-        terms["neighbour"] = [len(near) / len(others), *_way(worlds, row, physics.positions[other], RANGES[-1])]
-        terms["encounter"] = [cos(turned), sin(turned), closing, float(loaded[other])]
+        terms["true_neighbour"] = [len(near) / len(others), *_way(worlds, row, physics.positions[other], RANGES[-1])]
+        terms["true_encounter"] = [cos(turned), sin(turned), closing, float(loaded[other])]
     return terms
 
 
-def _expected(batch, row, idle):
+def _heard(batch, row, spread):
+    """What a robot knows of the others by what all have `spread`: positions and headings, the latest last."""
+    worlds = batch.worlds
+    others = [other for other in worlds.rows_of(row // worlds.robots) if other != row]
+    terms = {"neighbour": [1.0, 0.0, 0.0], "encounter": [0.0] * 3, "crowd": [0.0] * 3}
+    if not spread:
+        return terms
+    places, headings = spread[-1]
+    offsets = {other: _offset(worlds, places[row], places[other]) for other in others}
+    near = sorted((hypot(*offset), other) for other, offset in offsets.items() if hypot(*offset) <= RANGES[-1])
+    terms["crowd"] = [sum(distance <= reach for distance, _ in near) / 6 for reach in RANGES]
+    if near:
+        distance, other = near[0]
+        own = worlds.physics.headings[row]
+        angle, turned = atan2(*offsets[other][::-1]) - own, headings[other] - own
+        before = spread[-2][0] if len(spread) > 1 else places
+        own_way, way = (_offset(worlds, before[k], places[k]) / 0.2 for k in (row, other))
+        closing = float((own_way - way) @ offsets[other]) / distance / 2.0
+        terms["neighbour"] = [distance / RANGES[-1], cos(angle), sin(angle)]
+        terms["encounter"] = [cos(turned), sin(turned), closing]
+    return terms
+
+
+def _expected(batch, row, idle, spread):
     worlds, config, garbage = batch.worlds, batch.mission, batch.worlds.garbage
     world, network = row // worlds.robots, worlds.network
     length = network.readings[row, network.model.sensor_index["rep_len"]]
@@ -84,31 +108,66 @@ def _expected(batch, row, idle):
     terms = {
         **_task(batch, row),
         **_others(batch, row),
+        **_heard(batch, row, spread),
         "avoidance": [min(length / 1.5, 1.0), float(avoiding)],
-        "movement": [worlds.drive.speed[row], worlds.drive.turn_rate[row] / 2.0],
-        "mission": [
-            garbage.done[world] / config.garbage.count, 1.0 - worlds.ticks[world] * 0.2 / config.time_limit,
-        ],
+        "movement": [worlds.floor.drive.speed[row], worlds.floor.drive.turn_rate[row] / 2.0],
+        "time": [1.0 - worlds.ticks[world] * 0.2 / config.time_limit],
+        "true_done": [garbage.done[world] / config.garbage.count],
         "idle": [min(idle / 60.0, 1.0)],
         "holds": [float(worlds.coordinators[0].held[row] == k) for k in range(3)],
-    }  # fmt: skip
-    return np.concatenate([terms[name] for name in DEFAULT_TERMS])
+    }
+    return np.concatenate([terms[name] for name in (*DEFAULT_TERMS, *TRUE_TERMS)])
 
 
 @long_course
 @pytest.mark.parametrize("name", ["table1", "reference"])
-def test_every_term_is_what_its_name_says(name):
-    batch, rng, idle = Batch(mission(name), 2), np.random.default_rng(1), np.zeros(10)
+def test_every_term_is_what_its_name_says(name, monkeypatch):
+    batch, rng, idle = Batch(mission(name), 2, observation=ALL), np.random.default_rng(1), np.zeros(10)
+    spread, own = [], batch.worlds.minds.spread_poses
+
+    def noted(positions, headings, now):
+        spread.append((positions.copy(), headings.copy()))
+        own(positions, headings, now)
+
+    monkeypatch.setattr(batch.worlds.minds, "spread_poses", noted)
     seen = batch.reset([1, 2])
     met = np.zeros(batch.width)
     for _ in range(90):
         for row in range(10):
-            np.testing.assert_allclose(seen[row], _expected(batch, row, idle[row]), atol=1e-6, err_msg=str(row))
+            np.testing.assert_allclose(seen[row], _expected(batch, row, idle[row], spread), atol=1e-6, err_msg=str(row))
         met += np.abs(seen).max(axis=0) > 0
         seen = batch.step(rng.integers(0, 3, 10)).observations
         assert not batch.finished
         idle = np.where(batch.progress.events[:3].any(axis=0), batch.progress.idle * 0.2, idle + 1.0)
     assert met.all(), [name for name, count in zip(batch.observer.names, met, strict=True) if not count]
+
+
+@pytest.mark.parametrize(
+    ("delivery", "heard"),
+    [({"loss": 1.0}, 0), ({"reach": 1.2}, 1), ({}, 2)],
+    ids=["lost", "near ones only", "all"],
+)
+def test_robots_do_not_see_those_of_whom_they_have_heard_nothing(delivery, heard):
+    config = mission(robots={"count": 3}, delivery=delivery)
+    batch = Batch(config, observation=ALL)
+    robots = [[3.0, 3.0, 0.0], [4.0, 3.0, 0.0], [3.0, 5.0, 0.0]]
+    batch.reset([1], [StartConfiguration(id="near", robots=robots, items=[[9.0, 9.0]] * 10)])
+    names, seen = batch.observer.names, batch.step(np.zeros(batch.rows, np.int64)).observations[0]
+    component = dict(zip(names, seen.tolist(), strict=True))
+    assert component["crowd_2.5m"] == pytest.approx(heard / 6)
+    assert component["true_crowd_2.5m"] == pytest.approx(2 / 6)
+    assert (component["neighbour_distance"] < 1.0) == (heard > 0)
+
+
+def test_who_mistakes_the_own_place_is_heard_there():
+    batch = Batch(mission(robots={"pose_noise": 0.3}), observation=ALL)
+    batch.reset([1])
+    names, off = batch.observer.names, []
+    heard, true = names.index("neighbour_distance"), names.index("true_neighbour_distance")
+    for _ in range(40):
+        seen = batch.step(np.zeros(batch.rows, np.int64)).observations
+        off += (seen[:, heard] - seen[:, true])[seen[:, true] < 0.6].tolist()
+    assert 0.05 < np.std(off) * RANGES[-1] < 1.0  # that of the difference of two places is 0.3 sqrt 2 m
 
 
 def test_names_are_those_of_the_terms_and_unique():
@@ -121,17 +180,17 @@ def test_names_are_those_of_the_terms_and_unique():
 
 def test_terms_are_chosen_ordered_and_weighted():
     whole = Batch()
-    chosen = ["holds", {"name": "mission", "weight": -2.0}, "cargo", {"name": "neighbour", "weight": 0.5}]
+    chosen = ["holds", {"name": "time", "weight": -2.0}, "cargo", {"name": "neighbour", "weight": 0.5}]
     batch = Batch(observation=ObservationConfig(terms=chosen))
     full, part = whole.reset([3]), batch.reset([3])
     names = batch.observer.names
-    weight = {"garbage_done": -2.0, "time_left": -2.0, **dict.fromkeys(TERMS.find("neighbour").components, 0.5)}
+    weight = {"time_left": -2.0, **dict.fromkeys(TERMS.find("neighbour").components, 0.5)}
     for k, name in enumerate(names):
         expected = full[:, whole.observer.names.index(name)] * np.float32(weight.get(name, 1.0))
         assert np.array_equal(part[:, k], expected)
         assert batch.observer.bounds[k] == abs(weight.get(name, 1.0))
     assert names[:3] == tuple(f"holds_{option}" for option in OPTIONS)
-    assert len(names) == 3 + 2 + 2 + 4
+    assert len(names) == 3 + 1 + 2 + 3
 
 
 @pytest.mark.parametrize(
@@ -163,7 +222,7 @@ def test_impossible_choices_are_refused(given, message):
     ids=["crowd", "alone", "nothing to do", "no reach", "narrow"],
 )
 def test_observations_stay_within_their_bounds(changes):
-    batch = Batch(mission(**changes), observation=ObservationConfig(full_crowd=2))
+    batch = Batch(mission(**changes), observation=ObservationConfig(terms=ALL.terms, full_crowd=2))
     seen = batch.reset([1])
     for _ in range(40):
         assert (np.abs(seen) <= 1.0).all()
@@ -192,7 +251,7 @@ def test_looking_changes_nothing():
 
 def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
     mission = with_changes(load_mission("table1").model_dump(), {"robots": {"count": 70}, "world": {"width": 30.0}})
-    batch = Batch(MissionConfig.model_validate(mission))
+    batch = Batch(MissionConfig.model_validate(mission), observation=ALL)
     names, seen = batch.observer.names, batch.reset([4])
     places, extent = batch.worlds.physics.positions, batch.worlds.extent
     apart = places[:, None] - places[None]
@@ -201,7 +260,7 @@ def test_a_crowd_sees_by_cells_what_looking_at_everybody_shows():
     ranges = batch.observer.config.neighbour_ranges
     for distance in ranges:
         crowd = np.minimum((distances <= distance).sum(axis=1) / batch.observer.config.full_crowd, 1.0)
-        np.testing.assert_allclose(seen[:, names.index(f"crowd_{distance:g}m")], crowd, rtol=1e-6)
+        np.testing.assert_allclose(seen[:, names.index(f"true_crowd_{distance:g}m")], crowd, rtol=1e-6)
     nearest = np.minimum(distances.min(axis=1) / ranges[-1], 1.0)
-    np.testing.assert_allclose(seen[:, names.index("neighbour_distance")], nearest, rtol=1e-6)
+    np.testing.assert_allclose(seen[:, names.index("true_neighbour_distance")], nearest, rtol=1e-6)
     assert 0 < (nearest < 1.0).sum() < 70

@@ -1,11 +1,11 @@
-"""Counts of a period: "avoiding" counts the coordinator of AvoidCollision, at any place in the mission."""
+"""Counts of a period: "avoiding" is that of the coordinator of AvoidCollision, and an item is picked once."""
 
 import numpy as np
 import pytest
 import yaml
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.progress import AVOIDINGS
+from clean_swarm_env.learning.progress import AVOIDINGS, PICKINGS
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.world.cleaning_robot import GOAL
 from tests.clean_swarm_env.courses import mission
@@ -64,3 +64,23 @@ def test_without_a_coordinator_of_avoidance_nobody_avoids(tmp_path):
         seen = batch.step(np.zeros(batch.rows, dtype=np.int64)).observations
         assert not batch.progress.events[AVOIDINGS].any()
         assert not seen[:, batch.observer.names.index("avoiding")].any()
+
+
+def test_an_item_is_paid_for_once_whoever_picks_it_again():
+    crowded = mission(
+        "bumpers", robots={"count": 16}, garbage={"count": 16}, consequences={"drop": True}, knowledge="avoidance",
+        time_limit=240.0,
+    )  # fmt: skip
+    batch = Batch(crowded)
+    batch.reset([1])
+    off = np.full(batch.rows, batch.options[GOAL].index("Off"))
+    paid = picked = 0
+    carried = batch.worlds.garbage.cargo >= 0
+    while not batch.finished:
+        for worlds in batch.ticks(off):
+            picked += int((worlds.garbage.cargo[~carried] >= 0).sum())
+            carried = worlds.garbage.cargo >= 0
+        paid += int(batch.progress.events[PICKINGS].sum())
+        batch.end_period()
+    assert picked > 2 * 16  # robots collide, and what they lose is picked again
+    assert 0 < paid <= 16

@@ -72,10 +72,12 @@ class TestEveryTerm:
     def test_components_lie_within_their_bounds_and_something_is_seen(self, name):
         batch = batch_of({"name": name, "weight": -0.5})
         most = np.zeros(batch.width)
-        for seen in course(batch):
+        for period, seen in enumerate(course(batch, 100)):
             assert seen.shape == (batch.rows, batch.width)
             assert np.isfinite(seen).all()
             most = np.maximum(most, np.abs(seen).max(axis=0))
+            if period >= 25 and most.any():
+                break
         assert (most <= 0.5).all()
         assert most.any()
 
@@ -97,8 +99,8 @@ class TestEveryTerm:
             assert not seen[3:].any()
 
 
-def test_the_default_is_the_eighteen_terms_in_their_order():
-    assert len(set(DEFAULT_TERMS)) == len(DEFAULT_TERMS) == 18
+def test_the_default_is_the_sixteen_terms_in_their_order():
+    assert len(set(DEFAULT_TERMS)) == len(DEFAULT_TERMS) == 16
     assert set(DEFAULT_TERMS) <= set(TERMS.names())
     assert tuple(term.name for term in ObservationConfig().terms) == DEFAULT_TERMS
 

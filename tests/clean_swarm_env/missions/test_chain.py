@@ -83,7 +83,7 @@ class Followed:
         for row in dropped:
             assert np.array_equal(garbage.positions[0, cargo[row]], places[row])
             assert garbage.leftover[0, cargo[row]] == recycled[row]
-            assert garbage.handed[0, cargo[row]] == 1
+            assert garbage.paid[0, cargo[row]] == 1
         assert worlds.minds.items.count(0, "garbage") == (garbage.stage[0] == LYING).sum()
         self.blind[dropped] = BLIND
         self.put_down += len(dropped)
@@ -106,7 +106,7 @@ def test_robots_put_down_what_has_gained_its_span_and_see_nothing_for_a_time():
     for handed in ([1, 1, 1, 0], [1, 1, 1, 1]):  # on its way to the dump
         for _ in range(45):
             followed.tick()
-        assert worlds.garbage.handed[0].tolist() == handed
+        assert worlds.garbage.paid[0].tolist() == handed
 
 
 @long_course
@@ -126,16 +126,16 @@ def test_who_has_put_cargo_down_picks_it_again_after_the_time_and_is_paid_for_it
     progress = MissionProgress(worlds)
     progress.reset(0)
     progress.begin_period()
-    while not worlds.garbage.handed[0, 0]:
+    while not worlds.garbage.blind[0]:
         progress.note(worlds.tick())
-    worlds.steer(np.zeros((1, 2)))  # it stays beside the item
+    worlds.drive(np.zeros((1, 2)))  # it stays beside the item
     blind = 0
     while worlds.garbage.cargo[0] == NOTHING:
         progress.note(worlds.tick())
         blind += 1
     assert blind == BLIND + 1
     assert worlds.physics.positions[0, 0] < 5.4
-    worlds.steer(None)
+    worlds.drive(None)
     while worlds.garbage.cargo[0] != NOTHING:  # it brings what is near to the station, and puts down leftovers
         progress.note(worlds.tick())
     assert worlds.garbage.leftover[0, 0] == 1
@@ -180,11 +180,11 @@ def test_worlds_go_on_alike_alone_in_a_batch_and_from_a_state():
 def test_a_recording_holds_what_was_put_down_and_where(tmp_path):
     worlds = one_robot((1.0, 10.0))
     recorder = MissionRecorder(worlds, RecordSettings(tmp_path))
-    path = recorder.begin(0, {})
+    path = recorder.open(0, {})
     frames = []
     while not frames or not worlds.garbage.recycled[0]:
         worlds.tick()
-        recorder.take()
+        recorder.record()
         frames.append((worlds.garbage.stage[0, 0], *worlds.garbage.positions[0, 0]))
     recorder.close()
     recorded = RecordedMission(path)
@@ -197,7 +197,7 @@ def test_a_recording_holds_what_was_put_down_and_where(tmp_path):
 def whole(worlds, world):
     """Return the arrays of a world with what a chain remembers."""
     garbage, rows = worlds.garbage, worlds.rows_of(world)
-    own = {"leg": garbage.leg[rows], "blind": garbage.blind[rows], "handed": garbage.handed[world]}
+    own = {"leg": garbage.leg[rows], "blind": garbage.blind[rows], "paid": garbage.paid[world]}
     return snapshot(worlds, world) | {**own, "items": garbage.positions[world]}
 
 

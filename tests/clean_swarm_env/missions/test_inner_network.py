@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.mission import Course, MissionRun, run_mission
 from selector.coordination.selection import BY_SCORE
 from selector.documents.find import SHIPPED
@@ -90,7 +91,7 @@ def test_what_lies_in_a_behaviour_moves_the_robots(robot):
 def test_a_robot_that_begins_anew_begins_anew_inside(robot):
     course = course_of(robot(nested=True))
     ticked(course, 10)
-    course.worlds.minds.begin(np.array([1]))
+    course.worlds.minds.reset_rows(np.array([1]))
     for inner in (course.worlds.minds.nested[0], course.worlds.minds.nested[0].inner[0]):
         assert not inner.network.executing[1].any()
         assert not inner.network.readings[1].any()
@@ -103,7 +104,7 @@ def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]
-    recording = record_run(task, tmp_path / "run.swarm")
+    recording = RecordedMission(record_run(task, tmp_path / "run.swarm"))
     assert recording.head["networks"]["Search"]["behaviours"] == ["Roam", "Pause"]
     assert "Search/Pause" in recording.head["networks"]
     assert recording["Search/values"].shape == (recording.frames, 5, 9, 2)

@@ -114,3 +114,19 @@ def test_two_goals_cannot_both_set_the_pose(library):
     goals = {"goals": dict.fromkeys(("A", "B"), POSED["goals"][GOAL])}
     with pytest.raises(DocumentError, match="pose: expected options of one goal to set radii, got options of A, B"):
         coordinator_models(("A", "B"), knowledge_from(goals), library)
+
+
+def test_a_crowd_with_bumpers_hardly_collides_where_robots_keep_eighty_centimetres_apart():
+    family = load_family("crowded-exploring")
+    scenario = family.scenario(3, 0, "train")
+    events = {}
+    for option in ("ORCA", "ORCA-distance0.8"):
+        models = coordinators_of(scenario.mission.network, load_knowledge("exploring"), Library())
+        worlds = Worlds(scenario.mission, models)
+        worlds.reset(0, scenario.start, scenario.seed)
+        avoid = [model.goal for model in models].index(GOAL)
+        options = np.array([int(np.argmax(model.scores)) for model in models])
+        options[avoid] = models[avoid].options.index(option)
+        worlds.hold(np.tile(options, (worlds.rows, 1)))
+        events[option] = sum(int(worlds.tick().sum()) for _ in range(300))
+    assert events["ORCA-distance0.8"] < 0.2 * events["ORCA"]

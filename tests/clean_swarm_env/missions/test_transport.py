@@ -112,7 +112,7 @@ def test_the_first_stations_of_a_mission_may_move_and_robots_that_choose_know_it
     worlds = carrying("Nearest", ((5.0, 5.0, 0.0),), events=[moved])
     run(worlds, 3.0)
     assert worlds.stations[0].tolist() == [[1.0, 1.0], [6.0, 1.0], [9.0, 10.0]]
-    pairs = Queries(worlds.minds.buffers["stations"]).see(worlds.now, [0]).pairs
+    pairs = Queries(worlds.minds.buffers["stations"]).gather(worlds.now, [0]).pairs
     known = (worlds.minds.poses.positions[0] + pairs[:, :2]) % worlds.extent
     assert sorted(known.round(1).tolist()) == [[1.0, 1.0], [6.0, 1.0], [9.0, 10.0]]
 
@@ -212,7 +212,7 @@ def test_damaged_robots_are_mended_at_every_station():
 def test_an_environment_has_actions_for_all_goals_and_a_state_with_all_stations():
     env = parallel_env("transport")
     observations, _ = env.reset(seed=1)
-    assert env.action_space("robot_0").nvec.tolist() == [2, 6, 4]
+    assert env.action_space("robot_0").nvec.tolist() == [2, 6, 5]
     kinds = [name for name in env.state_names if name.startswith(("recycling", "dump"))]
     expected = ("recycling", "dump", "recycling_2", "recycling_3", "dump_2", "dump_3")
     assert kinds == [f"{station}_{axis}" for station, axis in itertools.product(expected, "xy")]

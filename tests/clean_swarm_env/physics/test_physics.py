@@ -255,6 +255,16 @@ def test_both_ways_to_pymunk_give_the_same_bits(monkeypatch):
     assert np.abs(courses[0]).max() > 0.1
 
 
+def test_a_robot_that_was_taken_away_leaves_no_motion_behind():
+    physics = placed(1, 3, 4)
+    wander(physics, 20, 5)
+    physics.remove(1)
+    wanted = physics.lasting().values[-1]
+    assert not wanted[1].any()
+    assert not physics.velocities[1].any()
+    assert wanted[[0, 2]].all()
+
+
 @pytest.mark.parametrize("ticks", [0, 1, 17, 30])
 def test_between_ticks_the_arrays_are_all_there_is(ticks):
     physics = placed(1, 12, 4, width=4.0, height=4.0)

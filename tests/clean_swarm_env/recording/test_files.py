@@ -27,10 +27,10 @@ def waiting(whole, channels) -> WaitingFrames:
         sampled.append(Sampled(channel, numbers[at : at + channel.columns], (0, 1) if k % 2 else None))
         at += channel.columns
     frames = WaitingFrames(sampled, 1)
-    frames.begin(0)
+    frames.start(0)
     for frame in whole:
         numbers[:] = frame
-        frames.take()
+        frames.record()
     return frames
 
 
@@ -68,8 +68,8 @@ def test_a_part_begins_with_the_numbers_of_its_first_frame():
     frames = waiting(whole, PAIR)
     frames.pack(0)
     frames.restart((0,))
-    frames.take()
-    frames.take()
+    frames.record()
+    frames.record()
     assert unpacked(PAIR, frames.pack(0))[0].tolist() == [whole[-1].tolist()] * 2
 
 
@@ -77,9 +77,9 @@ def test_numbers_of_an_option_that_nobody_holds_stay():
     numbers = np.arange(4)
     sampled = [Sampled(PAIR[0], numbers[:2]), Sampled(PAIR[1], numbers[2:], (0, 1))]
     frames = WaitingFrames(sampled, 1)
-    frames.begin(0)
+    frames.start(0)
     for used in (None, [[0]], [[1]], [[0]]):
-        frames.take(used)
+        frames.record(used)
         numbers += 10
     assert unpacked(PAIR, frames.pack(0))[0].tolist() == [
         [0, 1, 2, 3],
@@ -92,18 +92,18 @@ def test_numbers_of_an_option_that_nobody_holds_stay():
 def test_worlds_begin_and_end_on_their_own():
     numbers = np.array([1, 1, 2, 2])  # two worlds
     frames = WaitingFrames([Sampled(PAIR[0], numbers)], 2)
-    frames.begin(0)
-    frames.take()
-    frames.begin(1)
+    frames.start(0)
+    frames.record()
+    frames.start(1)
     numbers += 10
-    frames.take()
+    frames.record()
     ended = unpacked(PAIR[:1], frames.pack(0))[0]
     numbers += 10
-    frames.take()
+    frames.record()
     assert ended.tolist() == [[1, 1], [11, 11]]
     assert unpacked(PAIR[:1], frames.pack(1))[0].tolist() == [[12, 12], [22, 22]]
-    frames.begin(0)
-    frames.take()
+    frames.start(0)
+    frames.record()
     assert frames.waiting(0) == 1
     assert unpacked(PAIR[:1], frames.pack(0))[0].tolist() == [[21, 21]], "of what was while it was idle nothing is left"
 

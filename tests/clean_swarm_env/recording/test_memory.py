@@ -25,12 +25,12 @@ def test_a_recorder_holds_no_more_after_many_parts_than_after_the_first(tmp_path
     course = Course(run_of(), explained=True)
     recorder = MissionRecorder(course.worlds, RecordSettings(tmp_path, minds=True))
     recorder.frames.room = 16
-    path, held, sizes = recorder.begin(0, {"scenario": "1"}), [], []
+    path, held, sizes = recorder.open(0, {"scenario": "1"}), [], []
     tracemalloc.start()
     for tick in range(8 * recorder.frames.room):
         assert course.in_progress
         course.tick()
-        recorder.take()
+        recorder.record()
         if tick % recorder.frames.room == recorder.frames.room - 1:
             held.append(tracemalloc.get_traced_memory()[0])
             sizes.append(path.stat().st_size)

@@ -39,7 +39,7 @@ def seen(tmp_path_factory):
     course = Course(run_of(), explained=True)
     recorder = MissionRecorder(course.worlds, RecordSettings(directory, minds=True, thinking=True))
     recorder.frames.room = 64  # several parts
-    path = recorder.begin(0, {"scenario": "1"})
+    path = recorder.open(0, {"scenario": "1"})
     frames = []
     while course.in_progress:
         course.tick()
@@ -62,7 +62,7 @@ def seen(tmp_path_factory):
                 "traces": set(stored(worlds)),
             }
         )
-        recorder.take()
+        recorder.record()
     return RecordedMission(path), frames, course
 
 

@@ -24,11 +24,11 @@ def crowd(**consequences):
     return CROWD.model_validate({**CROWD.model_dump(), "consequences": consequences})
 
 
-def steered(config, start=FACING, speeds=(1.0, -1.0, 0.5)):
-    """Return one world whose robots are steered along x at `speeds`."""
+def driven(config, start=FACING, speeds=(1.0, -1.0, 0.5)):
+    """Return one world whose robots are driven along x at `speeds`."""
     batch = Batch(config, action={"mode": "velocity"})
     batch.reset([1], [start])
-    batch.worlds.steer(np.array([[speed, 0.0] for speed in speeds]))
+    batch.worlds.drive(np.array([[speed, 0.0] for speed in speeds]))
     return batch.worlds
 
 
@@ -39,7 +39,7 @@ def open_mission(**changes):
 
 
 def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
-    worlds = steered(open_mission(consequences={"stop": STOP}))
+    worlds = driven(open_mission(consequences={"stop": STOP}))
     while not worlds.tick().any():
         pass
     places = worlds.physics.positions.copy()
@@ -51,14 +51,14 @@ def test_two_robots_that_collide_stand_for_the_time_and_then_go_on():
         assert moved[:2].max() < 0.03  # the solver moves discs that overlap apart
         assert moved[2] > 0.05
     assert (worlds.floor.consequences.standing > 0).tolist() == [True, True, False]
-    worlds.steer(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]))
+    worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]))
     for _ in range(20):
         worlds.tick()
     assert np.abs(worlds.physics.positions - places)[:2, 0].min() > 0.3
 
 
 def test_robots_that_back_off_part_after_they_have_stood():
-    worlds = steered(open_mission(consequences={"stop": 1.0, "back_off": 3.0}))
+    worlds = driven(open_mission(consequences={"stop": 1.0, "back_off": 3.0}))
     while not worlds.tick().any():
         pass
     for _ in range(20):  # 1 s and 3 s
@@ -107,12 +107,12 @@ def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
 def test_a_damaged_robot_is_slow_until_it_is_mended_at_a_station():
     stations = {"recycling": [5.5, 3.0], "dump": [9.0, 9.0]}
     config = open_mission(stations=stations, consequences={"damage_after": 1, "damaged_speed": 0.4, "mending": 2.0})
-    worlds, consequences = steered(config), None
+    worlds, consequences = driven(config), None
     consequences = worlds.floor.consequences
     while not worlds.tick().any():
         pass
     assert consequences.damaged.tolist() == [True, True, False]
-    worlds.steer(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+    worlds.drive(np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     for _ in range(10):
         worlds.tick()
     speeds = np.hypot(*worlds.physics.velocities.T)

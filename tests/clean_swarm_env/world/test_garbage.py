@@ -125,13 +125,13 @@ def test_what_was_put_down_for_others_stays_so_until_another_item_takes_its_row(
     _handle(garbage, [[1.0, 1.0], [4.0, 4.0]], _starting(2, r0=PICK))
     assert garbage.hand_over(0, np.array([2.0, 2.0]), 5)
     assert (garbage.stage.tolist(), garbage.positions.tolist()) == ([[LYING]], [[[2.0, 2.0]]])
-    assert (garbage.handed.tolist(), garbage.blind.tolist()) == ([[1]], [5, 0])
+    assert (garbage.paid.tolist(), garbage.blind.tolist()) == ([[1]], [5, 0])
     _handle(garbage, [[4.0, 4.0], [2.0, 2.0]], _starting(2, r1=PICK))
     _handle(garbage, [[4.0, 4.0], [2.0, 2.0]], _starting(2, r1=RECYCLE))
-    assert garbage.handed.tolist() == [[1]]
+    assert garbage.paid.tolist() == [[1]]
     _handle(garbage, [[4.0, 4.0], [2.0, 2.0]], _starting(2, r1=DUMP))
     assert garbage.arrive(0, np.array([3.0, 3.0]))
-    assert garbage.handed.tolist() == [[0]]
+    assert garbage.paid.tolist() == [[0]]
     garbage.hand_over(0, np.array([2.0, 2.0]), 5)
     garbage.place(0, np.array([[1.0, 1.0]]))
-    assert (garbage.handed.tolist(), garbage.blind.tolist()) == ([[0]], [0, 0])
+    assert (garbage.paid.tolist(), garbage.blind.tolist()) == ([[0]], [0, 0])

@@ -15,7 +15,7 @@ from clean_swarm_env.world.mission import run_mission
 from clean_swarm_env.world.mission_end import cost_terms, mission_cost, unavoidable_cost
 from tests.clean_swarm_env.courses import long_course, mission
 from tests.paths import ROOT
-from train.evaluation.entrants import member_pilot
+from train.deciders.named import decider_named
 from train.running.trials import run_trials
 
 ITEMS, LIMIT = 10, 600.0
@@ -71,7 +71,7 @@ def test_no_option_that_dumps_an_item_is_as_dear_as_standing_still(name):
     (end,) = standing.finished
     assert end.collision_events == 0
     results = [
-        run_trials([scenario], lambda p, t, o=option: member_pilot(f"fixed:{o}", p, t))[0]
+        run_trials([scenario], lambda p, t, o=option: decider_named(f"fixed:{o}").build(p, t))[0]
         for option in ("RepulsionFernandez-view0.5", "RepulsionFernandez-view2.0", "RepulsionGradient")
     ]
     assert sum(result.garbage_done > 0 for result in results) >= 2

@@ -278,7 +278,7 @@ def test_garbage_comes_about_spots_wherever_these_move():
         {"at": 50.0, "do": "land", "items": 9},
     ]
     worlds = worlds_at_start(mission(garbage=garbage, events=events), [2], 1)
-    worlds.steer(np.zeros((worlds.rows, 2)))  # robots stand where they are
+    worlds.drive(np.zeros((worlds.rows, 2)))  # robots stand where they are
     came = []
     for _ in range(300):
         worlds.tick()

@@ -46,9 +46,9 @@ def declared(cls):
     """Return how a document declares a component: its example, and the names of what it refers to."""
     names = {"target": "goal", "knowledge": "told", "call": "ring"}
     kinds = {MovementMechanism: "go", DecisionMechanism: "quorum", SteeringMechanism: "steering"}
-    content = {"type": cls.__name__, **cls.example()}
+    content = {"type": cls.__name__, **cls.example}
     for name, reference in references_of(cls).items():
-        if name in content or name not in ("target", "mechanism") or "target" not in cls.example():
+        if name in content or name not in ("target", "mechanism") or "target" not in cls.example:
             content[name] = names.get(reference.what) or kinds.get(reference.mechanism, "light")
     return content
 
@@ -120,9 +120,9 @@ def test_a_mistake_about_ones_own_class_is_told_as_about_any(content, message):
 
 @pytest.mark.parametrize("cls", list(ACTIVATORS), ids=ACTIVATORS.names())
 def test_every_activator_can_be_declared(cls):
-    content = {"type": cls.__name__, **cls.example(), "low": 0.25, "high": 0.75}
+    content = {"type": cls.__name__, **cls.example, "low": 0.25, "high": 0.75}
     built = validated(ActivatorSpec, content, "mine.yaml").build()
-    assert built == cls(**cls.example(), low=0.25, high=0.75)
+    assert built == cls(**cls.example, low=0.25, high=0.75)
     assert len(built.parameters) == 2
     assert built.direction in (-1.0, 1.0)
     with pytest.raises(DocumentError, match=rf"mine.yaml: {cls.__name__}.luck: unknown key 'luck'"):

@@ -1,12 +1,13 @@
 """The one reader of documents: YAML 1.2's core schema, limits, and errors with file, line and key."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from selector.documents.building import MOST_DEPTH, MOST_NODES
 from selector.documents.errors import DocumentError, validated
-from selector.documents.fields import Closed, DocumentName, Name
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share
 from selector.documents.reading import as_yaml, read_json, read_mapping, read_value
 
 PLAIN = {text: text for text in ("Off", "No", "y", "2024-13-45", "12:30:45", "1_000")}
@@ -85,6 +86,25 @@ class Named(Closed):
 
     name: Name = "x"
     other: DocumentName = "x"
+
+
+class Numbers(Closed):
+    """Numbers of each kind."""
+
+    at_least_zero: NonNegative = 0.0
+    positive: Positive = 1.0
+    share: Share = 0.0
+
+
+@pytest.mark.parametrize(
+    ("key", "low", "high"), [("at_least_zero", 0.0, 1e9), ("positive", 1e-9, 1e9), ("share", 0.0, 1.0)]
+)
+def test_numbers_lie_between_their_limits_and_may_equal_them(key, low, high):
+    for number in (low, 0.5 * (low + high), high):
+        assert getattr(validated(Numbers, {key: number}, "x"), key) == number
+    for number in (np.nextafter(low, -1.0), np.nextafter(high, np.inf)):
+        with pytest.raises(DocumentError, match=f"^x: {key}: "):
+            validated(Numbers, {key: float(number)}, "x")
 
 
 @pytest.mark.parametrize("name", ["table1", "a b", "Größe_2-1.5", "x" * 100, "1"])

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from selector.store.exact_sums import CHUNK, COUNT_LIMIT, GRID_BITS, Moments, RewardSums, on_grid, sums_by_cell
+from selector.store.exact_sums import COUNT_LIMIT, GRID_BITS, Moments, RewardSums, on_grid, sums_by_cell
 from tests.selector.store import strategies as some
 
 
@@ -43,13 +43,13 @@ def test_floats_would_not_do():
     assert math.isclose(some.moments_of(values).mean, 0.2, abs_tol=2.0**-24)
 
 
-def test_sums_of_more_rows_than_fit_into_64_bits_at_once():
-    rows = 2 * CHUNK + 3
-    largest = np.full(rows, -(2.0**20))
-    cell = np.arange(rows) % 2
+def test_sums_of_more_rows_than_fit_into_64_bits():
+    many = 2**17
+    largest = np.full(2 * many + 3, -(2.0**20))
+    cell = np.arange(2 * many + 3) % 2
     first, second = sums_by_cell(cell, on_grid(largest), 2)
-    assert first == Moments(CHUNK + 2, -(CHUNK + 2) * 2**44, (CHUNK + 2) * 2**88)
-    assert second == Moments(CHUNK + 1, -(CHUNK + 1) * 2**44, (CHUNK + 1) * 2**88)
+    assert first == Moments(many + 2, -(many + 2) * 2**44, (many + 2) * 2**88)
+    assert second == Moments(many + 1, -(many + 1) * 2**44, (many + 1) * 2**88)
 
 
 @pytest.mark.parametrize("reward", [math.nan, math.inf, -math.inf, 2.0**20 + 1, -1e300])

@@ -19,7 +19,7 @@ from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
 
 PROBLEM = Problem("Goal", ("a", "b", "c"), np.array([1.0, 2.0, 3.0]), ("x", "y"))
-LEARNING = sorted(set(STRATEGIES.names()) - {"Fixed", "Policy", "MaxScore", "Random"})
+LEARNING = sorted(set(STRATEGIES.names()) - {"Fixed", "MaxScore", "Random"})
 
 
 def made(name, parameters=None, *, problem=PROBLEM, rows=6, groups=None, seed=1):

@@ -6,10 +6,8 @@ import pytest
 
 from selector.documents.errors import DocumentError
 from selector.strategies.policy import Network
-from selector.strategies.policy_file import PolicySpec, TrainedPolicy, load_policy, save_policy
+from selector.strategies.policy_file import PolicySpec, TrainedPolicy, find_policy, load_policy, save_policy
 from selector.strategies.problem import Problem
-from selector.strategies.registry import StrategySpec, create
-from selector.strategies.streams import row_keys
 from tests.selector.strategies.policies import exported, untrained
 
 OPTIONS, OBSERVATIONS = ("a", "b", "c"), tuple(f"x{k}" for k in range(7))
@@ -27,45 +25,37 @@ def reference(policy, context):
     return values @ weights["options.weight"].T.astype(float) + weights["options.bias"]
 
 
-def strategy_of(directory, problem=PROBLEM, rows=200, **parameters):
-    keys = row_keys(np.random.SeedSequence(1), rows)
-    return create("Policy", problem, keys, {"policy": str(directory), **parameters})
+def network_of(directory, problem=PROBLEM):
+    return Network(load_policy(directory).ordered_for(problem, str(directory)))
 
 
 @pytest.mark.parametrize("activation", ["tanh", "relu"])
 @pytest.mark.parametrize("hidden", [(), (8,), (64, 64)])
 def test_outputs_are_those_of_the_network(tmp_path, activation, hidden):
     policy = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, activation=activation, hidden=hidden, clip=1.5)
-    strategy = strategy_of(tmp_path)
+    network = network_of(tmp_path)
     context = 3 * np.random.default_rng(0).normal(size=(200, 7))
     expected = reference(policy, context)
-    np.testing.assert_allclose(strategy.network.outputs(context), expected, atol=1e-4)
-    chosen = strategy.select(context)
+    np.testing.assert_allclose(network.outputs(context), expected, atol=1e-4)
+    chosen = network.outputs(context).argmax(axis=1)
     clear = np.diff(np.sort(expected, axis=1))[:, -1] > 1e-3
     assert clear.sum() > 150
     np.testing.assert_array_equal(chosen[clear], expected.argmax(axis=1)[clear])
 
 
-def test_a_policy_that_steers_is_no_strategy_and_one_that_gives_nothing_is_refused(tmp_path):
-    exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, vector=True)
-    with pytest.raises(DocumentError, match="expected a policy that chooses options only, got one that steers"):
-        strategy_of(tmp_path)
+def test_a_policy_that_gives_nothing_is_refused():
     with pytest.raises(ValueError, match="options: expected at least one, or a vector, got none"):
         untrained("Goal", (), OBSERVATIONS)
-    for options, vector in ((OPTIONS, False), ((), True)):
-        with pytest.raises(ValueError, match="patience: expected with options and a vector"):
-            untrained("Goal", options, OBSERVATIONS, vector=vector, patience=3.0)
 
 
-def test_vectors_are_no_longer_than_their_reach():
+def test_components_of_vectors_are_at_most_one():
     context = np.random.default_rng(0).normal(size=(200, 7))
-    free, bounded = (
-        Network(untrained("Goal", OPTIONS, OBSERVATIONS, vector=True, reach=reach)).heads(context)
-        for reach in (1.0, 0.25)
-    )
-    assert np.abs(free["vector"]).max() == 1.0
-    np.testing.assert_array_equal(bounded["vector"], np.clip(free["vector"], -0.25, 0.25))
-    np.testing.assert_array_equal(bounded["options"], free["options"])
+    policy = untrained("Goal", OPTIONS, OBSERVATIONS, vector=True)
+    free, small = Network(policy).heads(context), policy.weights
+    small |= {f"vector.{part}": small[f"vector.{part}"] * np.float32(0.125) for part in ("weight", "bias")}
+    heads = Network(policy).heads(context)
+    assert np.abs(heads["vector"]).max() < 1.0
+    np.testing.assert_allclose(free["vector"], np.clip(8.0 * heads["vector"], -1.0, 1.0), atol=1e-5)
 
 
 @pytest.mark.parametrize("activation", ["tanh", "relu"])
@@ -83,24 +73,13 @@ def test_outputs_are_those_of_torch(tmp_path, activation):
     normal = (context - np.array(policy.spec.mean)) / np.sqrt(np.array(policy.spec.variance) + 1e-8)
     with torch.no_grad():
         expected = network(torch.from_numpy(normal.astype(np.float32))).numpy()
-    outputs = strategy_of(tmp_path).network.outputs(context)
+    outputs = network_of(tmp_path).outputs(context)
     np.testing.assert_allclose(outputs, expected, atol=2e-6 * np.abs(expected).max())
-
-
-def test_sampled_options_have_the_networks_probabilities(tmp_path):
-    policy, rows = exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS), 20_000
-    context = np.tile(np.random.default_rng(3).normal(size=7), (rows, 1))
-    outputs = reference(policy, context[:1])[0]
-    chances = np.exp(outputs - outputs.max()) / np.exp(outputs - outputs.max()).sum()
-    counts = np.bincount(strategy_of(tmp_path, rows=rows, sampled=True).select(context), minlength=3)
-    # five standard deviations: a false alarm in a million for each option
-    assert (np.abs(counts / rows - chances) < 5 * np.sqrt(chances * (1 - chances) / rows)).all()
-    assert chances.min() > 0.001
 
 
 def test_a_row_gets_the_same_bits_alone_and_in_a_batch(tmp_path):
     exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS, hidden=(64, 64))
-    network = strategy_of(tmp_path).network
+    network = network_of(tmp_path)
     context = np.random.default_rng(0).normal(size=(333, 7))
     together = network.outputs(context)
     for row in range(0, 333, 17):
@@ -111,8 +90,8 @@ def test_other_orders_of_names_give_the_same_decisions(tmp_path):
     exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
     turned = Problem("Goal", OPTIONS[::-1], np.zeros(3), OBSERVATIONS[::-1])
     context = np.random.default_rng(0).normal(size=(200, 7))
-    straight = strategy_of(tmp_path).select(context)
-    np.testing.assert_array_equal(2 - strategy_of(tmp_path, turned).select(context[:, ::-1]), straight)
+    straight = network_of(tmp_path).outputs(context)
+    np.testing.assert_allclose(network_of(tmp_path, turned).outputs(context[:, ::-1])[:, ::-1], straight, atol=1e-5)
 
 
 def test_what_is_written_is_read_again(tmp_path):
@@ -138,7 +117,7 @@ def test_what_is_written_is_read_again(tmp_path):
 def test_a_policy_for_something_else_says_what_differs(tmp_path, problem, message):
     exported(tmp_path, "Goal", OPTIONS, OBSERVATIONS)
     with pytest.raises(DocumentError, match=message):
-        strategy_of(tmp_path, problem)
+        network_of(tmp_path, problem)
 
 
 def edit(directory, **changes):
@@ -176,16 +155,14 @@ def test_files_that_do_not_fit_are_one_line(tmp_path, change, message):
     assert "\n" not in str(caught.value)
 
 
-def test_a_policy_that_does_not_exist_is_one_line(tmp_path):
+def test_a_policy_that_does_not_exist_is_one_line():
     with pytest.raises(DocumentError, match=r"unknown policy 'luck' .*no directory with a policy\.json"):
-        create("Policy", PROBLEM, np.zeros(1, np.uint64), {"policy": "luck"})
+        find_policy("luck")
 
 
 def test_a_policy_is_found_by_name_in_the_users_directories(tmp_path):
     exported(tmp_path / "policies" / "mine", "Goal", OPTIONS, OBSERVATIONS)
-    spec = StrategySpec(name="Policy", parameters={"policy": "mine"})
-    strategy = spec.build(PROBLEM, np.zeros(1, np.uint64), np.zeros(1, int), (tmp_path,))
-    assert strategy.select(np.zeros((1, 7))).shape == (1,)
+    assert find_policy("mine", (tmp_path,)) == tmp_path / "policies" / "mine"
 
 
 def test_weights_that_are_not_numbers_are_not_written(tmp_path):

@@ -12,7 +12,6 @@ from selector.strategies.bandits.value_table import ValueTable
 from selector.strategies.problem import Problem
 from selector.strategies.registry import STRATEGIES, create
 from selector.strategies.streams import row_keys
-from tests.selector.strategies.policies import exported
 
 ROWS, FEATURES = 6, 3
 SCORES = np.array([0.2, 1.0, -0.5, 1.0])
@@ -30,20 +29,10 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
-def policies(tmp_path_factory):
-    directory = tmp_path_factory.mktemp("policies")
-    for options in (1, 4):
-        exported(directory / str(options), PROBLEM.goal, PROBLEM.options[:options], PROBLEM.features)
-    return directory
-
-
 @pytest.fixture
-def fresh(name, sharing, policies):
+def fresh(name, sharing):
     def make(problem=PROBLEM, keys=KEYS[:ROWS], groups=None):
         parameters = STRATEGIES.find(name).example(problem)
-        if name == "Policy":  # its file has to be written first
-            parameters = {"policy": str(policies / str(len(problem.options))), "sampled": True}
         groups = GROUPS[sharing](len(keys)) if groups is None else groups
         return create(name, problem, keys, parameters, groups=groups)
 

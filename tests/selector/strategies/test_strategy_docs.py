@@ -39,15 +39,16 @@ def test_the_examples_run(example, monkeypatch, capsys):
     monkeypatch.setattr(STRATEGIES, "_classes", {cls.__name__: cls for cls in STRATEGIES})
     names = {"__name__": "guide"}
     exec(compile(EXAMPLES[example], "strategies.md", "exec"), names)  # the guide's own text
-    assert isinstance(names["strategy"], DecisionStrategy)
-    assert all(np.isfinite(array).all() for array in names["strategy"].state_dict().values())
+    if "strategy" in names:
+        assert isinstance(names["strategy"], DecisionStrategy)
+        assert all(np.isfinite(array).all() for array in names["strategy"].state_dict().values())
     printed = capsys.readouterr().out
     if "print" in EXAMPLES[example]:
         assert printed == re.search(r"print\(.*# (.*)$", EXAMPLES[example], re.MULTILINE)[1] + "\n"
 
 
 def test_the_strategy_of_ones_own_has_less_than_30_lines():
-    text = EXAMPLES[1]
+    (text,) = (example for example in EXAMPLES if "class WinStayParameters" in example)
     body = text[text.index("class WinStayParameters") : text.index("problem =")]
     assert len([line for line in body.splitlines() if line.strip()]) < 30
 

@@ -1,13 +1,18 @@
 """Compiled code is never older than the sources it was made of, and every place to keep it may be missing."""
 
 import os
+import pickle
+import re
 import subprocess
 import sys
+from contextlib import suppress
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from selforg.compiler import cache
+from selforg.compiler.owners import doubt_about
 from tests.paths import ROOT
 
 PART = """
@@ -62,13 +67,99 @@ def test_where_nothing_can_be_kept_kernels_run_all_the_same_and_say_so_once(proj
     assert said.count("compiled code cannot be kept") == 1
 
 
+class Planted:
+    """Leaves a mark when it is unpickled, as Numba unpickles what it finds in its cache."""
+
+    def __init__(self, mark):
+        self.mark = mark
+
+    def __reduce__(self):
+        return Path.touch, (self.mark,)
+
+
+def planted(project):
+    """Plant code in a cache of the kernel; return the cache and the mark that the code leaves."""
+    kept, mark = project / "above" / "kept", project / "mark"
+    outer(project, NUMBA_CACHE_DIR=str(kept))
+    for index in kept.rglob("*.nbi"):
+        index.write_bytes(pickle.dumps(Planted(mark)))
+    return kept, mark
+
+
+OTHER = 65534
+BY_OTHERS = {
+    "all may write the cache": lambda kept: kept.chmod(0o777),
+    "all may write it, sticky": lambda kept: kept.chmod(0o1777),
+    "a group may write it": lambda kept: kept.chmod(0o770),
+    "all may write above it": lambda kept: kept.parent.chmod(0o777),
+    "all may write a file": lambda kept: [kept.chmod(0o755), next(kept.rglob("*.nbi")).chmod(0o666)],
+}
+if os.getuid() == 0:  # only root can give files away
+    BY_OTHERS |= {
+        "another's cache": lambda kept: os.chown(kept, OTHER, OTHER),
+        "another's folder": lambda kept: os.chown(next(kept.glob("kernel-*")), OTHER, OTHER),
+        "another's file": lambda kept: os.chown(next(kept.rglob("*.nbi")), OTHER, OTHER),
+        "another's above": lambda kept: os.chown(kept.parent, OTHER, OTHER),
+    }
+
+
+@pytest.mark.parametrize("way", BY_OTHERS)
+def test_what_others_may_have_written_is_doubted(tmp_path, way):
+    kept = tmp_path / "above" / "kept"
+    (kept / "kernel-1" / "deep").mkdir(parents=True)
+    (kept / "kernel-1" / "deep" / "kernel.nbi").write_bytes(b"code")
+    kept.chmod(0o700)
+    assert doubt_about(kept) == ""
+    BY_OTHERS[way](kept)
+    words = f"belongs to user {OTHER}$" if way.startswith("another") else "^others may write /"
+    assert re.search(words, doubt_about(kept))
+
+
+def test_code_that_others_planted_does_not_run(project):
+    kept, mark = planted(project)
+    BY_OTHERS["another's folder" if os.getuid() == 0 else "all may write the cache"](kept)
+    result, said = outer(project, NUMBA_CACHE_DIR=str(kept))
+    assert result == 106.0
+    assert not mark.exists()
+    (line,) = (line for line in said.splitlines() if "compiled code cannot be kept" in line)
+    assert str(kept) in line
+
+
+def test_a_cache_is_its_owners_alone_and_his_code_runs(project):
+    kept, mark = planted(project)
+    assert kept.stat().st_mode & 0o777 == 0o700
+    with suppress(subprocess.CalledProcessError):  # what was planted is no index
+        outer(project, NUMBA_CACHE_DIR=str(kept))
+    assert mark.exists()  # so the code of the test above is one that would run
+
+
+def test_a_cache_that_can_be_read_only_is_copied(tmp_path, monkeypatch):
+    shared, own = tmp_path / "shared", tmp_path / "own"
+    (shared / "mine-1" / "deep").mkdir(parents=True)
+    (shared / "mine-1" / "deep" / "index").write_bytes(b"code")
+    own.mkdir()
+    monkeypatch.setattr(cache.numba.config, "CACHE_DIR", str(shared))
+    monkeypatch.setattr(cache.os, "access", lambda place, mode: False)  # root may write anywhere
+    monkeypatch.setattr(cache, "shared_directory", cache.shared_directory.__wrapped__)
+    cache.copy_shared(own / "mine-1")
+    cache.copy_shared(own / "mine-2")
+    assert [path.name for path in own.rglob("*")] == ["mine-1", "deep", "index"]
+    monkeypatch.setenv("XDG_CACHE_HOME", str(own))
+    monkeypatch.setattr(cache, "OWN_ROOT", tmp_path / "a-file")
+    (tmp_path / "a-file").write_text("")
+    assert cache.cache_directory.__wrapped__() == own / "clean-swarm"
+    shared.chmod(0o777)
+    assert cache.shared_directory() is None
+
+
 def test_a_full_disk_and_no_home_count_as_nowhere(tmp_path, monkeypatch):
     monkeypatch.setattr(cache.numba.config, "CACHE_DIR", str(tmp_path))
     find = cache.cache_directory.__wrapped__
     assert find() == tmp_path
     full = SimpleNamespace(total=1e9, used=1e9, free=cache.ROOM - 1.0)
     monkeypatch.setattr(cache.shutil, "disk_usage", lambda place: full)
-    assert find() is None
+    with pytest.warns(RuntimeWarning, match="no room is left"):
+        assert find() is None
     monkeypatch.undo()
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(cache, "OWN_ROOT", tmp_path / "a-file")
@@ -76,7 +167,8 @@ def test_a_full_disk_and_no_home_count_as_nowhere(tmp_path, monkeypatch):
     monkeypatch.setattr(cache.numba.config, "CACHE_DIR", "")
     monkeypatch.setattr(cache.os.path, "expanduser", lambda path: path)  # as where no home is known
     monkeypatch.chdir(tmp_path)
-    assert find() is None
+    with pytest.warns(RuntimeWarning, match="nowhere to write, or no room"):
+        assert find() is None
     assert [path.name for path in tmp_path.iterdir()] == ["a-file"]
 
 

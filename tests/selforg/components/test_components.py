@@ -98,7 +98,7 @@ def test_times_of_a_levy_walk_follow_the_power_law(buffer):
 def test_times_of_a_levy_walk_against_a_naive_reference(buffer):
     streams, naive = (DirectionStream([np.random.default_rng(row) for row in range(3)]) for _ in range(2))
     source = asked(MovementSource(Exploration(buffer, directions=streams), 2.0, 1.5, 300.0))
-    chances, ways = naive.take(ALL), naive.take(ALL)
+    chances, ways = naive.next_directions(ALL), naive.next_directions(ALL)
     shares = [0.5 + math.atan2(y, x) / math.tau for x, y, _ in chances]
     expected = [min(2.0 * share ** (-1.0 / 0.5), 300.0) for share in shares]
     np.testing.assert_allclose(source._holds, expected, rtol=1e-12)

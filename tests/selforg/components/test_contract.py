@@ -1,6 +1,6 @@
 """What every registered sensor and action promises; a reader's own class joins by registering."""
 
-from typing import get_args
+from typing import ClassVar, get_args
 
 import numpy as np
 import pytest
@@ -54,13 +54,11 @@ class Heading(SensorComponent):
 class Back(Action):
     """Move against what a mechanism says."""
 
+    example: ClassVar = {"share": 0.5}
+
     def __init__(self, mechanism: MovementSource, share: float) -> None:
         self.sources = (mechanism,)
         self._source, self._share = mechanism, share
-
-    @classmethod
-    def example(cls):
-        return {"share": 0.5}
 
     def _act(self, now, rows, started, commands):
         commands.vectors[rows] = -self._share * self._source.vectors[rows]
@@ -91,7 +89,7 @@ class Surroundings:
 
     def build(self, cls):
         """Return a component built with its example; what that leaves open is given by type."""
-        arguments = cls.example()
+        arguments = dict(cls.example)
         for name, (annotation, default) in parameters_of(cls).items():
             if arguments.get(name) is None and (name in arguments or default is REQUIRED):
                 kinds = (annotation, *get_args(annotation))

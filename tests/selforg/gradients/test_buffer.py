@@ -105,7 +105,7 @@ def test_growing_keeps_everything_and_the_order_within_cells():
     for buffer in (small, large):
         buffer.poses.update(np.array([[5.0, 5.0]]), None, 0.0)
         buffer.store_static(0, "f", positions, 0.0)
-    one, other = (Queries(b).see(0.0).pairs[:, :7] for b in (small, large))
+    one, other = (Queries(b).gather(0.0).pairs[:, :7] for b in (small, large))
     np.testing.assert_array_equal(one, other)
     assert len(small) == 1000
 
@@ -121,7 +121,7 @@ def test_moving_neighbours_together_in_place_is_moving_them_to_new_tables(monkey
         rng = np.random.default_rng(1)
         for tick in range(100):
             buffer.store_static(0, "f", rng.random((10, 2)) * 11, 0.1 * tick)
-        seen.append(Queries(buffer).see(10.0).pairs)
+        seen.append(Queries(buffer).gather(10.0).pairs)
     np.testing.assert_array_equal(*seen)
     assert len(seen[0]) > 10
 

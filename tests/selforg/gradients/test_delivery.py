@@ -46,7 +46,7 @@ def test_messages_are_stored_in_short_calls_between_which_ctrl_c_is_heard_with_t
         buffer = line(rows=20, loss=0.3, generators=[np.random.default_rng(1)])
         for now in (0.0, 0.2, 0.4):
             Patrol(buffer).deposit(now, np.arange(20))
-        pairs = Queries(buffer).see(0.4, look=EVERYTHING).pairs[:, : c.PAIR_SLOT]  # slots are free to differ
+        pairs = Queries(buffer).gather(0.4, look=EVERYTHING).pairs[:, : c.PAIR_SLOT]  # slots are free to differ
         stored.append((pairs.tobytes(), len(pairs), max(sizes)))
         sizes.clear()
     assert stored[0][:2] == stored[1][:2]
@@ -118,3 +118,9 @@ def test_gossip_still_converges_along_a_chain_of_short_range():
 def test_impossible_deliveries_are_refused(field, value):
     with pytest.raises(ValueError, match="Delivery"):
         Delivery(**{field: value})
+
+
+def test_a_reach_and_a_delay_of_zero_are_possible():
+    buffer = line(reach=0.0, delay=0.0)
+    SpreadGradient(buffer, carried=Carried("beacon")).spread(0.0)
+    assert heard(buffer, 0.0) == [0, 0, 0, 0]

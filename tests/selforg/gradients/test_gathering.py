@@ -24,7 +24,7 @@ def test_a_row_sees_exactly_what_is_within_reach_plus_view(space, view):
     world = make_world(space, rows=4, settings=SETTINGS)
     reach = world.rng.choice([0.1, 0.6, 1.0, 2.5, 30.0, 5000.0, np.inf], 300)
     positions = scatter(world, 300, diffusion=reach, size=30.0 if space != "torus" else 7.0)
-    seen = Queries(world.buffer).see(0.0, None, Filter(view_distance=view, moving=False))
+    seen = Queries(world.buffer).gather(0.0, None, Filter(view_distance=view, moving=False))
     for row in range(4):
         mine = seen.pairs[seen.start[row] : seen.start[row + 1]]
         expected = distances(world, world.poses.positions[row], positions)
@@ -36,7 +36,7 @@ def test_a_row_sees_exactly_what_is_within_reach_plus_view(space, view):
 def test_many_gradients_are_looked_at_in_portions_and_asked_for_ahead(view):
     world = make_world(rows=3, settings=SETTINGS)
     positions = scatter(world, 2 * IN_CACHE, diffusion=0.4, size=7.0)
-    seen = Queries(world.buffer).see(0.0, None, Filter(view_distance=view, moving=False))
+    seen = Queries(world.buffer).gather(0.0, None, Filter(view_distance=view, moving=False))
     for row in range(3):
         mine = seen.pairs[seen.start[row] : seen.start[row + 1]]
         expected = distances(world, world.poses.positions[row], positions)
@@ -47,14 +47,14 @@ def test_offsets_point_to_the_gradient_the_short_way():
     world = make_world(Torus(10.0, 10.0), rows=1, settings=SETTINGS)
     world.poses.update(np.array([[9.5, 0.5]]), None, 1.0)
     world.buffer.store_static(0, "f", [[0.5, 9.5]], 1.0)
-    pair = Queries(world.buffer).see(1.0).pairs[0]
+    pair = Queries(world.buffer).gather(1.0).pairs[0]
     np.testing.assert_allclose(pair[PAIR_DX : PAIR_DX + 3], [1.0, -1.0, 0.0])
 
 
 @pytest.mark.parametrize("rows", [5, 33, 200])
 def test_crowds_in_cells_see_the_same_as_small_teams(rows):
     world = make_world(Torus(20.0, 30.0), rows=rows, size=20.0)
-    seen = Queries(world.buffer).see(0.0, None, Filter(view_distance=1.0))
+    seen = Queries(world.buffer).gather(0.0, None, Filter(view_distance=1.0))
     for row in range(rows):
         expected = distances(world, world.poses.positions[row], world.poses.positions)
         expected = np.delete(expected, row)

@@ -51,3 +51,12 @@ def test_b3_a_factor_of_zero_ends_an_infinite_diffusion(whole_seconds):
     assert [g.diffusion for g in queries.gradients(0, 2000.0, FAR)] == [np.inf]  # 0.5 ** 2000 is 0
     buffer.evaporate(2000.0)
     assert len(buffer) == 1
+
+
+def test_b8_the_clock_of_what_arrives_late_goes_on_whatever_its_factor_and_then_rests_at_a_factor_of_one():
+    buffer = make_buffer(whole_seconds=True)
+    for moving in (False, True):
+        late = Gradient("f", (1.0, 0.0), evaporation_factor=1.0, evaporation_period=1.0, stamp=2.0, moving=moving)
+        buffer.store(late, 4.5)
+    found = Queries(buffer).gradients(0, 9.0, FAR)
+    assert [(g.clock, g.stamp, g.diffusion) for g in found] == [(4.0, 2.0, 1.0)] * 2

@@ -46,7 +46,7 @@ def crowded(space="torus", rows=6, order=None, seed=1):
 
 
 def build(name, world, seed=3):
-    parameters = MECHANISMS.find(name).example()
+    parameters = dict(MECHANISMS.find(name).example)
     if name in MOVEMENTS:
         parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
     return MECHANISMS.create(name, world.buffer, **parameters)
@@ -143,7 +143,7 @@ def test_depositing_leaves_one_pheromone_per_row_with_a_pose(name):
 def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
     world = crowded()
     world.poses.forget([2])
-    mechanism = MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example())
+    mechanism = MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example)
     before = mechanism.values.copy(), mechanism.state_codes.copy()
     decision = mechanism.decide(1.0)
     np.testing.assert_array_equal(mechanism.values, before[0])
@@ -162,10 +162,10 @@ def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
 def test_wrong_parameters_are_named(name):
     world = make_world()
     with pytest.raises(TypeError, match="maximal_speed"):
-        MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example(), maximal_speed=1.0)
+        MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example, maximal_speed=1.0)
     if name != "SpreadGradient":
         with pytest.raises(ValueError, match="view_distance must be at least 0"):
-            MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example(), view_distance=float("nan"))
+            MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example, view_distance=float("nan"))
 
 
 def test_unknown_names_list_the_known_ones_and_no_name_is_taken_twice():

@@ -190,7 +190,7 @@ def test_two_robots_that_meet_each_make_half_of_the_way():
 
 
 def build(name, poses):
-    return MECHANISMS.create(name, poses, view_distance=1.0, **MECHANISMS.find(name).example())
+    return MECHANISMS.create(name, poses, view_distance=1.0, **MECHANISMS.find(name).example)
 
 
 def beside_a_goal(poses):

@@ -32,7 +32,7 @@ def told(network, times=1, **readings):
     network.read(readings)
     for _ in range(times):
         network.step()
-    account = explain(network.model, Recorder(network).take(), 0)
+    account = explain(network.model, Recorder(network).record(), 0)
     return {behaviour.name: behaviour.why for behaviour in account.behaviours}
 
 
@@ -116,7 +116,7 @@ def robot_records():
     for readings in wandering(np.random.default_rng(0), 15, 3):
         network.readings[:] = readings
         network.step()
-        recorder.take()
+        recorder.record()
     return network, recorder
 
 
@@ -162,7 +162,7 @@ def test_conditions_show_what_is_held_and_what_is_optional():
     network = explained(Behaviour("either", (wish,), alternatives=faces), goals=(Goal("g", (IS,), permanent=False),))
     network.read({"fact": True, "other": 1.5})
     network.step()
-    account = explain(network.model, Recorder(network).take(), 0)
+    account = explain(network.model, Recorder(network).record(), 0)
     optional, held = account.behaviours[0].conditions
     label = "optional: other = 1.5, Threshold(threshold=2.0, minimum=True, value_range=0.0)"
     assert (optional.label, optional.satisfaction) == (label, 0.0)
@@ -173,7 +173,7 @@ def test_conditions_show_what_is_held_and_what_is_optional():
     assert account.plan is None
     network.hold(ROW, 0, 1)
     network.step()
-    assert [c.label for c in explain(network.model, Recorder(network).take(), 0).behaviours[0].conditions][1] == (
+    assert [c.label for c in explain(network.model, Recorder(network).record(), 0).behaviours[0].conditions][1] == (
         "fact = 1, Boolean(desired=True)"
     )
 

@@ -9,7 +9,7 @@ from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError
 from train.analysis.front import Front, priced_excess
-from train.analysis.strategy_comparison import compare_strategies
+from train.analysis.strategy_comparison import BestFixed, compare_strategies
 from train.evaluation.entrants import Entrant, entrants_of
 
 OPTIONS = ("a", "b")
@@ -22,14 +22,15 @@ def excesses(worlds=1, **rows):
 
 
 def test_the_share_of_the_gap_is_0_for_the_best_fixed_option_and_1_for_the_oracle():
-    rows = {"one": [1, 4] * 20, "two": [3, 2, 3, 2.4] * 10, "learned": [1, 3, 2, 3] * 10}
-    found = compare_strategies(excesses(2, **rows), ("one", "two"))
-    assert (found.best_fixed, found.has_gap) == ("one", True)
+    rows = {"one": [1, 4] * 10, "two": [3, 2, 3, 2.4] * 5, "learned": [1, 3, 2, 3] * 5}
+    twice = {name: np.repeat(row, 2) for name, row in rows.items()}  # both halves are alike
+    found = compare_strategies(excesses(2, **twice), ("one", "two"))
+    assert (found.best_fixed.label, found.has_gap) == ("one", True)
     by_label = {standing.label: standing for standing in found.standings}
     assert [by_label[name].share.value for name in ("one", "oracle")] == [0.0, 1.0]
     assert by_label["oracle"].excess.value == pytest.approx((1 + 2 + 1 + 2.4) / 4)
     assert by_label["learned"].share.value == pytest.approx((2.5 - 2.25) / (2.5 - 1.6))
-    assert by_label["learned"].ratio.value == pytest.approx(2.25 / 2.5)
+    assert by_label["learned"].ratio.ratio == pytest.approx(2.25 / 2.5)
 
 
 def test_luck_makes_no_gap():
@@ -42,7 +43,7 @@ def test_luck_makes_no_gap():
     assert found.gap.ci95[0] < 0.0 or found.gap.value <= 0.0
     assert not found.has_gap
     assert all(standing.share is None for standing in found.standings)
-    assert found.standings[-1].ratio.value == pytest.approx(1.0, abs=0.1)
+    assert found.standings[-1].ratio.ratio == pytest.approx(1.0, abs=0.1)
 
 
 def test_an_option_that_is_best_in_all_worlds_of_a_scenario_makes_a_gap():
@@ -51,7 +52,7 @@ def test_an_option_that_is_best_in_all_worlds_of_a_scenario_makes_a_gap():
     rows = {str(k): (rng.gamma(4.0, 25.0, (100, 4)) * np.where(better == k, 0.6, 1.2))[None] for k in range(2)}
     found = compare_strategies(rows, tuple(rows))
     assert found.has_gap
-    assert found.standings[-1].ratio.value == pytest.approx(0.7, abs=0.1)
+    assert found.standings[-1].ratio.ratio == pytest.approx(0.7, abs=0.1)
 
 
 def test_with_one_world_seed_there_is_no_oracle():
@@ -59,7 +60,7 @@ def test_with_one_world_seed_there_is_no_oracle():
     assert found.gap is None
     assert [standing.label for standing in found.standings] == ["one", "learned"]
     assert all(standing.share is None for standing in found.standings)
-    assert found.standings[1].ratio.value == 0.5
+    assert found.standings[1].ratio.ratio == 0.5
 
 
 def test_ratios_are_paired_and_several_training_seeds_widen_the_interval():
@@ -70,10 +71,33 @@ def test_ratios_are_paired_and_several_training_seeds_widen_the_interval():
     found = compare_strategies(excesses(fixed=fixed, same=same, spread=spread), ("fixed",))
     _, even, uneven = (standing.ratio for standing in found.standings)
     assert even.ci95 == pytest.approx((0.8, 0.8))  # whatever the scenario, it is 0.8
-    assert uneven.value == pytest.approx(0.8)
+    assert uneven.ratio == pytest.approx(0.8)
     assert uneven.ci95[0] < 0.72 < 0.88 < uneven.ci95[1]
-    assert found.standings[1].p < 0.001
-    assert found.standings[0].p == 1.0
+    assert found.standings[1].ratio.p < 0.001
+    assert found.standings[0].ratio.p == 1.0
+
+
+def test_an_option_of_seven_alike_ones_is_neither_better_nor_worse_than_the_best_fixed():
+    """The lowest of seven noisy means is below what the same option costs on other scenarios."""
+    rng, names = np.random.default_rng(3), [f"option {k}" for k in range(7)]
+    ratios, lowest = [], []
+    for _ in range(60):
+        tables = {name: rng.gamma(1.0, 100.0, (1, 30, 1)) for name in [*names, "eighth"]}
+        found = compare_strategies(tables, tuple(names))
+        ratios.append(np.log(found.standings[-1].ratio.ratio))
+        lowest.append(np.log(tables["eighth"].mean() / min(tables[name].mean() for name in names)))
+    assert np.mean(lowest) > 0.2
+    assert abs(np.mean(ratios)) < 0.1
+
+
+def test_the_best_fixed_option_is_chosen_on_the_other_half_of_the_scenarios():
+    rows = excesses(2, a=[1, 9, 2, 9], b=[5, 3, 6, 4], c=[7, 7, 7, 7])
+    best = BestFixed.of(rows, ("a", "b", "c"))
+    assert best.labels == ("b", "a")  # the odd scenarios like b, the even ones a
+    assert best.label == "b / a"
+    assert best.judged(rows)[0, :, 0].tolist() == [5, 9, 6, 9]
+    alone = excesses(one=[3.0], two=[2.0])
+    assert BestFixed.of(alone, ("one", "two")).label == "two"
 
 
 def test_the_front_holds_what_none_beats_in_time_and_events():

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from tests.train.records import experiment, record
 from train.analysis.report import report_of, summary_json
-from train.reports.experiment_tables import all_tables, table_1
+from train.reports.experiment_tables import all_tables, ratios, table_1
 from train.reports.figure import draw
 from train.reports.text_table import markdown, on_terminal
 
@@ -35,8 +35,21 @@ def test_the_summary_has_the_form_of_the_issue():
     pairs = [(c["a"], c["b"], c["metric"]) for c in content["comparisons"]]
     metrics = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
     assert pairs == [(*pair, metric) for pair in itertools.combinations("abc", 2) for metric in metrics]
-    assert all(set(c) == {"a", "b", "metric", "ratio", "ci95"} for c in content["comparisons"])
+    assert all(set(c) == {"a", "b", "metric", "ratio", "ci95", "p"} for c in content["comparisons"])
     assert content["comparisons"][0]["ratio"] == pytest.approx(2.0)
+    assert content["comparisons"][0]["p"] is None  # four scenarios
+
+
+def test_ratios_say_who_left_missions_unfinished_and_that_few_scenarios_say_nothing():
+    given = experiment(scenarios=5)
+    records = [record(s.id, c, 10.0 * int(s.id), completed=c == "a" or s.id != "3") for s in given.starts for c in "ab"]
+    table = ratios(report_of(given, 3, records, {}, own_starts=False))
+    assert [row.groups[1] for row in table.rows] == [("0% / 20%",)] * 3
+    assert table.rows[0].groups[4] == ("-",)
+    assert table.notes == ("5 scenarios: no statement; 6 or more are needed to tell a difference of a tenth",)
+    enough = ratios(_report(6))
+    assert enough.notes == ()
+    assert float(enough.rows[0].groups[4][0]) < 1e-6
 
 
 def test_what_does_not_exist_is_null_and_never_nan():

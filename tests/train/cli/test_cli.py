@@ -246,9 +246,7 @@ def test_a_shell_completes_commands(run):
     assert done.stdout.split() == ["train"]
 
 
-@pytest.mark.parametrize(
-    ("command", "config"), [("ppo", "general"), ("bandit", "situations"), ("es", "es"), ("design", "design")]
-)
+@pytest.mark.parametrize(("command", "config"), [("ppo", "exploring-ppo"), ("es", "es"), ("design", "design")])
 def test_help_names_the_training_that_runs_by_default(run, command, config):
     assert f"[default: {config}]" in run("train", command, "--help")[1]
 

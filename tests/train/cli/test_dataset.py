@@ -7,6 +7,7 @@ import pytest
 
 from clean_swarm_env import Batch
 from tests.train.commands import run
+from train.running import needs
 
 needs_minari = pytest.mark.skipif(find_spec("minari") is None, reason="needs minari: make examples")
 
@@ -37,11 +38,20 @@ def test_without_minari_the_command_names_the_extra(capsys):
 
 
 @needs_minari
+def test_missions_that_this_machine_is_too_small_for_are_refused(capsys, monkeypatch):
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e6)
+    assert run("dataset", "swarm/rule-v0", "--strategy", "fsm:rule") == 2
+    error = capsys.readouterr().err
+    assert "10 missions, 1 at a time, of up to 5 robots" in error
+    assert error.endswith("; fewer --missions need less\n")
+
+
+@needs_minari
 @pytest.mark.example
 def test_a_minari_dataset_has_every_decision_and_says_what_it_holds(capsys):
     import minari
 
-    words = ("dataset", "swarm/rule-v0", "--strategy", "rule", "--missions", 2, "--seed", 3)
+    words = ("dataset", "swarm/rule-v0", "--strategy", "fsm:rule", "--missions", 2, "--seed", 3)
     assert run(*words) == 0
     assert "2 missions, " in capsys.readouterr().out
     dataset = minari.load_dataset("swarm/rule-v0")

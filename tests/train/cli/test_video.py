@@ -2,6 +2,7 @@
 
 import importlib.util
 import shutil
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -19,6 +20,8 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionRun
 from tests.train.commands import run
+from train.cli.showing import video
+from train.running import needs
 
 OPENCV = importlib.util.find_spec("cv2") is not None
 
@@ -36,18 +39,51 @@ def test_a_video_has_twenty_pictures_a_second_of_the_run(recorded, tmp_path, suf
     output = tmp_path / "new" / f"out.{suffix}"
     assert run("video", recorded, output, "--from", 1, "--to", 3, "--size", 200) == 0
     assert capsys.readouterr().out == f"{output}: 41 pictures, 2.05 s\n"
-    video = Image.open(output)
-    assert (video.n_frames, video.info["loop"]) == (41, 0)
+    shown = Image.open(output)
+    assert (shown.n_frames, shown.info["loop"]) == (41, 0)
     course = RecordedCourse(RecordedMission(recorded))
-    video.seek(20)
-    shown = np.asarray(video.convert("RGB")).astype(float)
-    assert video.info["duration"] == 50
-    own, other = (np.abs(shown - pixels_of(course.at(time), 200)).mean() for time in (2.0, 3.0))
+    shown.seek(20)
+    pixels = np.asarray(shown.convert("RGB")).astype(float)
+    assert shown.info["duration"] == 50
+    own, other = (np.abs(pixels - pixels_of(course.at(time), 200)).mean() for time in (2.0, 3.0))
     assert own < 4.0
     assert own < 0.8 * other
     assert run("video", recorded, output, "--speed", 4) == 0
     assert "30 pictures" in capsys.readouterr().out
     assert [path.name for path in output.parent.iterdir()] == [output.name]
+
+
+def test_a_run_becomes_a_video_of_thirty_seconds_unless_a_speed_is_given(recorded, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(video, "USUAL_LENGTH", 2.0)  # of the 5.8 s, as 30 s of a whole mission
+    output = tmp_path / "out.webp"
+    assert run("video", recorded, output, "--size", 200) == 0
+    assert capsys.readouterr().out == f"{output}: 39 pictures, 1.95 s, 3 times as fast as the mission (--speed)\n"
+    assert run("video", recorded, output, "--size", 200, "--to", 1.5) == 0
+    assert capsys.readouterr().out == f"{output}: 31 pictures, 1.55 s\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("picture", "RUN", "a.png", "--time", 1), "run.swarm: expected at most 8 numbers, for the memory, got more"),
+        (("video", "RUN", "a.webp"), "run.swarm: expected at most 8 numbers, for the memory, got more"),
+        (("replay", "RUN", "--html", "a.html"), "a.html: a page of "),
+        (("export", "RUN", "--output", "a.mcap"), "a.mcap: "),
+    ],
+)
+def test_what_this_machine_is_too_small_for_is_refused_before_it_begins(
+    recorded, tmp_path, words, message, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(recorded, "run.swarm")
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: needs.PROCESS + 100.0)
+    monkeypatch.setattr(needs, "disk_usage", lambda place: SimpleNamespace(free=1000))
+    assert run(*("run.swarm" if word == "RUN" else word for word in words)) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {message}")
+    assert "expected at most" in error
+    assert error.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["run.swarm"]
 
 
 def test_a_gif_keeps_the_colours_of_options(tmp_path):
@@ -71,11 +107,11 @@ def test_a_video_of_opencv_can_be_read_again(recorded, tmp_path, suffix, codec, 
     output = tmp_path / f"out.{suffix}"
     assert run("video", recorded, output, "--size", 250, "--speed", 2) == 0
     assert "OpenCV" not in capfd.readouterr().err
-    video = cv2.VideoCapture(str(output))
-    code = int(video.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").decode()
-    assert (code, video.get(cv2.CAP_PROP_FPS)) == (codec, 20.0)
+    film = cv2.VideoCapture(str(output))
+    code = int(film.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").decode()
+    assert (code, film.get(cv2.CAP_PROP_FPS)) == (codec, 20.0)
     frames = []
-    while (frame := video.read())[0]:
+    while (frame := film.read())[0]:
         frames.append(frame[1][:, :, ::-1])
     assert len(frames) == 59
     course = RecordedCourse(RecordedMission(recorded))
@@ -109,7 +145,14 @@ def test_a_picture_is_the_moment_that_was_asked_for(recorded, tmp_path, suffix):
         (("video", "RUN", "a.avi"), "a.avi: expected a name that ends with .webp, .gif, .webm, .mp4"),
         (("video", "RUN", "a.webp", "--from", 3, "--to", 2), "--to: expected at least --from, 3, got 2"),
         (("video", "RUN", "a.webp", "--speed", 0), "--speed: expected a positive number up to 1000, got 0"),
-        (("video", "RUN", "a.gif", "--speed", 0.01), "a.gif: expected at most 2000 pictures in a GIF, got 11601"),
+        (
+            ("video", "RUN", "a.gif", "--speed", 1e-9),
+            "a.gif: 116000000001 pictures: expected at most 7.0 days of time, got about",
+        ),
+        (
+            ("video", "RUN", "a.webp", "--speed", 0.0001, "--size", 4000),
+            "a.webp: 1160001 pictures: expected at most 7.0 days of time, got about",
+        ),
         (("video", "RUN", "run.swarm/a.webp"), "run.swarm/a.webp: cannot be written (File exists)"),
         (("video", "nowhere", "a.webp"), "nowhere: cannot be read (No such file or directory)"),
     ],

@@ -158,7 +158,7 @@ def test_a_step_is_a_table_and_a_tree_of_80_columns(evaluated, told):
     assert len(head) == 9
     for name in ("Patrol", "MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "MoveToDump", "Dump"):
         assert sum(line.lstrip("│├└─ *").startswith(f"{name}:") for line in lines) == 1
-    assert "goals" in lines
+    assert any(line.startswith("goal ") for line in lines)
 
 
 def test_json_holds_the_same_step_of_every_robot(evaluated, told):

@@ -20,9 +20,12 @@ from selector.strategies.policy_file import find_policy, load_policy, save_polic
 from selector.strategies.problem import Problem
 from selector.strategies.registry import create
 from selector.strategies.streams import row_keys
+from tests.paths import TRAINED
 from train import cli
-from train.evaluation.claims import claims_over
-from train.evaluation.entrants import member_pilot
+from train.analysis.statistics import share_cell
+from train.deciders.named import decider_named
+from train.evaluation.claims import claims_over, claims_table
+from train.reports.text_table import markdown
 from train.running.trials import TrialSettings, run_trials
 
 FAMILY = {
@@ -59,7 +62,7 @@ def rows_of(directory):
 
 
 def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp_path):
-    words = ("--strategy", "fixed", "--strategy", "rule", "--strategy", "Random", "--workers", "1")
+    words = ("--strategy", "fixed", "--strategy", "fsm:rule", "--strategy", "Random", "--workers", "1")
     words += ("--scenarios", "3", "--world-seeds", "2")
     code, out, _ = evaluate(*words, "--output", tmp_path / "whole")
     assert code == 0
@@ -75,23 +78,25 @@ def test_an_evaluation_that_lacks_runs_goes_on_to_the_same_results(evaluate, tmp
     assert rows_of(tmp_path / "cut") == rows_of(tmp_path / "whole")
     summary = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert summary == json.loads((tmp_path / "cut" / "summary.json").read_text())
-    assert set(summary["strategies"]) >= {"rule", "Random", summary["best_fixed"]}
+    assert set(summary["strategies"]) >= {"fsm:rule", "Random", *summary["best_fixed"]}
+    assert "3 scenarios: no statement; about " in out
+    assert all(one["ratio"]["p"] is None for one in summary["comparison"])
 
 
 def test_strategies_and_scenarios_can_be_added_later(evaluate, tmp_path):
     assert evaluate("--strategy", "Random", "--scenarios", "1", "--output", tmp_path / "grown")[0] == 0
-    words = ("--strategy", "rule", "--strategy", "Random", "--scenarios", "2")
+    words = ("--strategy", "fsm:rule", "--strategy", "Random", "--scenarios", "2")
     code, out, _ = evaluate(*words, "--output", tmp_path / "grown", "--resume")
     assert code == 0
     assert evaluate(*words, "--output", tmp_path / "whole")[1] == out.replace("grown", "whole")
     assert rows_of(tmp_path / "grown") == rows_of(tmp_path / "whole")
     manifest = json.loads((tmp_path / "grown" / "manifest.json").read_text())
-    assert set(manifest["identity"]["strategies"]) == {"Random", "rule", "fixed:Off"}
+    assert set(manifest["identity"]["strategies"]) == {"Random", "fsm:rule", "fixed:Off"}
 
 
 def test_a_strategy_that_was_trained_again_is_another_one(evaluate, tmp_path):
     policy = tmp_path / "policy"
-    shutil.copytree(find_policy("general"), policy)
+    shutil.copytree(find_policy("general", (TRAINED,)), policy)
     words = ("--strategy", f"P=policy:{policy}", "--scenarios", "1", "--output", tmp_path / "results")
     assert evaluate(*words)[0] == 0
     learned = load_policy(policy)
@@ -124,7 +129,7 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
 
     def results(worlds, some):
         return run_trials(
-            some, lambda problem, teams: member_pilot("Random", problem, teams), TrialSettings(worlds=worlds)
+            some, lambda problem, teams: decider_named("Random").build(problem, teams), TrialSettings(worlds=worlds)
         )
 
     together = results(3, scenarios)
@@ -139,7 +144,7 @@ def test_a_mission_takes_the_same_course_beside_any_others(family):
         (("--strategy", "policy:none"), "unknown policy 'none'"),
         (("--strategy", "learned:none"), "unknown learned strategy 'none'"),
         (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
-        (("--strategy", "rule", "--knowledge", "cleaning"), "unknown option 'RepulsionGradient-from0.25'"),
+        (("--strategy", "fsm:rule", "--knowledge", "cleaning"), "machine: options: knows RepulsionGradient-from0.25, "),
         (("--starts", "x.json"), "--starts: expected without --family only"),
     ],
 )
@@ -152,27 +157,28 @@ def test_mistakes_are_one_line_and_nothing_is_written(evaluate, tmp_path, words,
 
 
 def test_the_policy_that_ships_fits_the_families(family):
-    policy = load_policy(find_policy("general"))
-    assert policy.spec.training["command"] == "clean-swarm train ppo --config general --seed 1"
-    scenario = load_family("random").scenario(0, 0, "test")
-    (result,) = run_trials([scenario], lambda problem, teams: member_pilot("policy:general", problem, teams))
+    policy = load_policy(find_policy("exploring-ppo"))
+    assert policy.spec.training["command"].startswith("clean-swarm train ppo --config exploring-ppo --seed ")
+    scenario = load_family("crowded-exploring").scenario(0, 0, "test")
+    member, goal = "policy:exploring-ppo", "ExplorationPatrol"
+    seen = TrialSettings(goal, observation=decider_named(member).observation(scenario.mission.terms))
+    (result,) = run_trials([scenario], lambda problem, teams: decider_named(member).build(problem, teams), seen)
     assert result.completed
     assert result.duration_s < 200.0
 
 
-@pytest.mark.parametrize("name", ["rules", "careful"])
-def test_the_learned_strategies_that_ship_fit_the_families_and_explore_no_more(name):
-    assert description_of(find_file("strategies", name)).spec.parameters["exploration"] == 0.0
+def test_a_learned_strategy_fits_the_families_and_explores_no_more():
+    assert description_of(find_file("strategies", "rules", (TRAINED,))).spec.parameters["exploration"] == 0.0
     scenario = load_family("random").scenario(0, 0, "test")
 
     def trial(offset):
-        def pilot(problem, teams):
-            made = member_pilot(f"learned:{name}", problem, teams)
-            begin = made.begin
-            made.begin = lambda rows, seed: begin(rows, seed + offset)
+        def decider(problem, teams):
+            made = decider_named("learned:rules", (TRAINED,)).build(problem, teams)
+            reset = made.reset
+            made.reset = lambda rows, seed: reset(rows, seed + offset)
             return made
 
-        return run_trials([scenario], pilot)
+        return run_trials([scenario], decider)
 
     assert trial(0) == trial(1)
     assert trial(0)[0].completed
@@ -183,15 +189,25 @@ def test_claims_over_two_families_are_those_of_their_directories(evaluate, tmp_p
         family.write_text(yaml.safe_dump({**FAMILY, "name": name}))
         words = ("--strategy", "fixed:RepulsionGradient", "--scenarios", "2", "--workers", "1")
         assert evaluate(*words, "--output", tmp_path / name)[0] == 0
-    claims = claims_over([tmp_path / "small", tmp_path / "other"], ["Random"], "fixed:Off")
+    claims, shares = claims_over([tmp_path / "small", tmp_path / "other"], ["Random"], "fixed:Off")
     assert [(claim.family, claim.strategy, claim.against) for claim in claims] == [
         ("small", "Random", "fixed:Off"),
         ("other", "Random", "fixed:Off"),
     ]
+    rows = rows_of(tmp_path / "small")
     summary = json.loads((tmp_path / "small" / "summary.json").read_text())["strategies"]
     ratio = summary["Random"]["excess_s"]["mean"] / summary["fixed:Off"]["excess_s"]["mean"]
     assert claims[0].ratio == pytest.approx(ratio)
-    assert all(claim.p <= claim.holm for claim in claims)
+    assert [(claim.p, claim.holm) for claim in claims] == [(None, None)] * 2
+    table = markdown(claims_table(claims, shares))
+    assert "2 scenarios: no statement; about " in table
+    done = {name: [row["completed"] for row in rows if row["condition"] == name] for name in ("Random", "fixed:Off")}
+    left = [share_cell(1.0 - np.mean([completed == "True" for completed in own])) for own in done.values()]
+    assert f"| {' / '.join(left)} |" in table
+    best = json.loads((tmp_path / "small" / "summary.json").read_text())["best_fixed"]
+    (claim,), shares = claims_over([tmp_path / "small"], ["Random"], "")
+    assert claim.against == " / ".join(dict.fromkeys(best))
+    assert set(shares["small"]) == {"Random", "fixed:Off", "fixed:RepulsionGradient", claim.against}
     journal = tmp_path / "other" / "runs.jsonl"
     journal.write_text("".join(journal.read_text().splitlines(keepends=True)[1:]))
     for directories, message in (
@@ -200,5 +216,5 @@ def test_claims_over_two_families_are_those_of_their_directories(evaluate, tmp_p
     ):
         with pytest.raises(ConfigurationError, match=message):
             claims_over(directories, ["Random"], "")
-    with pytest.raises(ConfigurationError, match="unknown strategy 'rule'"):
-        claims_over([tmp_path / "small"], ["rule"], "")
+    with pytest.raises(ConfigurationError, match="unknown strategy 'fsm:rule'"):
+        claims_over([tmp_path / "small"], ["fsm:rule"], "")

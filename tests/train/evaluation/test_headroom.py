@@ -8,6 +8,7 @@ import pytest
 from clean_swarm_env.config.load import load_family
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
+from tests.train.records import record
 from train.evaluation.choosing import headroom
 from train.evaluation.choosing.headroom import (
     RULE_FOUND,
@@ -28,14 +29,18 @@ def request(**changes):
     return replace(HeadroomRequest(family, SITUATIONS, 0, searched=2, judged=4), **changes)
 
 
+def results_of(excesses, completed=True):
+    return [record(cost_s=float(excess), completed=completed).result for excess in excesses]
+
+
 def test_the_search_finds_the_planted_rule(monkeypatch):
     planted = np.array([2, 0, 1, 3])
     search = RuleSearch(request())
 
-    def excess(self, scenarios, rules):
-        return 10.0 + (rules != planted).sum(axis=1) + (rules[:, 0] == 5)
+    def results(self, scenarios, rules):
+        return results_of(10.0 + (rules != planted).sum(axis=1) + (rules[:, 0] == 5))
 
-    monkeypatch.setattr(RuleSearch, "excess", excess)
+    monkeypatch.setattr(RuleSearch, "results", results)
     assert search.single() in planted
     assert search.rule().tolist() == planted.tolist()
     assert search.missions <= 2 * (7 + 3 * 4 * 7)
@@ -56,6 +61,7 @@ def test_what_was_found_is_judged_on_test_scenarios(monkeypatch):
     assert set(found.excesses) == {SINGLE, RULE_FOUND, "fixed:Off", "Random"}
     assert [claim.against for claim in found.claims] == [SINGLE] * 3
     assert found.excesses[RULE_FOUND] / found.excesses[SINGLE] == pytest.approx(found.claims[0].ratio)
+    assert "4 scenarios: no statement; " in headroom_table(found, "random-bumpers").notes[-1]
 
 
 def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged(monkeypatch):
@@ -64,17 +70,22 @@ def test_the_best_choice_for_each_kind_of_scenario_is_found_and_judged(monkeypat
     planted = {"spots 0 stations 2": "ORCA+Patrol", "spots 1 stations 2": "PredictiveSteering+Finds"}
     options = RuleSearch(asked).problem.options
 
-    def excess(self, scenarios, rules):
+    def results(self, scenarios, rules):
         wanted = [options.index(planted[kind]) for kind in scenario_kinds(scenarios)]
-        return np.array([10.0 + abs(option - best) for (option,), best in zip(rules, wanted, strict=True)])
+        return results_of([10.0 + abs(option - best) for (option,), best in zip(rules, wanted, strict=True)])
 
-    monkeypatch.setattr(RuleSearch, "excess", excess)
-    monkeypatch.setattr(RuleSearch, "excess_of", lambda self, scenarios, member: np.full(len(scenarios), 99.0))
+    def lost(self, scenarios, member):
+        return results_of(np.full(len(scenarios), 99.0), completed=False)
+
+    monkeypatch.setattr(RuleSearch, "results", results)
+    monkeypatch.setattr(RuleSearch, "results_of", lost)
     found = headroom_of(asked)
     assert found.rule == planted
     assert found.excesses[RULE_FOUND] == 10.0 < found.excesses[SINGLE]
     assert found.excesses["fixed:Off"] == found.excesses["Random"] == 99.0
     assert found.missions == 8 * len(options)
+    left = {row.label: row.groups[0][0] for row in headroom_table(found, family.name).rows}
+    assert left == {SINGLE: "0%", RULE_FOUND: "0%", "fixed:Off": "100%", "Random": "100%"}
     told = "spots 0 stations 2 ORCA+Patrol, spots 1 stations 2 PredictiveSteering+Finds"
     assert told in str(headroom_table(found, family.name))
 
@@ -86,9 +97,10 @@ def test_unknown_situations_are_one_line(capsys):
         RuleSearch(request(situations=("asleep",)))
 
 
-def test_situations_may_come_from_the_terms_of_a_family():
+def test_situations_may_come_from_the_terms_of_a_mission():
     asked = request(situations=("finds_none", "finds_apart"))
     with pytest.raises(DocumentError, match="--situations: unknown component 'finds_none'"):
         RuleSearch(asked)
-    seeing = asked.family.model_copy(update={"terms": ("finds",)})
+    mission = asked.family.mission.model_copy(update={"terms": ("finds",)})
+    seeing = asked.family.model_copy(update={"mission": mission})
     assert "finds_apart" in RuleSearch(replace(asked, family=seeing)).problem.features

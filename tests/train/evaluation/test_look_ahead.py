@@ -6,11 +6,13 @@ import yaml
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
-from clean_swarm_env.learning.observation.config import ObservationConfig
-from tests.selector.strategies.policies import exported
+from clean_swarm_env.learning.actions import ActionConfig
+from selector.knowledge import load_knowledge
+from selector.strategies.policy_file import save_policy
+from tests.selector.strategies.policies import exported, untrained
 from train import cli
+from train.deciders.named import decider_named
 from train.evaluation.choosing.look_ahead import LookAheadRequest, LookingTeam, look_ahead_table
-from train.evaluation.entrants import action_of, any_pilot, member_pilot
 from train.running.trials import TrialSettings, run_trials
 
 GOOD = {"configuration": "PredictiveSteering"}
@@ -32,25 +34,38 @@ def test_with_one_option_the_mission_is_that_of_the_option(tmp_path):
     scenario = asked.family.scenario(1, 0, "test")
     team = LookingTeam(asked, scenario, 0)
 
-    def pilot(problem, teams):
-        return member_pilot("fixed:PredictiveSteering", problem, teams, (tmp_path,))
+    def decider(problem, teams):
+        return decider_named("fixed:PredictiveSteering", (tmp_path,)).build(problem, teams)
 
-    (alone,) = run_trials([scenario], pilot, TrialSettings(directories=(tmp_path,)))
+    (alone,) = run_trials([scenario], decider, TrialSettings(directories=(tmp_path,)))
     assert team.result() == alone
     assert team.taken.total() == -(-alone.duration_s // 20.0)
 
 
 def test_an_option_that_costs_much_is_not_taken(tmp_path):
     grid = look_ahead_table(request(tmp_path, BAD, GOOD, hold=15.0))
-    excess = {row.label: float(row.groups[0][0]) for row in grid.rows}
+    excess = {row.label: float(row.groups[1][0]) for row in grid.rows}
     assert excess["look-ahead"] < 0.5 * excess["fixed:Far"]
     assert excess["look-ahead"] < 1.5 * excess["fixed:PredictiveSteering"]
-    (note,) = grid.notes
+    assert [row.groups[0][0] for row in grid.rows] == ["0%"] * len(grid.rows)  # unfinished
+    note, few = grid.notes
+    assert "no statement" in few
     assert note.startswith("taken by the look-ahead: PredictiveSteering")
 
 
-@pytest.mark.parametrize("policy", ["policy:exploring-ppo", "policy:exploring-both"])
-def test_a_policy_is_followed_where_no_option_is_better(policy):
+def correcting(directory):
+    """Write a policy that chooses how to explore and corrects the movement a little; return its name."""
+    options = tuple(option.name for option in load_knowledge("exploring").options("ExplorationPatrol"))
+    policy = untrained("ExplorationPatrol", options, ("free_far", "finds_none", "finds_together"), vector=True)
+    for part in ("weight", "bias"):
+        policy.weights[f"vector.{part}"] *= 0.05
+    save_policy(directory, policy)
+    return f"policy:{directory}"
+
+
+@pytest.mark.parametrize("corrects", [False, True])
+def test_a_policy_is_followed_where_no_option_is_better(corrects, tmp_path):
+    policy = correcting(tmp_path) if corrects else "policy:exploring-ppo"
     asked = LookAheadRequest(
         load_family("clustered"), policy, 1, 1, 1, hold=60.0, horizon=60.0, goal="ExplorationPatrol"
     )
@@ -59,18 +74,19 @@ def test_a_policy_is_followed_where_no_option_is_better(policy):
     assert team.alternatives[-1] == policy
     team._best = lambda state, observations: len(team.alternatives) - 1
 
-    def pilot(problem, teams):
-        return any_pilot(policy, problem, teams)
+    def decider(problem, teams):
+        return decider_named(policy).build(problem, teams)
 
-    seen, action = ObservationConfig.usual(asked.family.terms), action_of(policy)
-    (alone,) = run_trials([scenario], pilot, TrialSettings("ExplorationPatrol", observation=seen, action=action))
+    named = decider_named(policy)
+    seen, action = named.observation(asked.family.mission.terms), ActionConfig(mode=named.mode)
+    (alone,) = run_trials([scenario], decider, TrialSettings("ExplorationPatrol", observation=seen, action=action))
     assert team.result() == alone
     assert team.taken.keys() == {policy}
 
 
-def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_of_its_corrections():
+def test_an_option_that_is_tried_takes_the_place_of_that_of_the_policy_but_not_of_its_corrections(tmp_path):
     asked = LookAheadRequest(
-        load_family("clustered"), "policy:exploring-both", 1, 1, 1, hold=1.0, horizon=1.0, goal="ExplorationPatrol"
+        load_family("clustered"), correcting(tmp_path), 1, 1, 1, hold=1.0, horizon=1.0, goal="ExplorationPatrol"
     )
     team = LookingTeam(asked, asked.family.scenario(1, 0, "test"), 0)
     seen, options = team._batch.reset(), np.arange(team._batch.rows) % len(team.alternatives)

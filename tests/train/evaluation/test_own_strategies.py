@@ -14,11 +14,13 @@ from selector.documents.errors import DocumentError
 from selector.strategies.policy_file import save_policy
 from selector.strategies.problem import Problem
 from selector.strategies.registry import spec_from_text
+from tests.paths import TRAINED
 from tests.selector.strategies.policies import untrained
-from train.evaluation.entrants import entrants_of, identified, member_pilot, unlearned
+from train.deciders.models import LOADERS
+from train.deciders.named import decider_named
+from train.evaluation.entrants import entrants_of, unlearned
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.evaluation.repeat_trial import trial_steps
-from train.running.model_pilots import LOADERS
 
 PROBLEM = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.5]), ("near", "far"))
 TEAMS = np.zeros(3, dtype=np.int64)
@@ -47,12 +49,12 @@ def folder(tmp_path, monkeypatch):
 def test_a_class_of_ones_own_decides(folder, module):
     name = f"{module.format(folder=folder)}:Second"
     seen = np.zeros((3, 2), dtype=np.float32)
-    assert member_pilot(name, PROBLEM, TEAMS).choose(seen).tolist() == [1, 1, 1]
-    assert member_pilot(f"{name}:option=0", PROBLEM, TEAMS).choose(seen).tolist() == [0, 0, 0]
+    assert decider_named(name).build(PROBLEM, TEAMS).decide(seen).options.tolist() == [1, 1, 1]
+    assert decider_named(f"{name}:option=0").build(PROBLEM, TEAMS).decide(seen).options.tolist() == [0, 0, 0]
     assert spec_from_text(f"{name}:option=0,sharing=team").sharing == "team"
-    before = identified(name)
+    before = decider_named(name).identity
     (folder / "own_policies.py").write_text(OWN + "# changed\n")
-    assert identified(name) != before
+    assert decider_named(name).identity != before
 
 
 @pytest.mark.parametrize(
@@ -69,19 +71,19 @@ def test_a_class_of_ones_own_decides(folder, module):
 def test_mistakes_are_one_line(folder, member, message):
     (folder / "broken.onnx").write_bytes(b"no model")
     with pytest.raises(DocumentError, match=message) as told:
-        member_pilot(member, PROBLEM, TEAMS)
+        decider_named(member).build(PROBLEM, TEAMS)
     assert "\n" not in str(told.value)
 
 
 def test_a_family_without_the_options_of_a_policy_is_one_line():
     with pytest.raises(DocumentError, match="--strategy policy:general: policy: options: ") as told:
-        FamilyEvaluation(FamilyRequest("table1", ("policy:general",), 0, 1, knowledge="cleaning"))
+        FamilyEvaluation(FamilyRequest("table1", ("policy:general",), 0, 1, "cleaning", directories=(TRAINED,)))
     assert "\n" not in str(told.value)
 
 
 def test_strategies_that_have_learned_nothing_are_named():
-    given = ("fixed", "rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
-    assert unlearned(entrants_of(given, PROBLEM.options)) == ["UCB1", "mine"]
+    given = ("fixed", "fsm:rule", "UCB1", "mine=GaussianThompson", "Random", "learned:rules", "policy:general")
+    assert unlearned(entrants_of(given, PROBLEM.options), (TRAINED,)) == ["UCB1", "mine"]
 
 
 @pytest.fixture
@@ -108,47 +110,35 @@ def test_a_model_that_steers_has_the_missions_of_an_environment_with_vectors(ahe
     assert sum(1 for _ in trial_steps(task)) == task.run()[0].result.ticks
 
 
-def constant(folder, batch, options, vector, patience=None):
+def constant(folder, batch, options, vector):
     """Write a policy that always prefers the second option and gives a vector, where it has them; return its name."""
-    given = {"vector": vector is not None, "patience": patience}
-    policy = untrained("AvoidCollision", options, batch.observer.names, hidden=(), **given)
+    policy = untrained("AvoidCollision", options, batch.observer.names, hidden=(), vector=vector is not None)
     for weights in policy.weights.values():
         weights[:] = 0.0
     if options:
         policy.weights["options.bias"][1] = 1.0
     if vector is not None:
         policy.weights["vector.bias"][:] = vector
-    directory = folder / f"policy-{len(options)}-{vector}-{patience}"
+    directory = folder / f"policy-{len(options)}-{vector}"
     save_policy(directory, policy)
     return f"policy:{directory}"
 
 
 def test_a_policy_that_steers_corrects_or_both_is_evaluated_as_what_it_gives(folder, ahead):
-    plain, steered = Batch(family="table1"), Batch("table1", action={"mode": "velocity"})
+    plain, driven = Batch(family="table1"), Batch("table1", action={"mode": "velocity"})
     options = plain.options["AvoidCollision"]
     Path("ahead.const").write_text("0.75 0.125")  # the same in float32
-    steering = constant(folder, steered, (), [0.75, 0.125])
+    steering = constant(folder, driven, (), [0.75, 0.125])
     still, moved = (constant(folder, plain, options, vector) for vector in ([0.0, 0.0], [0.3, 0.0]))
     request = FamilyRequest("table1", (ahead, steering, f"fixed:{options[1]}", still, moved), 3, scenarios=2)
     tasks = FamilyEvaluation(request).tasks(())[:5]
-    assert [task.action.mode for task in tasks] == ["velocity", "velocity", "option", "both", "both"]
+    assert [task.named.mode for task in tasks] == ["velocity", "velocity", "option", "both", "both"]
     runs = [[record.result for record in task.run()] for task in tasks]
     assert runs[0] == runs[1]
     assert runs[2] == runs[3] != runs[4]
-    for member in (steering, still):
-        with pytest.raises(DocumentError, match="expected a strategy that chooses options, got one that steers"):
-            member_pilot(member, PROBLEM, TEAMS)
 
 
-def test_the_patience_of_a_policy_holds_in_evaluations(folder):
-    batch = Batch(family="table1")
-    options = batch.options["AvoidCollision"]
-    braking = [constant(folder, batch, options, [-1.0, 0.0], patience) for patience in (None, 4.0)]
-    tasks = FamilyEvaluation(FamilyRequest("table1", tuple(braking), 3, scenarios=1)).tasks(())[:2]
-    assert [task.run()[0].result.completed for task in tasks] == [False, True]
-
-
-def test_strategies_see_the_terms_of_a_family(folder):
+def test_strategies_see_the_terms_of_a_mission(folder):
     machine = {
         "goal": "ExplorationPatrol",
         "start": "looking",
@@ -167,10 +157,15 @@ def test_strategies_see_the_terms_of_a_family(folder):
     (record,) = task.run()
     assert record.result.completed
     assert sum(1 for _ in trial_steps(task)) == record.result.ticks
-    blind = load_family("clustered").model_copy(update={"terms": ()})
+    family = load_family("clustered")
+
+    def seeing(*terms):
+        return family.model_copy(update={"mission": family.mission.model_copy(update={"terms": terms})})
+
+    blind = seeing()
     with pytest.raises(DocumentError, match="unknown component 'finds_together'"):
         FamilyEvaluation(FamilyRequest("clustered", ("fsm:finder.yaml",), 3, **given), blind)
-    odd = blind.model_copy(update={"terms": ("fines",)})
+    odd = seeing("fines")
     with pytest.raises(DocumentError, match=r"observation: .*unknown term 'fines'.*did you mean 'finds'"):
         FamilyEvaluation(FamilyRequest("clustered", ("fixed",), 3, **given), odd)
 
@@ -188,9 +183,7 @@ def test_a_model_that_steers_must_give_vectors(ahead, text, message):
         FamilyEvaluation(FamilyRequest("table1", (ahead,), 3, scenarios=2))
 
 
-def test_a_model_that_steers_is_refused_where_options_are_chosen(ahead):
-    with pytest.raises(DocumentError, match=r"velocity:ahead.const: expected a strategy that chooses options"):
-        member_pilot(ahead, PROBLEM, TEAMS)
+def test_a_model_that_drives_has_to_be_there(folder):
     with pytest.raises(DocumentError, match=r"velocity:ahead.md: ahead.md: no such file"):
         FamilyEvaluation(FamilyRequest("table1", ("velocity:ahead.md",), 3, scenarios=2))
     Path("ahead.md").touch()
@@ -227,11 +220,11 @@ def test_models_of_torch_and_onnx_decide_and_must_fit(tmp_path, monkeypatch):
     three = Problem("AvoidCollision", ("a", "b", "c"), np.ones(3), ("near", "far"))
     wide = Problem("AvoidCollision", ("a", "b"), np.ones(2), ("near", "far", "alone"))
     for name in models(tmp_path):
-        assert member_pilot(f"policy:{name}", PROBLEM, TEAMS).choose(seen).tolist() == [1, 0, 1]
+        assert decider_named(f"policy:{name}").build(PROBLEM, TEAMS).decide(seen).options.tolist() == [1, 0, 1]
         for other in (three, wide):
             expected = rf"{name}: expected a model of {len(other.features)} numbers"
             with pytest.raises(DocumentError, match=expected) as told:
-                member_pilot(f"policy:{name}", other, TEAMS)
+                decider_named(f"policy:{name}").build(other, TEAMS)
             assert "\n" not in str(told.value)
 
 
@@ -250,8 +243,8 @@ def test_a_model_of_stable_baselines3_decides_with_its_normalisation(tmp_path, m
     envs.save("model.pkl")
     batch = envs.venv.batches[0]
     problem = Problem("AvoidCollision", batch.options["AvoidCollision"], np.ones(3), batch.observer.names)
-    pilot = member_pilot("policy:model.zip", problem, TEAMS)
+    decider = decider_named("policy:model.zip").build(problem, TEAMS)
     observations = batch.observations
     expected = model.predict(envs.normalize_obs(observations), deterministic=True)[0]
-    assert np.array_equal(pilot.choose(observations), expected)
+    assert np.array_equal(decider.decide(observations).options, expected)
     assert set(LOADERS) == {".zip", ".pt", ".onnx"}

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from clean_swarm_env.recording.reader import RecordedMission
+from tests.paths import TRAINED
 from tests.train.commands import run
 
 FAMILY = {
@@ -16,7 +17,7 @@ FAMILY = {
     "robots": [3, 4],
     "items": [3, 3],
 }
-STRATEGIES = ("rule", "policy:general", "Random", "fixed:RepulsionGradient")
+STRATEGIES = ("fsm:rule", "policy:general", "Random", "fixed:RepulsionGradient")
 
 
 @pytest.fixture
@@ -35,7 +36,7 @@ def results(tmp_path_factory):
     directory = tmp_path_factory.mktemp("family")
     (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     words = [word for name in STRATEGIES for word in ("--strategy", name)]
-    words += ["--scenarios", 2, "--workers", 1, "--minds", "--output", directory / "run"]
+    words += ["--scenarios", 2, "--workers", 1, "--minds", "--configs", TRAINED, "--output", directory / "run"]
     assert run("evaluate", "--family", directory / "small.yaml", *words) == 0
     return directory / "run"
 
@@ -81,7 +82,7 @@ def test_what_each_strategy_thinks_of_the_options_is_recorded(results):
     assert np.ptp(opinions["policy:general"]) > 0.1
     for name in ("policy:general", "Random"):
         assert opinions[name].sum(axis=2) == pytest.approx(1.0, abs=0.01)
-    for name in ("rule", "fixed:RepulsionGradient"):
+    for name in ("fsm:rule", "fixed:RepulsionGradient"):
         assert set(np.unique(opinions[name])) == {0.0, 1.0}
 
 

@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+import scipy.stats
 import yaml
 
 from clean_swarm_env.config.load import load_robustness
@@ -11,7 +12,10 @@ from clean_swarm_env.config.mission import MissionConfig
 from selector.documents.errors import DocumentError
 from tests.paths import ROOT
 from tests.train.commands import run
+from tests.train.records import record
+from train.analysis.robustness_report import RobustnessReport, RobustnessRuns, wilson
 from train.evaluation.repeat import task_of
+from train.running.runs import under
 
 SMALL = {
     "name": "small",
@@ -19,7 +23,7 @@ SMALL = {
     "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 20.0, "garbage": {"count": 3}},
     "items": [3, 3],
     "scenarios": 2,
-    "strategies": ["fixed:RepulsionGradient", "rule"],
+    "strategies": ["fixed:RepulsionGradient", "fsm:rule"],
     "disturbances": [
         {"kind": "loss", "level": "all", "mission": {"delivery": {"loss": 1.0}}},
         {"kind": "failing", "level": "1", "mission": {"events": [{"at": 2.0, "do": "fail", "robots": [0]}]}},
@@ -55,7 +59,7 @@ def test_the_shipped_experiment_has_the_disturbances_that_are_asked_for():
     assert {len(mission.events) for mission in missions} == {0, 1, 2, 3}
     assert max(mission.robots.pose_noise for mission in missions) > 0.0
     kinds = {name.partition(":")[0] for name in load_robustness("robustness").strategies}
-    assert kinds >= {"fixed", "rule", "learned", "policy"}
+    assert kinds == {"fixed", "fsm"}
 
 
 def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tmp_path):
@@ -71,9 +75,26 @@ def test_figures_have_intervals_and_an_evaluation_goes_on_to_the_same_results(tm
     for by_strategy in json.loads(whole)["disturbances"].values():
         for figures in by_strategy.values():
             assert all(each["ci95"][0] <= each["value"] <= each["ci95"][1] for each in figures.values())
-    repeated = task_of(tmp_path / "whole", "test-2", "loss all - rule")
-    assert (repeated.mission.delivery.loss, repeated.member) == (1.0, "rule")
-    assert run("explain", tmp_path / "whole", "--condition", "failing 1 - rule", "--robot", 1, "--time", 3) == 0
+    repeated = task_of(tmp_path / "whole", "test-2", "loss all - fsm:rule")
+    assert (repeated.mission.delivery.loss, repeated.member) == (1.0, "fsm:rule")
+    assert run("explain", tmp_path / "whole", "--condition", "failing 1 - fsm:rule", "--robot", 1, "--time", 3) == 0
+
+
+def test_the_interval_of_a_share_is_by_the_scenarios_however_many_members_do_them():
+    for scenarios, done in ((20, 18), (25, 25), (7, 0)):
+        expected = scipy.stats.binomtest(done, scenarios).proportion_ci(method="wilson")
+        assert wilson(done / scenarios, scenarios) == pytest.approx((expected.low, expected.high))
+    family = load_robustness("robustness")
+    names = tuple(f"test-{k + 1}" for k in range(10))
+    completed = {
+        (name, under(disturbance, member)): record(name, completed=name != "test-1").result
+        for name in names
+        for disturbance in family.disturbed
+        for member in ("a", "b", "c")
+    }
+    found = RobustnessReport.of(RobustnessRuns(family, 0, names, {"one": ("a",), "three": ("a", "b", "c")}), completed)
+    assert found.estimates["none"]["three"] == found.estimates["none"]["one"]
+    assert found.estimates["none"]["one"]["duration_s"].ci95 == (10.0, 10.0)
 
 
 def test_strategies_can_be_added_later(tmp_path):
@@ -112,7 +133,7 @@ def test_the_example_of_the_page_is_an_experiment(tmp_path):
 
 def test_options_that_have_no_meaning_here_are_refused(tmp_path, capsys):
     path = written(tmp_path / "small.yaml")
-    assert run("evaluate", path, "--condition", "rule") == 2
+    assert run("evaluate", path, "--condition", "fsm:rule") == 2
     assert "--condition: expected with experiments without disturbances only" in capsys.readouterr().err
 
 

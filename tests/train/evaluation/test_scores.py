@@ -205,8 +205,8 @@ def test_processes_that_learn_at_once_lose_nothing(run, tmp_path):
         (("--store", "none.sqlite"), "none.sqlite: no such knowledge store"),
         (("--store", "s.sqlite", "--learn", "--workers", 2), "--workers: expected 1 with --learn"),
         (
-            ("--store", "s", "--learn", "--strategy", "rule", "--knowledge", "avoidance"),
-            "--learn: rule: expected a strategy that chooses",
+            ("--store", "s", "--learn", "--strategy", "fsm:rule", "--knowledge", "avoidance"),
+            "--learn: fsm:rule: expected a strategy that chooses",
         ),
         (("--store", "other.sqlite", "--learn"), "wrong.yaml: goals.AvoidCollision.RepulsionGradient: means"),
         (("--store", "other.sqlite"), "wrong.yaml: goals.AvoidCollision.RepulsionGradient: means"),

@@ -3,6 +3,7 @@
 import fcntl
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from selector.documents.find import SHIPPED
 from tests.paths import ROOT
 from tests.train.commands import told
 from tests.train.evaluation.test_family_evaluation import FAMILY
@@ -140,11 +142,58 @@ def test_shares_of_scores_reach_the_store_once_when_they_are_gathered(run, tmp_p
         assert run(*words, "--output", "shares", "--share", f"{number}/2")[0] == 0
     assert "learned" not in run("knowledge", "list", "--store", "s.sqlite")[1]
     code, out, err = run("gather", "shares")
+    assert (code, "known now" in out) == (0, False)
+    assert "the scores reach no store" in err
+    for _ in range(2):
+        code, out, err = run("gather", "shares", "--store", "s.sqlite")
+        assert code == 0, err
+        assert "known now" in out
+    assert run("score", *words[1:], "--output", "whole", "--store", "t.sqlite")[0] == 0
+    listed = [run("knowledge", "list", "--store", name)[1].splitlines()[1:] for name in ("s.sqlite", "t.sqlite")]
+    gathered, whole = ([re.sub(r"\d\d:\d\d:\d\d", "", line) for line in lines] for lines in listed)
+    assert gathered == whole
+    assert results(tmp_path / "shares") == results(tmp_path / "whole")
+
+
+def test_shares_that_begin_with_what_a_store_knows_are_one_run(run, tmp_path):
+    table1 = SHIPPED / "experiments" / "table1.yaml"
+    assert run("score", table1, "--store", "s.sqlite", "--scenarios", 1, "--workers", 1)[0] == 0
+    given = (*EXPERIMENT, "--store", "s.sqlite", "--output")
+    for number in (1, 2):
+        assert run(*given, "shares", "--share", f"{number}/2")[0] == 0
+    assert run(*given, "whole")[0] == 0
+    (tmp_path / "s.sqlite").unlink()
+    code, out, err = run("gather", "shares")
     assert code == 0, err
-    assert "known now" in out
+    assert "known at the beginning" in out
+    assert results(tmp_path / "shares") == results(tmp_path / "whole")
+
+
+def test_shares_that_differ_about_a_run_are_an_error_that_names_both(run, tmp_path):
+    for number in (1, 2):
+        run(*EXPERIMENT, "--output", "shares", "--share", f"{number}/2")
+    first, second = (tmp_path / "shares" / "shares" / f"{number}-of-2" / "runs.jsonl" for number in (1, 2))
+    line = json.loads(first.read_text().splitlines()[0])
+    kept = second.read_text()
+    second.write_text(kept + json.dumps(line | {"wall_s": 9.0}) + "\n")
+    assert run("gather", "shares")[0] == 0
+    second.write_text(kept + json.dumps(line | {"duration_s": 1.0}) + "\n")
     code, _, err = run("gather", "shares")
-    assert code == 0, err
-    assert results(tmp_path / "shares")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "shares/shares/1-of-2 and shares/shares/2-of-2: expected the same figures of scenario " in err
+
+
+def test_gathering_obeys_no_words_of_a_manifest(run, tmp_path):
+    assert run(*EXPERIMENT, "--output", "shares", "--share", "1/1")[0] == 0
+    path = tmp_path / "shares" / "shares" / "1-of-1" / "manifest.json"
+    content = json.loads(path.read_text())
+    words = ["clean-swarm", "evaluate", "--store", "postgresql://u@127.0.0.1:1/d", "--configs", "no/such", "--learn"]
+    path.write_text(json.dumps(content | {"command": words}))
+    assert run("gather", "shares")[0] == 0
+    path.write_text(json.dumps(content | {"asked": {"scenarios": 10**9}}))
+    code, _, err = run("gather", "shares")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "1-of-1/manifest.json: asked: scenarios: " in err
 
 
 def test_the_job_array_of_a_family_gives_what_two_workers_give(tmp_path):

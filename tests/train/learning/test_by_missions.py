@@ -8,9 +8,10 @@ from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.problem import Problem
 from selector.strategies.streams import row_keys
 from tests.train.learning.trainings import job, written
+from train.deciders.rules import TeamRuleDecider
 from train.learning import by_missions as mission_learning
 from train.learning.bandit import BanditTraining
-from train.learning.by_missions import MissionLearning, TeamsPilot, relative
+from train.learning.by_missions import MissionLearning, relative
 from train.learning.config import load_training
 
 SITUATIONS = ("free_far", "carrying_far")
@@ -20,14 +21,14 @@ OPTIONS = ("a", "b", "c")
 def test_teams_keep_to_their_rules_in_the_order_in_which_missions_begin():
     problem = Problem("AvoidCollision", OPTIONS, np.zeros(3), ("other", *SITUATIONS))
     rules = np.array([[0, 1], [1, 2], [2, 0]])
-    pilot = TeamsPilot(problem, SITUATIONS, rows=4, seeds=[7, 9, 7], rules=rules)
+    decider = TeamRuleDecider(problem, SITUATIONS, rows=4, seeds=[7, 9, 7], rules=rules)
     first, second = np.array([0, 1]), np.array([2, 3])
-    pilot.begin(second, 7)
-    pilot.begin(first, 9)
+    decider.reset(second, 7)
+    decider.reset(first, 9)
     seen = np.array([[9.0, 1, 0], [9, 0, 1], [9, 1, 0], [9, 0, 1]], dtype=np.float32)
-    assert pilot.choose(seen).tolist() == [1, 2, 0, 1]
-    pilot.begin(second, 7)
-    assert pilot.choose(seen).tolist() == [1, 2, 2, 0]
+    assert decider.decide(seen).options.tolist() == [1, 2, 0, 1]
+    decider.reset(second, 7)
+    assert decider.decide(seen).options.tolist() == [1, 2, 2, 0]
 
 
 def test_missions_are_compared_with_those_of_their_scenario_only():
@@ -47,7 +48,7 @@ def test_the_best_option_of_each_situation_is_found_and_exported(tmp_path, monke
         return hardness * np.exp(0.2 * (rules != best).sum(axis=1) + noise.normal(scale=0.1, size=len(rules)))
 
     monkeypatch.setattr(MissionLearning, "_costs", costs)
-    monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/cost_s": 1.0})
+    monkeypatch.setattr("train.learning.training.measured", lambda *_: {"random/excess_s": 1.0})
     training = BanditTraining(job(config, tmp_path / "run"))
     training.advance()
     assert training.decisions == 1600

@@ -1,7 +1,6 @@
 """Trainings, families, policies and learned strategies of one's own are found by name in the directories given."""
 
 import shutil
-from dataclasses import replace
 
 import pytest
 import yaml
@@ -10,7 +9,8 @@ from rich.console import Console
 from selector.documents.errors import DocumentError
 from selector.documents.find import find_file
 from selector.strategies.policy_file import find_policy
-from tests.train.learning.trainings import job, written
+from tests.paths import TRAINED
+from tests.train.learning.trainings import written
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.learning import session
 from train.learning.bandit import BanditTraining
@@ -35,8 +35,8 @@ def own(tmp_path):
     (directory / "families" / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     changes = {"tasks": [{"family": "small", "worlds": 2}], "checkpoints": 1, "decisions": 20}
     written(directory / "training", "bandit", **changes).rename(directory / "training" / "mine.yaml")
-    shutil.copytree(find_policy("general"), directory / "policies" / "mine")
-    shutil.copy(find_file("strategies", "rules"), directory / "strategies" / "mine.safetensors")
+    shutil.copytree(find_policy("general", (TRAINED,)), directory / "policies" / "mine")
+    shutil.copy(find_file("strategies", "rules", (TRAINED,)), directory / "strategies" / "mine.safetensors")
     return directory
 
 
@@ -58,15 +58,6 @@ def test_policies_and_strategies_of_ones_own_take_part(own):
     assert [record.condition for record in records] == own_and_others
     with pytest.raises(DocumentError, match="unknown family 'small'"):
         FamilyEvaluation(FamilyRequest("small", ("policy:mine",), 0, 1))
-
-
-def test_a_strategy_in_a_training_finds_policies_of_ones_own(own, tmp_path):
-    names = {"strategy": {"name": "Policy", "parameters": {"policy": "mine"}}, "context": ["free_far"]}
-    written(own / "training", "bandit", bandit=names)
-    config = load_training("bandit", "bandit", (own,))
-    found = job(config, tmp_path / "t")
-    with pytest.raises(DocumentError, match="policies/mine: observations"):  # found: it does not fit this context
-        BanditTraining(replace(found, directories=(own,)))
 
 
 def test_a_training_whose_configuration_is_wrong_leaves_no_directory(own, tmp_path):

@@ -4,7 +4,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,10 +14,8 @@ from clean_swarm_env.learning.batch import Batch
 from selector.documents.errors import DocumentError
 from selector.store import KnowledgeStore
 from selector.strategies.policy import Network
-from selector.strategies.policy_file import load_policy
 from tests.clean_swarm_env.courses import mission
-from tests.selector.strategies.policies import exported
-from tests.train.learning.trainings import CHOSEN, SEEN, job, written
+from tests.train.learning.trainings import job, written
 from train.learning import session
 from train.learning.by_rewards import Credit
 from train.learning.config import load_training
@@ -27,7 +24,7 @@ from train.learning.curriculum import VALIDATION_SEED, Curriculum
 pytest.importorskip("stable_baselines3")
 
 POLICY = ("ppo", "policy/policy.safetensors")
-RESULTS = dict.fromkeys(("ppo", "both", "beside"), POLICY)
+RESULTS = dict.fromkeys(("ppo", "both"), POLICY)
 BANDIT = ("bandit", "strategy.safetensors")
 TIMEOUT = 400.0
 
@@ -43,7 +40,7 @@ def finish(words):
     return done
 
 
-@pytest.mark.parametrize("kind", ["ppo", "both", "beside", "bandit", "missions"])
+@pytest.mark.parametrize("kind", ["ppo", "both", "bandit", "missions"])
 def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
     config = written(tmp_path, kind)
     learner, learned = RESULTS.get(kind, BANDIT)
@@ -64,7 +61,7 @@ def test_a_training_that_was_killed_comes_to_the_same_bits(tmp_path, kind):
 
 def test_what_is_not_installed_is_named_with_what_installs_it(tmp_path, monkeypatch):
     monkeypatch.setitem(session.LEARNER_PACKAGES, "ppo", ("torch", "no-such-package"))
-    request = session.TrainingRequest("ppo", "general", 1, tmp_path / "t", resume=False)
+    request = session.TrainingRequest("ppo", "exploring-ppo", 1, tmp_path / "t", resume=False)
     with pytest.raises(DocumentError, match=r"training by ppo needs no-such-package, .*'.\[train\]'"):
         session.run_training(request, pytest.fail, Console())
     assert not (tmp_path / "t").exists()
@@ -92,7 +89,7 @@ def test_nothing_is_measured_that_was_trained_on(tmp_path):
     for seed in range(3):
         curriculum = Curriculum(config, seed)
         for checkpoint in range(3):
-            curriculum.begin(checkpoint)
+            curriculum.set_scenarios(checkpoint)
             for batch in curriculum.batches:
                 trained |= seeds_of(batch, 20)
     assert len(trained) == 3 * 3 * 40  # nor is anything trained on twice
@@ -113,6 +110,14 @@ def test_rewards_are_credited_up_to_the_horizon_and_not_beyond_the_mission():
     assert (paid.rows.tolist(), paid.options.tolist(), paid.rewards.tolist()) == ([0], [2], [3.0])
     paid = credit.pay(np.array([8.0, 9.0]), over)
     assert (paid.options.tolist(), paid.rewards.tolist(), paid.contexts.tolist()) == ([0], [6.0], [[0.3]])
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_minibatch_that_is_no_part_of_the_rows_is_no_warning(tmp_path):
+    from train.learning.ppo.training import PpoTraining
+
+    changes = {"ppo": {"steps": 20, "minibatch": 64, "hidden": [8]}}
+    PpoTraining(job(load_training(str(written(tmp_path, "ppo", **changes)), "ppo"), tmp_path / "run"))
 
 
 @pytest.mark.parametrize("kind", ["ppo", "team", "both", "velocity"])
@@ -137,85 +142,14 @@ def test_the_exported_policy_decides_as_the_trained_one_by_what_a_robot_sees(tmp
         assert torch.equal(model.predict_values(normal), values) == (kind == "ppo")
     heads = Network(policy.ordered_for(training.goal.problem, "here")).heads(seen[:, :own].astype(np.float64))
     assert list(heads) == {"both": ["options", "vector"], "velocity": ["vector"]}.get(kind, ["options"])
-    assert policy.spec.patience == training.settings.patience == (4.0 if kind == "both" else None)
     if policy.spec.vector:
         for given in (expected, likeliest):
-            given[:, -2:] = given[:, -2:].clip(-policy.spec.reach, policy.spec.reach)
-        assert policy.spec.reach == training.settings.reach == training.normal.action_space.high[-1]
+            given[:, -2:] = given[:, -2:].clip(-1.0, 1.0)
     np.testing.assert_allclose(np.hstack(list(heads.values())), expected, atol=1e-4)
     decided = [heads["options"].argmax(axis=1)[:, None]] if "options" in heads else []
     np.testing.assert_allclose(
         np.hstack(decided + [heads[name] for name in heads if name == "vector"]), likeliest, atol=1e-4
     )
-
-
-def test_corrections_are_learned_beside_a_chooser_that_stays_as_it_is(tmp_path):
-    import torch
-
-    from train.learning.ppo.training import PpoTraining
-
-    config = load_training(str(written(tmp_path, "beside")), "ppo")
-    training = PpoTraining(job(config, tmp_path / "run"))
-    problem, model, env = training.goal.problem, training.model.policy, training.normal.venv
-    chooser = load_policy(tmp_path / "chooser")
-    columns = [problem.features.index(name) for name in SEEN]
-    known = Network(chooser.ordered_for(replace(problem, features=SEEN), "here"))
-    training.curriculum.begin(0)
-    seen, taken = env.reset(), set()
-    for _ in range(60):
-        expected = known.outputs(seen[:, columns].astype(np.float64)).argmax(axis=1)
-        seen, *_ = env.step(np.full((len(seen), 2), 0.1))
-        if any(batch.finished for batch in training.curriculum.batches):
-            break  # the robots of the next mission have not decided yet
-        held = np.concatenate([batch.worlds.coordinators[0].held for batch in training.curriculum.batches])
-        np.testing.assert_array_equal(held, expected)
-        taken |= {problem.options[k] for k in held}
-    assert taken == set(CHOSEN)
-    before = model.action_net.weight.clone()
-    training.advance()
-    assert not torch.equal(model.action_net.weight, before)
-    assert training.normal.obs_rms.mean[columns].tolist() == list(chooser.spec.mean)
-    assert training.normal.obs_rms.var[columns].tolist() == list(chooser.spec.variance)
-
-    policy = training.policy()
-    assert (policy.spec.patience, policy.spec.reach, policy.spec.hidden) == (4.0, 0.125, (5 + 8,))
-    seen = np.random.default_rng(0).uniform(-1.0, 1.0, (50, len(problem.features))).astype(np.float32)
-    heads = Network(policy.ordered_for(problem, "here")).heads(seen.astype(np.float64))
-    np.testing.assert_allclose(
-        heads["options"], known.outputs(seen[:, columns].astype(np.float64)), rtol=1e-6, atol=1e-5
-    )
-    with torch.no_grad():
-        normal = torch.as_tensor(training.normal.normalize_obs(seen))
-        vectors = model.action_net(model.mlp_extractor.forward_actor(normal)).numpy()
-    np.testing.assert_allclose(heads["vector"], vectors.clip(-0.125, 0.125), atol=1e-5)
-
-
-def test_a_chooser_that_does_not_fit_or_is_another_one_is_refused(tmp_path):
-    from train.learning.ppo.training import PpoTraining
-
-    def begun(run, *, resume=False, **changes):
-        if changes:
-            exported(
-                tmp_path / "chooser", **{"goal": "AvoidCollision", "options": CHOSEN, "observations": SEEN} | changes
-            )
-        return PpoTraining(job(config, tmp_path / run, resume=resume))
-
-    config = load_training(str(written(tmp_path, "beside")), "ppo")
-    begun("run").advance()
-    with pytest.raises(
-        DocumentError, match=r"cannot be continued \(expected chooser \w+, with which it began, got \w+"
-    ):
-        begun("run", resume=True, hidden=(6,))
-    refused = {
-        "expected a policy that chooses options only, got one that steers": {"vector": True, "hidden": (5,)},
-        "expected 1 hidden layers of tanh, as what is learned beside it, got 2 of tanh": {"hidden": (5, 5)},
-        "expected 1 hidden layers of tanh, as what is learned beside it, got 1 of relu": {"activation": "relu"},
-        "observations": {"observations": ("here",), "hidden": (5,)},
-        "goal: expected AvoidCollision, got Other": {"goal": "Other", "hidden": (5,)},
-    }
-    for number, (message, changes) in enumerate(refused.items()):
-        with pytest.raises(DocumentError, match=f"chooser: .*{message}"):
-            begun(f"run-{number}", **{"hidden": (5,)} | changes)
 
 
 def test_an_option_and_a_vector_are_drawn_as_their_densities_say():

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import yaml
 
-from tests.selector.strategies.policies import exported
 from train.learning.training import TrainingJob
 from train.running.run_folder import RunFolder
 
@@ -20,8 +19,7 @@ SMALL = {"steps": 20, "minibatch": 100, "epochs": 2, "hidden": [8]}
 KINDS = {
     "ppo": {"ppo": SMALL},
     "team": {"ppo": SMALL | {"critic": "team"}},
-    "both": {"ppo": SMALL | {"critic": "team", "action": "both", "reach": 0.125, "patience": 4.0}},
-    "beside": {"ppo": SMALL | {"action": "both", "reach": 0.125, "patience": 4.0}},
+    "both": {"ppo": SMALL | {"critic": "team", "action": "both"}},
     "velocity": {"ppo": SMALL | {"hidden": [], "critic": "team", "action": "velocity"}},
     "bandit": {
         "bandit": {
@@ -49,20 +47,10 @@ KINDS = {
 }
 
 
-CHOSEN = ("ORCA", "RepulsionGradient")
-"""What the chooser of `beside` knows; the library has more."""
-SEEN = ("crowd_1m", "carrying_far", "free_far")
-"""What it sees; robots see more."""
-
-
 def written(directory, kind, **changes):
-    """Write a training; that of corrections `beside` a chooser with the chooser."""
-    path, training = directory / f"{kind}.yaml", COMMON | KINDS[kind] | changes
-    if kind == "beside":
-        chooser = directory / "chooser"
-        exported(chooser, "AvoidCollision", CHOSEN, SEEN, hidden=(5,), seed=2)
-        training["ppo"] = {"chooser": str(chooser)} | training["ppo"]
-    path.write_text(yaml.safe_dump(training))
+    """Write a training."""
+    path = directory / f"{kind}.yaml"
+    path.write_text(yaml.safe_dump(COMMON | KINDS[kind] | changes))
     return path
 
 

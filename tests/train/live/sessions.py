@@ -2,7 +2,7 @@
 
 import json
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 from urllib.error import HTTPError
@@ -28,13 +28,25 @@ def play_of(changes: Mapping[str, Any], strategy: str = "MaxScore") -> PlayedMis
     return PlayedMission("small", Scenario(start.id, 11, mission, start), strategy)
 
 
+def only_once() -> Session:
+    raise ValueError("there is one session only")
+
+
 @contextmanager
-def served(session: Session, speed: float = 5.0, *, playing: bool = False, port: int = 0) -> Iterator[LiveServer]:
-    """Run and serve a session in threads."""
-    conductor = Conductor(session, speed, playing=playing)
+def served(
+    session: Session,
+    speed: float = 5.0,
+    *,
+    playing: bool = False,
+    port: int = 0,
+    others: Mapping[str, Callable[[], Session]] | None = None,
+) -> Iterator[LiveServer]:
+    """Run and serve a session in threads; `others` open further ones, "" the same again."""
+    first, further = iter([session]), {"": only_once, **(others or {})}
+    conductor = Conductor({**further, "": lambda: next(first, None) or further[""]()}, speed, playing=playing)
     runner = threading.Thread(target=conductor.run)
     with LiveServer(port) as server:
-        server.start(conductor, live_page("small", session.strategies()))
+        server.start(conductor, live_page())
         runner.start()
         try:
             yield server

@@ -1,12 +1,14 @@
 """The page of a session in a headless Chromium: it shows what runs, and what is done by hand happens in the world."""
 
 import statistics
+from itertools import count
 
 import numpy as np
 import pytest
 
 from clean_swarm_env.recording.reader import RecordedMission
-from tests.train.live.sessions import SMALL, ordered, play_of, served
+from tests.train.live.sessions import SMALL, play_of, served
+from train.live.chosen import chosen
 from train.live.missions import MissionSession
 from train.live.server import LiveServer
 
@@ -29,15 +31,13 @@ def session(tmp_path):
 
 @pytest.fixture
 def opened(watched):
-    """Open the page of a server, which has made a step; it must log nothing."""
+    """Open the page of a server, before the first step of its session; it must log nothing."""
     heard = []
 
-    def open_page(server: LiveServer):
-        if not server.conductor.stream.state["playing"] and not server.conductor.session.ticks:
-            assert ordered(server, do="step") == ""
+    def open_page(server: LiveServer, address: str = ""):
         page, said, _ = watched()
         heard.append(said)
-        page.goto(server.address)
+        page.goto(address or server.address)
         page.wait_for_selector("body[data-ready]")
         return page
 
@@ -86,12 +86,12 @@ def test_a_robot_that_is_dragged_is_there_and_the_world_goes_on(session, opened)
         shown = [page.evaluate(f"replay.page.shown[0].view.{axis}[2]") for axis in "xy"]
         place = free_place(session)
         drag(page, shown, place)
-        until(page, "() => !replay.page.taken")
-        step(page)
+        until(page, "() => replay.page.run.coming.length")
         there = [page.evaluate(f"replay.page.shown[0].view.{axis}[2]") for axis in "xy"]
-        assert there == pytest.approx(place, abs=0.05)
-        before = session.worlds.physics.positions[2].copy()
-        assert np.hypot(*(before - place)) < 0.3
+        assert there == pytest.approx(place, abs=0.05)  # paused, and before the first step
+        assert page.evaluate("replay.page.held") is None
+        assert page.evaluate(FRAMES) == session.ticks == 0
+        assert session.worlds.physics.positions[2] == pytest.approx(place, abs=0.05)
         page.click("#play")
         until(page, "() => replay.page.run.frames > 30")
         page.click("#play")
@@ -101,7 +101,7 @@ def test_a_robot_that_is_dragged_is_there_and_the_world_goes_on(session, opened)
         assert steps.max() <= 0.21
         assert steps.sum() > 0.5
     recording = RecordedMission(session.batch.recorder.settings.directory / "run.swarm")
-    assert [(change.do, change.tick) for change in recording.by_hand] == [("put_robot", 1)]
+    assert [(change.do, change.tick) for change in recording.by_hand] == [("put_robot", 0)]
 
 
 def test_items_are_dragged_added_and_taken_away(session, opened):
@@ -143,7 +143,7 @@ def test_robots_are_added_fail_and_go(session, opened):
         until(page, "() => document.querySelector('#said').textContent")
         assert page.text_content("#said") == "robot 3: expected a robot that is there"
         kinds = page.evaluate("replay.events()[0].filter(e => e.kind === 'hand').map(e => [e.frame, e.robot])")
-        assert kinds == [[1, -1], [2, 3], [3, 3]]
+        assert kinds == [[0, -1], [1, 3], [2, 3]]
 
 
 def test_options_strategies_and_losses_are_switched(session, opened):
@@ -159,12 +159,12 @@ def test_options_strategies_and_losses_are_switched(session, opened):
         page.click("#hold_all")
         step(page)
         assert set(session.worlds.coordinators[0].held.tolist()) == {5}
-        page.select_option("#strategy", "policy:general")
-        until(page, "() => replay.page.state.strategy === 'policy:general'")
+        page.select_option("#strategy", "fsm:rule")
+        until(page, "() => replay.page.state.strategy === 'fsm:rule'")
         page.evaluate(SET_LOSS)
         until(page, "() => replay.page.state.loss === 0.6")
         assert page.text_content("#loss_now") == "60 %"
-        assert session.strategy.startswith("policy:general sha256")
+        assert session.strategy.startswith("fsm:rule sha256")
         for _ in range(4):
             step(page)
         assert page.evaluate("replay.page.run.tracks.get('missed').data.some(missed => missed > 0)")
@@ -207,16 +207,65 @@ def test_a_server_that_goes_is_told_and_what_came_stays(session, opened, tmp_pat
     until(page, "() => document.querySelector('#said').textContent.startsWith('The server does not answer')")
     with served(MissionSession(play_of(SMALL), tmp_path / "other.swarm"), port=port):
         until(page, "() => document.querySelector('#said').textContent.startsWith('This session is over')")
-        assert page.evaluate(FRAMES) == 2
+        assert page.evaluate(FRAMES) == 1
 
 
-def test_a_run_that_is_over_says_so(tmp_path, opened):
-    session = MissionSession(play_of({**SMALL, "time_limit": 2.0}), tmp_path / "short.swarm")
-    with served(session, playing=True) as server:
-        page = opened(server)
-        until(page, "() => replay.page.state.over && !replay.page.waiting")
+def test_after_the_end_the_same_mission_or_another_one_begins(tmp_path, opened):
+    paths = (tmp_path / f"{number}.swarm" for number in count())
+    short = play_of({**SMALL, "time_limit": 2.0})
+    sessions = {
+        "": lambda: MissionSession(short, next(paths)),
+        "ReachGoal": lambda: chosen("ReachGoal", 1, 0, None, ()).open(next(paths), minds=False),
+    }
+    with served(sessions[""](), others=sessions) as server:
+        page, other = opened(server), opened(server)
+        page.click("#play")
+        until(page, "() => document.querySelector('.caption').textContent.includes('not completed')")
         assert page.text_content("#play") == "Over"
-        assert "not completed" in page.text_content(".caption")
+        page.click("#again")
+        until(page, "() => globalThis.replay?.page.run.frames === 0 && replay.page.state.name === ''")
+        until(other, "() => globalThis.replay?.page.run.frames === 0")  # another page of the session goes along
+        step(page)
+        page.select_option("#mission", "ReachGoal")
+        page.click("#open")
+        until(page, "() => document.title === 'Clean Swarm: ReachGoal, live'")
+        assert page.text_content("figcaption b").startswith("ReachGoal, ")
+        step(page)
+    assert [RecordedMission(path).frames for path in sorted(tmp_path.glob("*.swarm"))] == [10, 1, 1]
+
+
+def test_the_world_is_there_before_the_first_step(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        assert page.text_content("#now") == "0.0 s"
+        assert page.text_content(".caption") == "0 items dumped, 0 collisions"
+        shown = [page.evaluate(f"[...replay.page.shown[0].view.{axis}]")[:6] for axis in "xy"]
+        assert np.transpose(shown) == pytest.approx(session.worlds.physics.positions[:6], abs=0.002)
+        assert page.evaluate("replay.page.shown[0].view.rows") == list(range(6))
+        assert page.evaluate(FRAMES) == session.ticks == 0
+        step(page)
+        assert page.text_content("#now") == "0.2 s"
+
+
+def test_titles_follow_the_strategy(session, opened):
+    with served(session) as server:
+        page = opened(server)
+        step(page)
+        page.select_option("#strategy", "fsm:rule")
+        until(page, "() => document.querySelector('figcaption b').textContent.endsWith(', fsm:rule')")
+        assert page.text_content("#panel p").endswith(", fsm:rule")
+        step(page)
+        page.evaluate("replay.page.go(0)")
+        assert page.text_content("figcaption b").endswith(", MaxScore")
+
+
+def test_the_page_is_shown_in_no_frame_of_another_page(session, watched):
+    with served(session) as server:
+        page, said, _ = watched()
+        page.set_content(f"<iframe src='{server.address}'></iframe>")
+        page.wait_for_timeout(500)
+        assert [frame.url for frame in page.frames if "token" in frame.url] == []
+        assert any("frame-ancestors" in words for words in said)
 
 
 def test_frames_are_on_the_screen_within_50_ms(tmp_path, opened):
@@ -237,3 +286,18 @@ def test_walls_are_named_among_the_layers(session, opened):
         page = opened(server)
         assert page.is_disabled("[name=walls]")
         assert "walls (this world has none)" in page.text_content("#layers")
+
+
+def test_a_period_that_fails_is_said_and_the_same_again_can_be_opened(session, opened, tmp_path, monkeypatch):
+    monkeypatch.setattr(session, "_run_period", lambda notes: 1 / 0)
+    others = {"": lambda: MissionSession(play_of(SMALL), tmp_path / "again.swarm")}
+    with served(session, others=others) as server:
+        page = opened(server)
+        page.click("#step")
+        until(
+            page, "() => document.querySelector('#said').textContent.includes('the mission failed: ZeroDivisionError')"
+        )
+        assert page.locator("#step").is_disabled()
+        page.click("#again")
+        until(page, "() => window.replay?.page && !replay.page.state.failure && replay.page.state.number == 2")
+        step(page)

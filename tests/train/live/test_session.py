@@ -14,7 +14,7 @@ BY_HAND = {
     0: [{"do": "set_loss", "loss": 0.3}],
     7: [{"do": "put_robot", "robot": 1, "x": 9.3, "y": 0.7}, {"do": "hold_option", "option": "RepulsionGradient"}],
     15: [{"do": "add_robot", "x": 5.5, "y": 5.5, "heading": 1.0}, {"do": "add_item", "x": 1.0, "y": 2.0}],
-    22: [{"do": "put_item", "item": 3, "x": 6.0, "y": 9.0}, {"do": "follow_strategy", "strategy": "policy:general"}],
+    22: [{"do": "put_item", "item": 3, "x": 6.0, "y": 9.0}, {"do": "follow_strategy", "strategy": "fsm:rule"}],
     31: [
         {"do": "hold_option", "robots": [2], "option": "RepulsionFernandez-view2.0"},
         {"do": "fail_robot", "robot": 0},
@@ -43,7 +43,7 @@ def first(tmp_path_factory):
 def test_the_recording_says_what_was_done_by_hand(first):
     done = [(change.tick, change.do) for change in first[1].by_hand]
     assert done == [(tick, order["do"]) for tick, orders in BY_HAND.items() for order in orders]
-    assert first[1].by_hand[6].strategy.startswith("policy:general sha256:")
+    assert first[1].by_hand[6].strategy.startswith("fsm:rule sha256:")
 
 
 def test_it_changed_the_course_from_then_on(first, tmp_path):
@@ -126,11 +126,17 @@ def test_an_odd_order_is_one_line(tmp_path, order, expected):
     session.close()
 
 
+def test_a_policy_plays_for_the_goal_that_it_was_trained_for(tmp_path):
+    changes = {**SMALL, "knowledge": "exploring", "network": {"robot": "cleaning-patrol"}, "terms": ["finds"]}
+    session = MissionSession(play_of(changes, "policy:exploring-ppo"), tmp_path / "policy.swarm")
+    assert session.goal == "ExplorationPatrol"
+    session.tick()
+    session.close()
+
+
 def test_strategies_are_those_that_fit(tmp_path):
     session = MissionSession(play_of(SMALL), tmp_path / "fit.swarm")
-    assert {"MaxScore", "Random", "fixed:Off", "rule", "policy:general", "learned:rules", "fsm:rule"} <= set(
-        session.strategies()
-    )
+    assert {"MaxScore", "Random", "fixed:Off", "fsm:rule"} <= set(session.strategies())
     session.close()
     session = MissionSession(play_of({**SMALL, "knowledge": "cleaning"}), tmp_path / "two.swarm")
     assert session.strategies() == ["MaxScore", "Random"]
@@ -147,6 +153,6 @@ def test_a_play_whose_files_have_changed_is_refused(first, tmp_path):
     with pytest.raises(ConfigurationError, match="expected a recording of `clean-swarm play`"):
         again(recording)
     recording.head.update(described)
-    changed = PlayedMission(**{**vars(again(recording)), "strategy": "policy:general sha256:0"})
-    with pytest.raises(ConfigurationError, match="policy:general is no longer what was played with"):
+    changed = PlayedMission(**{**vars(again(recording)), "strategy": "fsm:rule sha256:0"})
+    with pytest.raises(ConfigurationError, match="fsm:rule is no longer what was played with"):
         MissionSession(changed, tmp_path / "changed.swarm")

@@ -1,14 +1,16 @@
 """Tables of recordings, and what other tools read of them."""
 
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.recording.file import blocks_of
 from clean_swarm_env.recording.mission_recording import record_mission
-from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.recording.tables import tables_of
 from clean_swarm_env.world.mission import MissionRun
@@ -66,3 +68,23 @@ def test_mcap_holds_the_frames(recording, tmp_path):
 def test_what_exists_is_not_replaced(recording, tmp_path, capsys):
     assert run("export", recording.path, "--output", tmp_path) == 2
     assert "exists already; expected a new file or directory" in capsys.readouterr().err
+
+
+def test_a_recording_is_written_stretch_by_stretch(tmp_path):
+    pytest.importorskip("pyarrow.parquet")
+    mission = load_mission("table1").model_copy(update={"time_limit": 160.0})
+    settings = RecordSettings(tmp_path, minds=True, name="long")
+    record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), settings, {})
+    path = tmp_path / "long.swarm"
+    parts = list(RecordedParts(blocks_of(path), "long"))
+    assert [part.first for part in parts] == list(range(0, parts[-1].first + 1, 250))
+    whole = tables_of(RecordedMission(path))
+    for title, columns in whole.items():
+        for name, values in columns.items():
+            np.testing.assert_array_equal(np.concatenate([tables_of(part)[title][name] for part in parts]), values)
+    held = sum(values.nbytes for columns in whole.values() for values in columns.values())
+    del whole, parts
+    tracemalloc.start()
+    assert run("export", path, "--output", tmp_path / "long") == 0
+    assert tracemalloc.get_traced_memory()[1] < held
+    tracemalloc.stop()

@@ -11,6 +11,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.scene_recording import SceneRecorder
 from clean_swarm_env.scenes import Setting, find
 from clean_swarm_env.scenes.served import ServedTeam, expertise
+from tests.paths import TRAINED
 from tests.train.commands import run
 from train.replay.page_file import write_page
 
@@ -33,7 +34,17 @@ def results(tmp_path_factory) -> Path:
     directory = tmp_path_factory.mktemp("page")
     (directory / "small.yaml").write_text(yaml.safe_dump(FAMILY))
     words = [word for name in CONDITIONS for word in ("--strategy", name)]
-    words += ["--scenarios", "1", "--workers", "1", "--minds", "--output", str(directory / "run")]
+    words += [
+        "--scenarios",
+        "1",
+        "--workers",
+        "1",
+        "--minds",
+        "--configs",
+        str(TRAINED),
+        "--output",
+        str(directory / "run"),
+    ]
     assert run("evaluate", "--family", directory / "small.yaml", *words) == 0
     conditions = [word for name in CONDITIONS for word in ("--condition", name)]
     assert run("replay", directory / "run", *conditions, "--html", directory / "both.html") == 0
@@ -289,11 +300,11 @@ def test_the_field_is_highest_where_robots_have_just_been(opened):
 
 def test_the_page_of_a_scene_shows_what_lies_there_and_the_minds(watched, tmp_path):
     scene = find("Foraging")(Setting(12, 20.0, "torus"), (3,))
-    scene.begin(lambda made: ServedTeam(made, expertise("Foraging"), explained=True))
+    scene.start(lambda made: ServedTeam(made, expertise("Foraging"), explained=True))
     recorder = SceneRecorder(scene, "Foraging", tmp_path, (3,))
     while not scene.over:
         scene.advance()
-        recorder.take()
+        recorder.record()
     recorder.close()
     write_page([RecordedMission(recorder.paths[0])], tmp_path / "scene.html")
     page, said, _ = watched()

@@ -13,10 +13,13 @@ import pytest
 import yaml
 
 from tests.train.commands import run
+from tests.train.records import record
 from train.analysis.statistics import summarise
 from train.report_page.chart import Axis, Chart
 from train.report_page.page import html_of_markdown
-from train.report_page.run_charts import differences, profile, scenario_map
+from train.report_page.results import SELECTION_CHANNELS, results_in
+from train.report_page.run_charts import by_scenario, differences, distributions, profile, scenario_map, with_unfinished
+from train.running import needs
 
 FAMILY = {
     "name": "small",
@@ -66,6 +69,14 @@ def results(tmp_path_factory) -> Path:
 def costs_in(results):
     with (results / "runs.csv").open() as file:
         return {(row["scenario"], row["condition"]): float(row["cost_s"]) for row in csv.DictReader(file)}
+
+
+def test_a_report_keeps_what_it_draws_and_is_refused_where_that_fills_the_memory(results, monkeypatch, capsys):
+    kept = {name for recording in results_in(results).recordings for name in recording}
+    assert kept == {"held/AvoidCollision", *SELECTION_CHANNELS}
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: needs.PROCESS + 12.0 * 5000)
+    assert run("report", results) == 2
+    assert "numbers, for the memory, got more" in capsys.readouterr().err
 
 
 def test_the_figures_are_those_of_the_runs_and_links_lead_to_replays(results, tmp_path):
@@ -221,6 +232,24 @@ def test_charts_of_known_costs():
     assert '<a href="x.html?a&amp;b">15</a>' in table
     assert table.count("--dearer:0%") == 2
     assert "<td>-</td>" in table
+
+
+def test_intervals_are_by_the_number_of_scenarios_however_many_worlds_each_has():
+    rng, names = np.random.default_rng(1), [f"test-{k}{world}" for k in range(1, 13) for world in ("", ".2", ".3")]
+    costs = rng.gamma(4.0, 25.0, (2, 12)).repeat(3, axis=1)  # the same in all worlds of a scenario
+    one = by_scenario(costs[0], names)
+    assert one == pytest.approx(costs[0, ::3])
+    low, high = summarise(one).ci95
+    told = distributions(costs, ("a", "b"), names, "cost")
+    assert f"mean {one.mean():.4g}, 95 % interval {low:.4g} to {high:.4g}" in told
+    assert by_scenario(np.array([1.0, 3.0, np.nan]), ["1.5", "1.6", "2"]).tolist() == [1.0, 3.0]  # names of starts
+
+
+def test_the_share_of_unfinished_missions_stands_beside_every_condition():
+    records = [record(str(k), "a", completed=k > 0) for k in range(4)] + [record(str(k), "b") for k in range(4)]
+    assert with_unfinished(records, ("a", "b")) == ["a, 25% unfinished", "b, 0% unfinished"]
+    coming = [record(str(k), "a", completed=False) for k in range(4)]
+    assert with_unfinished(coming, ("a",)) == ["a"]
 
 
 def test_markdown_becomes_tables_and_nothing_else():

@@ -4,9 +4,14 @@ import pytest
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.world.mission import run_mission
+from selector.coordination.selection import BY_SCORE
+from train.evaluation.repeat import record_run
 from train.running import needs
 from train.running.estimate import needs_of
 from train.running.needs import Machine, Workload, check_needs
+from train.running.runs import RunTask
 
 LARGE = {"world": {"width": 1000.0, "height": 1000.0}, "robots": {"count": 2000}}
 
@@ -51,3 +56,11 @@ def test_a_container_has_its_own_memory(tmp_path, monkeypatch):
     for text, expected in (("max\n", whole), ("1000000\n", 1e6)):
         (tmp_path / "memory.max").write_text(text)
         assert needs.memory_of_machine() == expected
+
+
+def test_a_run_that_this_machine_is_too_small_for_is_not_repeated(tmp_path, monkeypatch):
+    task = RunTask("mine", "1", 1, "c", mission(), random_start(mission(), 1, 0), {}, BY_SCORE, (), run_mission)
+    monkeypatch.setattr(needs, "memory_of_machine", lambda: 1e6)
+    with pytest.raises(ConfigurationError, match=r"1 missions, 1 at a time, .* the run cannot be repeated here"):
+        record_run(task, tmp_path / "run.swarm")
+    assert not list(tmp_path.iterdir())

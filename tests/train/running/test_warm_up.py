@@ -16,7 +16,7 @@ from selector.coordination.selection import BY_SCORE
 from selforg.gradients.store import tables
 from tests.train import fake_mission
 from train.evaluation import pipeline
-from train.evaluation.base import Evaluation
+from train.evaluation.base import Asked, Evaluation
 from train.reports.text_table import flat
 from train.reports.write_report import Publication
 from train.running.processes import Processes
@@ -53,7 +53,7 @@ def test_the_beginning_of_a_run_compiles_and_says_so(task, limits, capsys):
 class OneRun(Evaluation):
     """One run."""
 
-    stem, manifest, words = "one", {"identity": {"one": 1}}, ["clean-swarm", "evaluate"]
+    stem, manifest, words, asked = "one", {"identity": {"one": 1}}, ["clean-swarm", "evaluate"], Asked()
 
     def __init__(self, task):
         self.task = task

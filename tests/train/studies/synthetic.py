@@ -45,7 +45,7 @@ class SyntheticTask:
                     file.write(f"{self.stage} {self.name} {number}\n")
             words = [STAGES.index(self.stage), zlib.crc32(f"{self.name} {self.excess}".encode()), number]
             cost = 100.0 * (1.0 + self.excess) * float(np.exp(np.random.default_rng(words).normal(0.0, NOISE)))
-            figures = (cost, 0.8 * cost, self.rate * cost, min(self.excess / 4.0, 1.0))
+            figures = (cost, 0.8 * cost, self.rate * cost, min(self.excess / 4.0, 1.0), 0.0)
             result = MissionResult(True, cost, (0.0,), (0.0,), 10, 5, 100, 1.0, cost, 0.0)
             run = RunRecord("synthetic", f"train-{number + 1}", 0, self.name, result, 0.0)
             yield CandidateRun(**run.__dict__, number=number, figures=figures)

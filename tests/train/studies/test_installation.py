@@ -18,6 +18,13 @@ def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
     assert error.count("\n") == 1
 
 
+@pytest.mark.parametrize("words", [("tune", "keep-aprt"), ("configure", "Off", "--family", "tabel1")])
+def test_a_mistake_in_the_words_is_told_before_a_missing_package(monkeypatch, capsys, words):
+    monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
+    assert run(*words) == 2
+    assert "did you mean" in capsys.readouterr().err
+
+
 def test_the_command_line_imports_nothing_of_the_extra():
     code = "import sys, train.cli.app, train.studies.config; print({'optuna', 'cmaes', 'ribs'} & sys.modules.keys())"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout

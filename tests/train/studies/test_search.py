@@ -83,8 +83,8 @@ def test_what_the_library_refuses_is_a_trial_that_failed(configs, tmp_path, monk
     search, _ = search_of(configs, tmp_path / "some", trials=12)
     monkeypatch.setattr(StudySpace, "mistake", far)
     arm = search.arm("TPE", 0, lambda trials: None)
-    assert {bool(trial.told.values) for trial in arm.trials} == {True, False}
-    assert all(bool(trial.told.values) == (trial.candidate.values[0] <= 1.2) for trial in arm.trials)
+    assert {bool(trial.feedback.values) for trial in arm.trials} == {True, False}
+    assert all(bool(trial.feedback.values) == (trial.candidate.values[0] <= 1.2) for trial in arm.trials)
     monkeypatch.setattr(StudySpace, "mistake", lambda space, goals: "never")
     with pytest.raises(DocumentError, match="planted: TPE: the library refused all 12 candidates"):
         search.arm("TPE", 0, lambda trials: None)

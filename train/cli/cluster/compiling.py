@@ -41,7 +41,7 @@ def compile_everything() -> CompiledCode:
     if directory is None:
         raise ConfigurationError("warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one")
     with one_process():
-        batches = FamilyEvaluation(FamilyRequest(FAMILY, ("fixed", "rule"), seed=0, scenarios=1)).tasks(())
+        batches = FamilyEvaluation(FamilyRequest(FAMILY, ("fixed", "fsm:rule"), seed=0, scenarios=1)).tasks(())
         single = ExperimentEvaluation(ExperimentRequest(EXPERIMENT, seed=0, scenarios=1)).tasks(())
         tasks: list[Task] = [*batches, *single]
         for task in tasks:

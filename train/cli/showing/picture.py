@@ -49,10 +49,12 @@ def check_times(course: "RecordedCourse", times: dict[str, float]) -> None:
 @contextmanager
 def course_of(run: Path, scenario: str | None, condition: str | None) -> Iterator["RecordedCourse"]:
     """Give the course of a recording, or of a run in a directory of results, which is repeated if need be."""
-    from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+    from clean_swarm_env.drawing.recorded_picture import DRAWN, RecordedCourse
+    from clean_swarm_env.recording.reader import RecordedMission
     from train.evaluation.repeat import recording_of
+    from train.running.needs import most_numbers
 
     with TemporaryDirectory() as folder:
         with repeating(run) if run.is_dir() else nullcontext():
             recording = recording_of(run, scenario, condition, Path(folder), minds=False)
-        yield RecordedCourse(recording)
+        yield RecordedCourse(RecordedMission(recording, DRAWN, most_numbers()))

@@ -13,23 +13,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.world.mission import MissionResult
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from train.analysis.claims import Claim, claims_of
-from train.evaluation.entrants import member_pilot, with_baselines
-from train.learning.by_missions import TeamsPilot
-from train.reports.text_table import Grid, flat
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import Pilot, columns_of
+from train.analysis.family_report import unfinished
+from train.analysis.spread import too_few
+from train.analysis.statistics import share_cell
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import columns_of
+from train.deciders.named import decider_named
+from train.deciders.rules import TeamRuleDecider
+from train.evaluation.entrants import with_baselines
+from train.reports.text_table import Grid, flat, interval_cell
 from train.running.trials import TrialSettings, run_trials
 
 SINGLE, RULE_FOUND = "best single choice", "best choice for each case"
@@ -67,20 +69,21 @@ class Headroom:
     """The rule found, Off and Random beside the best single choice, on the scenarios of the test."""
     excesses: dict[str, float]
     """Mean excess of each on the scenarios of the test [s]."""
+    unfinished: dict[str, float | None]
+    """Share of the missions of each that were not completed."""
 
 
 class RuleSearch:
     """Costs of rules on the same scenarios; each rule is run once."""
 
     def __init__(self, request: HeadroomRequest) -> None:
-        observation = ObservationConfig.usual(request.family.terms)
         first = request.family.scenario(0, 0, "train").mission
-        batch = Batch(first, observation=observation, directories=request.directories)
+        batch = Batch(first, directories=request.directories)
         self.problem = DecidedGoal(batch, request.goal).problem
         columns_of(self.problem, request.situations, "--situations")
         self._request = request
         self._scenarios = [request.family.scenario(request.seed, k, "train") for k in range(request.searched)]
-        self._settings = TrialSettings(request.goal, observation=observation, directories=request.directories)
+        self._settings = TrialSettings(request.goal, directories=request.directories)
         self._known: dict[tuple[int, ...], Floats] = {}
 
     @property
@@ -111,19 +114,18 @@ class RuleSearch:
                 break
         return rule
 
-    def excess(self, scenarios: Sequence[Scenario], rules: Ints) -> Floats:
-        """Return the excess costs (T,) of teams that follow `rules` (T, S) on scenarios (T,)."""
+    def results(self, scenarios: Sequence[Scenario], rules: Ints) -> list[MissionResult]:
+        """Return the results (T,) of teams that follow `rules` (T, S) on scenarios (T,)."""
         seeds = [scenario.seed for scenario in scenarios]
 
-        def pilot(problem: Problem, teams: Ints) -> Pilot:
-            return TeamsPilot(problem, self._request.situations, len(teams), seeds, rules)
+        def decider(problem: Problem, teams: Ints) -> TeamRuleDecider:
+            return TeamRuleDecider(problem, self._request.situations, len(teams), seeds, rules)
 
-        return _excess(run_trials(scenarios, pilot, self._settings))
+        return run_trials(scenarios, decider, self._settings)
 
-    def excess_of(self, scenarios: Sequence[Scenario], member: str) -> Floats:
-        """Return the excess costs (T,) of an entrant."""
-        maker = partial(member_pilot, member, directories=self._request.directories)
-        return _excess(run_trials(scenarios, maker, self._settings))
+    def results_of(self, scenarios: Sequence[Scenario], member: str) -> list[MissionResult]:
+        """Return the results (T,) of an entrant."""
+        return run_trials(scenarios, decider_named(member, self._request.directories).build, self._settings)
 
     @property
     def _singles(self) -> Ints:
@@ -141,7 +143,7 @@ class RuleSearch:
         new = list(dict.fromkeys(key for key in keys if key not in self._known))
         if new:
             count = self._request.searched
-            found = self.excess(self._scenarios * len(new), np.repeat(np.array(new), count, axis=0))
+            found = _excess(self.results(self._scenarios * len(new), np.repeat(np.array(new), count, axis=0)))
             self._known |= dict(zip(new, found.reshape(-1, count), strict=True))
         return np.stack([self._known[key] for key in keys])
 
@@ -157,36 +159,39 @@ def headroom_of(request: HeadroomRequest) -> Headroom:
     else:
         named = search.of_kinds()
         rules = np.array([[named.get(kind, single)] for kind in scenario_kinds(scenarios)])
-    excesses = {
-        SINGLE: search.excess(scenarios, np.full_like(rules, single)),
-        RULE_FOUND: search.excess(scenarios, rules),
+    results = {
+        SINGLE: search.results(scenarios, np.full_like(rules, single)),
+        RULE_FOUND: search.results(scenarios, rules),
     }
     for member in (entrant.label for entrant in with_baselines((), options)):
-        excesses[member] = search.excess_of(scenarios, member)
-    tables = {label: own[None, :, None] for label, own in excesses.items()}
-    others = [label for label in excesses if label != SINGLE]
+        results[member] = search.results_of(scenarios, member)
+    tables = {label: _excess(own)[None, :, None] for label, own in results.items()}
+    others = [label for label in results if label != SINGLE]
     claims = claims_of({request.family.name: tables}, others, {request.family.name: SINGLE})
-    means = {label: float(own.mean()) for label, own in excesses.items()}
+    means = {label: float(own.mean()) for label, own in tables.items()}
+    left = {label: unfinished(scenarios[0].mission, own) for label, own in results.items()}
     named_options = {name: options[option] for name, option in named.items()}
-    return Headroom(options[single], named_options, search.missions, tuple(claims), means)
+    return Headroom(options[single], named_options, search.missions, tuple(claims), means, left)
 
 
 def headroom_table(found: Headroom, family: str) -> Grid:
     """Return what was found as a table."""
     told = {claim.strategy: claim for claim in found.claims}
-    rows = [(SINGLE, f"{found.excesses[SINGLE]:.1f}", "1.000", "")]
-    for label, claim in told.items():
-        rows.append(
-            (label, f"{found.excesses[label]:.1f}", f"{claim.ratio:.3f}", f"[{claim.ci95[0]:.3f}, {claim.ci95[1]:.3f}]")
-        )
+    rows = []
+    for label, excess in found.excesses.items():
+        ratio = (f"{told[label].ratio:.3f}", interval_cell(told[label].ci95)) if label in told else ("1.000", "")
+        rows.append((label, share_cell(found.unfinished[label]), f"{excess:.1f}", *ratio))
     low, high = (1.0 - bound for bound in reversed(told[RULE_FOUND].ci95))
     notes = (
         f"headroom {1.0 - told[RULE_FOUND].ratio:.1%} [{low:.1%}, {high:.1%}] of the excess",
         f"{found.missions} missions of search",
         f"best single choice: {found.single}",
         "best choices: " + ", ".join(f"{name} {option}" for name, option in found.rule.items()),
+        *too_few([claim.of for claim in found.claims]),
     )
-    grid = flat(f"{family}: headroom", "strategy", ("excess s", "ratio to the best single choice", "95 %"), rows)
+    grid = flat(
+        f"{family}: headroom", "strategy", ("unfinished", "excess s", "ratio to the best single choice", "95 %"), rows
+    )
     return replace(grid, notes=notes)
 
 

@@ -27,16 +27,18 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig, Scenario
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
 from train.analysis.claims import claims_of
-from train.evaluation.entrants import FIXED, POLICY, action_of, any_pilot
-from train.reports.text_table import Grid, flat
-from train.running.decided_goal import DecidedGoal
-from train.running.pilots import AnyPilot
+from train.analysis.family_report import unfinished
+from train.analysis.spread import too_few
+from train.analysis.statistics import share_cell
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.decider import Decider
+from train.deciders.named import FIXED, POLICY, NamedDecider, decider_named
+from train.reports.text_table import Grid, flat, interval_cell
 from train.running.trials import TrialSettings, run_trials
 
 LOOKING = "look-ahead"
@@ -73,12 +75,12 @@ class LookingTeam:
 
     def __init__(self, request: LookAheadRequest, scenario: Scenario, number: int) -> None:
         waiting = iter([scenario])
-        seen = ObservationConfig.usual(request.family.terms)
-        action = _action(as_member(request.base), request.directories)
+        base = _named(as_member(request.base), request.directories)
+        seen, action = base.observation(request.family.mission.terms), ActionConfig(mode=base.mode)
         batch = partial(Batch, scenario.mission, observation=seen, directories=request.directories, action=action)
         self._batch = batch(source=lambda _: next(waiting, None))
         self._decided = DecidedGoal(self._batch, request.goal)
-        self._base = _Base(request, self._decided)
+        self._base = _Base(request.base, base, self._decided)
         self.alternatives = self._base.alternatives
         worlds = len(self.alternatives) * request.copies
         self._ahead = batch(worlds, begin_anew=False, reward={"cost": -1.0})
@@ -129,16 +131,16 @@ class _Base:
 
     """
 
-    def __init__(self, request: LookAheadRequest, decided: DecidedGoal) -> None:
+    def __init__(self, base: str, named: NamedDecider, decided: DecidedGoal) -> None:
         options, self._decided = decided.problem.options, decided
-        self._policy: AnyPilot | None = None
+        self._policy: Decider | None = None
         self.alternatives: tuple[str, ...] = options
-        if request.base.startswith(f"{POLICY}:"):
-            self._policy = any_pilot(request.base, decided.problem, np.zeros(0, dtype=np.int64), request.directories)
-            self.alternatives = (*options, request.base)
-        elif request.base not in options:
-            raise ConfigurationError(f"--base: {unknown('option', request.base, options)}")
-        self.number = self.alternatives.index(request.base)
+        if base.startswith(f"{POLICY}:"):
+            self._policy = named.build(decided.problem, np.zeros(0, dtype=np.int64))
+            self.alternatives = (*options, base)
+        elif base not in options:
+            raise ConfigurationError(f"--base: {unknown('option', base, options)}")
+        self.number = self.alternatives.index(base)
 
     def actions(self, alternatives: Ints, observations: Observations) -> NDArray[Any]:
         """Return the actions (R, ...) of rows with alternatives (R,) that see `observations` (R, F).
@@ -177,20 +179,25 @@ def looked_ahead(request: LookAheadRequest) -> Looked:
 def look_ahead_table(request: LookAheadRequest) -> Grid:
     """Do test scenarios by looking ahead, and by every option alone; return the table of their excess costs."""
     looked, scenarios = looked_ahead(request), _scenarios(request)
-    excesses = {LOOKING: _excess(looked.results)}
-    seen = ObservationConfig.usual(request.family.terms)
-    settings = TrialSettings(request.goal, observation=seen, directories=request.directories)
+    results = {LOOKING: looked.results}
+    settings = TrialSettings(request.goal, directories=request.directories)
     for member in looked.alternatives:
-        maker = partial(any_pilot, member, directories=request.directories)
-        given = replace(settings, action=_action(member, request.directories))
-        excesses[member] = _excess(run_trials(scenarios, maker, given))
+        named = _named(member, request.directories)
+        seen = named.observation(request.family.mission.terms)
+        given = replace(settings, observation=seen, action=ActionConfig(mode=named.mode))
+        results[member] = tuple(run_trials(scenarios, named.build, given))
     base, family = as_member(request.base), request.family.name
+    excesses = {label: np.array([[[result.excess_s] for result in own]]) for label, own in results.items()}
     claims = claims_of({family: excesses}, [label for label in excesses if label != base], {family: base})
-    ratios = {claim.strategy: f"{claim.ratio:.2f} [{claim.ci95[0]:.2f}, {claim.ci95[1]:.2f}]" for claim in claims}
-    rows = [(label, f"{own.mean():.1f}", ratios.get(label, "1")) for label, own in excesses.items()]
+    ratios = {claim.strategy: f"{claim.ratio:.2f} {interval_cell(claim.ci95, 2)}" for claim in claims}
+    left = {label: unfinished(scenarios[0].mission, own) for label, own in results.items()}
+    rows = [
+        (label, share_cell(left[label]), f"{own.mean():.1f}", ratios.get(label, "1")) for label, own in excesses.items()
+    ]
     title = f"{family}: look-ahead on {len(scenarios)} scenarios"
-    grid = flat(title, "strategy", ("excess s", f"to {base} [95 %]"), rows)
-    return replace(grid, notes=(f"taken by the look-ahead: {shares_of(looked.taken)}",))
+    grid = flat(title, "strategy", ("unfinished", "excess s", f"to {base} [95 %]"), rows)
+    told = f"taken by the look-ahead: {shares_of(looked.taken)}"
+    return replace(grid, notes=(told, *too_few([claim.of for claim in claims])))
 
 
 def as_member(alternative: str) -> str:
@@ -203,18 +210,13 @@ def shares_of(taken: Counter[str], most: int | None = None) -> str:
     return ", ".join(f"{option} {number / taken.total():.0%}" for option, number in taken.most_common(most))
 
 
-def _action(member: str, directories: Sequence[Path]) -> ActionConfig:
-    """Return what a member gives; ConfigurationError for one that steers."""
-    action = action_of(member, directories)
-    if action.mode == "velocity":
+def _named(member: str, directories: Sequence[Path]) -> NamedDecider:
+    """Return a decider; ConfigurationError for one that drives."""
+    named = decider_named(member, directories)
+    if named.mode == "velocity":
         raise ConfigurationError(f"--base: expected an option or a policy that chooses options, got {member}")
-    return action
+    return named
 
 
 def _scenarios(request: LookAheadRequest) -> list[Scenario]:
     return [request.family.scenario(request.seed, number, "test") for number in range(request.scenarios)]
-
-
-def _excess(results: Sequence[MissionResult]) -> Floats:
-    """Return excess costs (1, T, 1), as `claims_of` takes them."""
-    return np.array([[[result.excess_s] for result in results]])

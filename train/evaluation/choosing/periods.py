@@ -6,18 +6,21 @@ Shapes: P periods, K scenarios.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.world.mission import MissionResult
 from selector.documents.errors import validated
-from selforg.arrays import Floats
 from train.analysis.claims import claims_of
+from train.analysis.family_report import unfinished
+from train.analysis.spread import Ratio, too_few
+from train.analysis.statistics import share_cell
 from train.evaluation.entrants import entrants_of
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.reports.text_table import Grid, flat
+from train.reports.text_table import Grid, flat, interval_cell
 
 
 @dataclass(frozen=True)
@@ -36,27 +39,31 @@ def periods_table(asked: PeriodsRequest) -> Grid:
     evaluations = [FamilyEvaluation(asked.request, with_period(asked.family, period)) for period in asked.periods]
     names = [f"{period:g} s" for period in asked.periods]
     rows: list[tuple[str, ...]] = []
+    told, mission = list[Ratio](), asked.family.scenario(0, 0, "test").mission
     for entrant in entrants_of(asked.request.strategies, evaluations[0].options):
-        own = [_excesses(evaluation, entrant.conditions) for evaluation in evaluations]
-        tables = dict(zip(names, own, strict=True))
+        own = [_results(evaluation, entrant.conditions) for evaluation in evaluations]
+        excesses = [np.array([[result.excess_s for result in row] for row in results])[..., None] for results in own]
+        tables = dict(zip(names, excesses, strict=True))
         claims = claims_of({asked.family.name: tables}, names[1:], {asked.family.name: names[0]})
-        ratios = [("1", ""), *((f"{c.ratio:.3f}", f"[{c.ci95[0]:.3f}, {c.ci95[1]:.3f}]") for c in claims)]
-        for name, excesses, ratio in zip(names, own, ratios, strict=True):
-            rows.append((f"{entrant.label}, {name}", f"{float(excesses.mean()):.1f}", *ratio))
-    heads = ("excess s", f"ratio to {names[0]}", "95 %")
-    return flat(f"{asked.family.name}: decision periods", "strategy", heads, rows)
+        told += [claim.of for claim in claims]
+        ratios = [("1", ""), *((f"{claim.ratio:.3f}", interval_cell(claim.ci95)) for claim in claims)]
+        for name, results, ratio in zip(names, own, ratios, strict=True):
+            left = unfinished(mission, [result for row in results for result in row])
+            rows.append((f"{entrant.label}, {name}", share_cell(left), f"{float(tables[name].mean()):.1f}", *ratio))
+    heads = ("unfinished", "excess s", f"ratio to {names[0]}", "95 %")
+    return replace(flat(f"{asked.family.name}: decision periods", "strategy", heads, rows), notes=too_few(told))
 
 
 def with_period(family: FamilyConfig, period: float) -> FamilyConfig:
     """Return the family with decision periods [s] of another length; DocumentError if that cannot be."""
     changed = {**family.mission.model_dump(), "decision_period": period}
-    return family.model_copy(update={"mission": validated(MissionConfig, changed, "--period")})
+    return family.model_copy(update={"mission": validated(MissionConfig, changed, "--period", own=True)})
 
 
-def _excesses(evaluation: FamilyEvaluation, conditions: Sequence[str]) -> Floats:
-    """Return the excess costs (S, K, 1) of the members of an entrant, one for each of S conditions."""
-    found: dict[str, list[float]] = {name: [] for name in conditions}
+def _results(evaluation: FamilyEvaluation, conditions: Sequence[str]) -> list[list[MissionResult]]:
+    """Return the results (S, K) of the members of an entrant, one for each of S conditions."""
+    found: dict[str, list[MissionResult]] = {name: [] for name in conditions}
     for task in evaluation.tasks(()):
         if task.condition in found:
-            found[task.condition] += [record.result.excess_s for record in task.run()]
-    return np.array([found[name] for name in conditions])[..., None]
+            found[task.condition] += [record.result for record in task.run()]
+    return [found[name] for name in conditions]

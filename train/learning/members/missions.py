@@ -20,8 +20,10 @@ from selector.strategies.machine_file import StateMachine
 from selector.strategies.policy_file import TrainedPolicy
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
-from train.running.machine_pilot import MachinePilot
-from train.running.pilots import Pilot, PolicyPilot, RulePilot
+from train.deciders.decider import Decided, Decider
+from train.deciders.machine import MachineDecider
+from train.deciders.policy import PolicyDecider
+from train.deciders.rules import RuleDecider
 from train.running.runs import RunKey, RunRecord
 from train.running.trials import TrialSettings, each_trial
 
@@ -29,8 +31,8 @@ from train.running.trials import TrialSettings, each_trial
 class PopulationMember(Protocol):
     """What decides in a mission; plain data, which can be sent to a worker process."""
 
-    def pilot(self, problem: Problem, rows: int) -> Pilot:
-        """Return a pilot for the rows of one mission."""
+    def decider(self, problem: Problem, rows: int) -> Decider:
+        """Return a decider for the rows of one mission."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,9 @@ class OptionMember:
 
     option: int
 
-    def pilot(self, problem: Problem, rows: int) -> Pilot:
-        """Return a pilot that takes the option."""
-        return RulePilot(problem, (), np.full((rows, 1), self.option))
+    def decider(self, problem: Problem, rows: int) -> Decider:
+        """Return a decider that takes the option."""
+        return RuleDecider(problem, (), np.full((rows, 1), self.option))
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,9 @@ class PolicyMember:
 
     policy: TrainedPolicy
 
-    def pilot(self, problem: Problem, rows: int) -> Pilot:
-        """Return a pilot that follows the policy."""
-        return PolicyPilot(self.policy, problem)
+    def decider(self, problem: Problem, rows: int) -> Decider:
+        """Return a decider that follows the policy."""
+        return PolicyDecider(self.policy, problem)
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,9 @@ class MachineMember:
 
     machine: StateMachine
 
-    def pilot(self, problem: Problem, rows: int) -> Pilot:
-        """Return a pilot that follows the machine."""
-        return MachinePilot(self.machine, problem, rows)
+    def decider(self, problem: Problem, rows: int) -> Decider:
+        """Return a decider that follows the machine."""
+        return MachineDecider(self.machine, problem, rows)
 
 
 @dataclass(frozen=True)
@@ -109,10 +111,10 @@ class MemberTask:
         for place, scenario in enumerate(self.scenarios):
             waiting[scenario.seed].append(place)
 
-        def pilot(problem: Problem, teams: Ints) -> MembersPilot:
-            return MembersPilot(problem, self.members, waiting, seen)
+        def decider(problem: Problem, teams: Ints) -> MembersDecider:
+            return MembersDecider(problem, self.members, waiting, seen)
 
-        for place, result in each_trial(self.scenarios, pilot, self.settings):
+        for place, result in each_trial(self.scenarios, decider, self.settings):
             scenario = self.scenarios[place]
             run = (type(self).__name__, scenario.id, scenario.seed, str(self.places[place]), result, 0.0)
             yield MemberRun(*run, self.places[place], seen[place].copy())  # worlds without a mission are seen on
@@ -122,15 +124,15 @@ class _Mission(NamedTuple):
     """A mission that goes on."""
 
     rows: Ints
-    pilot: Pilot
+    decider: Decider
     place: int
 
 
-class MembersPilot:
-    """A pilot in which the rows of each mission follow the pilot of its member.
+class MembersDecider(Decider):
+    """The rows of each mission follow the decider of its member.
 
     Args:
-        problem: goal and options; its features are all components of the observation.
+        problem: see `Decider`.
         members: member of each mission.
         waiting: seed -> numbers of its missions, in the order in which they begin.
         seen: number of a mission -> (3, F) number, sum and sum of squares of its observations, which this notes.
@@ -144,27 +146,28 @@ class MembersPilot:
         waiting: Mapping[int, deque[int]],
         seen: dict[int, Floats],
     ) -> None:
-        self._problem, self._members, self._waiting, self._seen = problem, members, waiting, seen
+        super().__init__(problem)
+        self._members, self._waiting, self._seen = members, waiting, seen
         self._missions: dict[int, _Mission] = {}
 
-    def begin(self, rows: Ints, seed: int) -> None:
+    def reset(self, rows: Ints, seed: int) -> None:
         """Let `rows` (N,) follow the member of the next mission of a seed."""
         place = self._waiting[seed].popleft()
-        pilot = self._members[place].pilot(self._problem, len(rows))
-        pilot.begin(np.arange(len(rows)), seed)
-        self._missions[int(rows[0])] = _Mission(rows, pilot, place)
-        self._seen[place] = np.zeros((3, len(self._problem.features)))
+        decider = self._members[place].decider(self.problem, len(rows))
+        decider.reset(np.arange(len(rows)), seed)
+        self._missions[int(rows[0])] = _Mission(rows, decider, place)
+        self._seen[place] = np.zeros((3, len(self.problem.features)))
 
-    def choose(self, observations: Observations) -> Ints:
-        """Return the options (R,) of the members."""
-        options = np.zeros(len(observations), dtype=np.int64)
-        for rows, pilot, place in self._missions.values():
+    def _decide(self, observations: Observations) -> Decided:
+        count = len(observations)
+        decided = Decided(np.zeros(count, dtype=np.int64), np.zeros((count, 2)))
+        for rows, decider, place in self._missions.values():
             own = observations[rows]
-            options[rows] = pilot.choose(own)
+            decided.options[rows], decided.vectors[rows] = decider.decide(own)
             numbers = own.astype(np.float64)
             self._seen[place] += np.stack([np.full(numbers.shape[1], len(own)), numbers.sum(0), (numbers**2).sum(0)])
-        return options
+        return decided
 
     def opinions(self) -> Floats:
         """Return what the members thought (R, O)."""
-        return np.concatenate([mission.pilot.opinions() for _, mission in sorted(self._missions.items())])
+        return np.concatenate([mission.decider.opinions() for _, mission in sorted(self._missions.items())])

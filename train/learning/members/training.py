@@ -24,11 +24,11 @@ from selector.documents.reading import read_json
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.elementary import logarithms
+from train.deciders.decider import Decider, DeciderMaker
 from train.learning.config import MembersConfig
 from train.learning.members.missions import MemberRun, MemberTask, OptionMember, PopulationMember
 from train.learning.training import Training, TrainingJob
-from train.learning.validation import CheckpointDescription
-from train.running.pilots import Pilot, PilotMaker
+from train.learning.validation import CheckpointDescription, judged
 
 Drawing = Callable[[int], list[Scenario]]
 """Returns so many new training scenarios of each family, the families in turn."""
@@ -91,7 +91,7 @@ class MembersTraining(Training):
 
     @abstractmethod
     def _first(self, order: Ints) -> Closed:
-        """Return the first state, from the options in the order of what they cost alone, the best first."""
+        """Return the first state, from the options in the order of their excess alone, the best first."""
 
     @abstractmethod
     def _next(self, draw: Drawing, random: np.random.Generator) -> Closed:
@@ -105,13 +105,13 @@ class MembersTraining(Training):
     def _member(self) -> PopulationMember:
         """Return the member that the present state would export."""
 
-    def _pilot_maker(self) -> PilotMaker:
+    def _decider_maker(self) -> DeciderMaker:
         member = self._member()
 
-        def pilot(problem: Problem, teams: Ints) -> Pilot:
-            return member.pilot(problem, len(teams))
+        def decider(problem: Problem, teams: Ints) -> Decider:
+            return member.decider(problem, len(teams))
 
-        return pilot
+        return decider
 
     def _learn(self) -> dict[str, Any]:
         series = self.curriculum.scenarios(self.checkpoint)
@@ -132,14 +132,14 @@ class MembersTraining(Training):
         while self._missions < (self.checkpoint + 1) * self.config.decisions:
             self.state = self._next(draw, random)
         cost = float(np.mean(self._costs)) if self._costs else None
-        return {"missions": self._missions - before, "training_cost_s": cost}
+        return {"missions": self._missions - before, "training_excess_s": cost}
 
     def costs(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> Floats:
-        """Return the costs (N, M) [s] of all members on all scenarios."""
+        """Return the excess costs (N, M) [s] of all members on all scenarios."""
         return self._done(members, scenarios)[0]
 
     def _done(self, members: Sequence[PopulationMember], scenarios: Sequence[Scenario]) -> tuple[Floats, Floats]:
-        """Return the costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations."""
+        """Return the excess costs (N, M) [s], and number, sum and sum of squares (3, F) of all observations."""
         count = len(scenarios) * len(members)
         tasks = []
         for first in range(min(self.job.parts, count)):
@@ -150,7 +150,7 @@ class MembersTraining(Training):
         costs, seen = np.zeros(count), np.zeros((count, 3, len(self.problem.features)))
         for run in self.job.done(tasks):
             assert isinstance(run, MemberRun)
-            costs[run.place], seen[run.place] = run.result.cost_s, run.seen
+            costs[run.place], seen[run.place] = judged(run.result), run.seen
             self._missions += 1
             self.job.on_progress(self._missions)
         self._costs += costs.tolist()

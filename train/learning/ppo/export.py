@@ -11,13 +11,10 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from selector.strategies.policy_file import PolicySpec, TrainedPolicy
 from selector.strategies.problem import Problem
-from train.learning.config import PpoConfig
 
 
-def exported(
-    model: PPO, normal: VecNormalize, problem: Problem, settings: PpoConfig, training: dict[str, Any]
-) -> TrainedPolicy:
-    """Return the network of `model` as a policy for a problem; `training` describes the training, made by `settings`.
+def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[str, Any]) -> TrainedPolicy:
+    """Return the network of `model` as a policy for a problem; `training` describes the training.
 
     The policy sees the features of the problem, which come first in what `normal` gives.
     """
@@ -31,8 +28,6 @@ def exported(
         goal=problem.goal,
         options=options,
         vector="vector.bias" in state,
-        reach=settings.reach,
-        patience=settings.patience if options else None,
         observations=problem.features,
         hidden=hidden,
         activation="tanh",

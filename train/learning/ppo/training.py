@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import io
 import pickle
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.utils import set_random_seed
@@ -22,14 +23,16 @@ from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from selector.documents.errors import DocumentError, shown
 from selector.strategies.policy_file import TrainedPolicy, save_policy
 from selector.strategies.problem import Problem
+from selforg.arrays import Flags
+from train.deciders.decider import DeciderMaker
+from train.deciders.policy import PolicyDecider
 from train.learning.config import PpoConfig
-from train.learning.ppo.chooser import Chooser
 from train.learning.ppo.export import exported
 from train.learning.ppo.networks import RobotPolicy
-from train.learning.ppo.worlds import CorrectionsEnv, OneGoalEnv, TeamEnv
+from train.learning.ppo.rollouts import MomentsOfRobots, RobotPPO, RobotRollouts
+from train.learning.ppo.worlds import OneGoalEnv, TeamEnv
 from train.learning.training import Training, TrainingJob
 from train.learning.validation import CheckpointHistory
-from train.running.pilots import PilotMaker, policy_pilot
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
@@ -56,16 +59,14 @@ class PpoTraining(Training):
         self._costs: list[float] = []
         batches = self.curriculum.batches
         envs = TeamEnv(batches) if self.settings.critic == "team" else RobotVecEnv(batches=batches)
-        self.chooser: Chooser | None = None
-        if self.settings.chooser is None:
-            decided = OneGoalEnv(envs, self.goal, self.settings.action, self.settings.reach)
-            self.normal = VecNormalize(decided, gamma=self.settings.discount)
-        else:
-            self.chooser = Chooser(self.settings.chooser, self.goal.problem, self.settings, job.directories)
-            decided = CorrectionsEnv(envs, self.goal, self.chooser.choose, self.settings.reach)
-            self.normal = VecNormalize(decided, gamma=self.settings.discount)
-            self.normal.obs_rms = self.chooser.moments(*self.normal.observation_space.shape)
-        self.model = _model(self.settings, self.normal, self.goal.problem, job.seed)
+        decided = OneGoalEnv(envs, self.goal, self.settings.action)
+        self.normal = VecNormalize(decided, gamma=self.settings.discount)
+        self.normal.obs_rms = MomentsOfRobots(self._working, self.normal.observation_space.shape or ())
+        self.normal.ret_rms = MomentsOfRobots(lambda: self.model.rollout_buffer.deciding)
+        buffer = {"deciding": self._working, "effective": self._effective}
+        with warnings.catch_warnings():  # the last part of the rows is smaller, as teams differ
+            warnings.filterwarnings("ignore", "You have specified a mini-batch size")
+            self.model = _model(self.settings, self.normal, self.goal.problem, job.seed, buffer)
         self.model.set_logger(configure(str(job.folder.path / TENSORBOARD_FOLDER), ["tensorboard"]))
         self._best: dict[str, Any] = {}
         if self.checkpoint_file.is_file():
@@ -81,15 +82,14 @@ class PpoTraining(Training):
 
     def policy(self, **training: Any) -> TrainedPolicy:  # noqa: ANN401
         """Return the present network as a policy for export."""
-        policy = exported(self.model, self.normal, self.goal.problem, self.settings, training)
-        return policy if self.chooser is None else self.chooser.joined(policy, self.settings.patience)
+        return exported(self.model, self.normal, self.goal.problem, training)
 
     def export(self, command: str) -> Path:
         """Write the best policy so far and return its directory."""
         last = self._weights()
-        self._take(self._best or last)
+        self._set_weights(self._best or last)
         policy = self.policy(**self.about(command))
-        self._take(last)
+        self._set_weights(last)
         path = self.job.folder.path / POLICY_FOLDER
         save_policy(path, policy)
         return path
@@ -101,25 +101,31 @@ class PpoTraining(Training):
         rate = self.settings.learning_rate * (1.0 - (1.0 - LAST_RATE) * done)
         model.learning_rate, model.lr_schedule = rate, lambda _: rate
         model._last_obs = None  # makes PPO reset all worlds
-        self.curriculum.begin(self.checkpoint)
+        self.curriculum.set_scenarios(self.checkpoint)
         self._costs.clear()
         model.learn(config.decisions, callback=lambda *_: self._note(), reset_num_timesteps=model.num_timesteps == 0)
-        return {"training_cost_s": float(np.mean(self._costs)) if self._costs else None}
+        return {"training_excess_s": float(np.mean(self._costs)) if self._costs else None}
 
     def _note(self) -> bool:
-        """Note the costs of missions that have ended; PPO calls this after each step and continues if it is True."""
-        self._costs += [end.result.cost_s for batch in self.curriculum.batches for end in batch.finished]
+        """Note the excess of missions that have ended; PPO calls this after each step and continues if it is True."""
+        self.model.num_timesteps -= int((~self.model.rollout_buffer.deciding).sum())
+        self._costs += [end.result.excess_s for batch in self.curriculum.batches for end in batch.finished]
         self.job.on_progress(self.model.num_timesteps)
         return True
 
-    def _pilot_maker(self) -> PilotMaker:
-        policy = self.policy()
-        return lambda problem, _: policy_pilot(policy, problem)
+    def _working(self) -> Flags:
+        """Return which rows (R,) have a robot at work."""
+        return np.concatenate([batch.working for batch in self.curriculum.batches])
 
-    @property
-    def _digest(self) -> str | None:
-        """Digest of the chooser."""
-        return None if self.chooser is None else self.chooser.digest
+    def _effective(self) -> Flags:
+        """Return which decisions (R,) of the last period count, see `PpoConfig.counted`."""
+        every, goals = self.settings.counted == "all", self.goal.columns
+        ran = [batch.progress.acted[:, goals].any(axis=1) for batch in self.curriculum.batches]
+        return np.concatenate(ran) | every
+
+    def _decider_maker(self) -> DeciderMaker:
+        policy = self.policy()
+        return lambda problem, _: PolicyDecider(policy, problem)
 
     def _weights(self) -> dict[str, Any]:
         """Return copies of everything that the exported policy consists of."""
@@ -128,7 +134,7 @@ class PpoTraining(Training):
         state = {name: tensor.clone() for name, tensor in self.model.policy.state_dict().items()}
         return {"policy": state, "observations": _moments(statistics)}
 
-    def _take(self, weights: dict[str, Any]) -> None:
+    def _set_weights(self, weights: dict[str, Any]) -> None:
         self.model.policy.load_state_dict(weights["policy"])
         _put(weights["observations"], self.normal.obs_rms)
 
@@ -148,7 +154,6 @@ class PpoTraining(Training):
             "decisions": self.model.num_timesteps,
             "updates": self.model._n_updates,
             "best": self._best,
-            "chooser": self._digest,
             "history": vars(self.history),
         }
         stream = io.BytesIO()
@@ -162,9 +167,7 @@ class PpoTraining(Training):
         counted = (content["checkpoint"], content["decisions"], content["updates"])
         if not all(isinstance(number, int) and number >= 0 for number in counted):
             raise ValueError(f"expected numbers of checkpoints, decisions and updates, got {counted}")
-        if content["chooser"] != self._digest:
-            raise ValueError(f"expected chooser {content['chooser']}, with which it began, got {self._digest}")
-        self._take(content)
+        self._set_weights(content)
         self.model.policy.optimizer.load_state_dict(content["optimizer"])
         _put(content["returns"], self.normal.ret_rms)
         self.checkpoint, self.model.num_timesteps = content["checkpoint"], content["decisions"]
@@ -173,12 +176,16 @@ class PpoTraining(Training):
         self.write_history()
 
 
-def _model(settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int) -> PPO:
+def _model(
+    settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int, buffer: dict[str, Callable[[], Flags]]
+) -> RobotPPO:
     layers = list(settings.hidden)
     set_random_seed(_derived(seed, -1))  # the argument of PPO would also seed the worlds
-    return PPO(
+    return RobotPPO(
         RobotPolicy,
         env,
+        rollout_buffer_class=RobotRollouts,
+        rollout_buffer_kwargs=buffer,
         n_steps=settings.steps,
         batch_size=settings.minibatch,
         n_epochs=settings.epochs,
@@ -193,7 +200,7 @@ def _model(settings: PpoConfig, env: VecNormalize, problem: Problem, seed: int) 
             "net_arch": {"pi": layers, "vf": layers},
             "log_std_init": float(np.log(settings.deviation)),
             "own": len(problem.features),
-            "options": len(problem.options) if settings.action == "both" and settings.chooser is None else 0,
+            "options": len(problem.options) if settings.action == "both" else 0,
         },
         device="cpu",
     )

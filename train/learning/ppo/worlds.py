@@ -5,7 +5,7 @@ Shapes: R rows (robots), F components of an observation, G components of the glo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,23 +18,22 @@ from clean_swarm_env.borders.stable_baselines3 import RobotVecEnv
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
-from selforg.arrays import Ints
-from train.running.decided_goal import DecidedGoal
+from train.deciders.decided_goal import DecidedGoal
 
 
 class OneGoalEnv(VecEnvWrapper):
     """An environment whose actions are the option of one goal, a vector, or both in a row, the option first.
 
-    Other goals keep the option of the highest score. The components of vectors lie within [-`reach`, `reach`].
+    Other goals keep the option of the highest score. The components of vectors lie within [-1, 1].
     """
 
-    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode, reach: float = 1.0) -> None:
+    def __init__(self, envs: VecEnv, goal: DecidedGoal, mode: Mode) -> None:
         count = len(goal.problem.options)
-        highest = np.array([count - 1.0, reach, reach], dtype=np.float32)
+        highest = np.array([count - 1.0, 1.0, 1.0], dtype=np.float32)
         spaces = {
             "option": Discrete(count),
             "velocity": Box(-highest[1:], highest[1:]),
-            "both": Box(np.array([0.0, -reach, -reach], dtype=np.float32), highest),
+            "both": Box(np.array([0.0, -1.0, -1.0], dtype=np.float32), highest),
         }
         super().__init__(envs, action_space=spaces[mode])
         self._goal, self._mode = goal, mode
@@ -54,30 +53,6 @@ class OneGoalEnv(VecEnvWrapper):
     def step_wait(self) -> VecEnvStepReturn:
         """Return the results of the step."""
         return self.venv.step_wait()
-
-
-class CorrectionsEnv(OneGoalEnv):
-    """An environment whose actions are corrections (R, 2) within [-`reach`, `reach`]; `choose` gives the options."""
-
-    def __init__(
-        self, envs: VecEnv, goal: DecidedGoal, choose: Callable[[Observations], Ints], reach: float = 1.0
-    ) -> None:
-        super().__init__(envs, goal, "velocity", reach)
-        self._choose, self._seen = choose, np.zeros(0, np.float32)
-
-    def reset(self) -> VecEnvObs:
-        """Begin all episodes."""
-        self._seen = self.venv.reset()
-        return self._seen
-
-    def step_async(self, actions: NDArray[Any]) -> None:
-        """Send the options and the corrections (R, 2) of all robots to the worlds."""
-        self.venv.step_async(np.hstack([self._goal.actions(self._choose(self._seen)), actions]))
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the results of the step."""
-        self._seen, rewards, over, infos = self.venv.step_wait()
-        return self._seen, rewards, over, infos
 
 
 class TeamEnv(VecEnvWrapper):

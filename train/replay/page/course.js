@@ -43,7 +43,7 @@ export function eventsOf(run) {
       return same || is < 0 ? "" : "replan";
     });
   }
-  for (const change of run.byHand) events.push({ frame: change.tick, kind: "hand", robot: change.robot ?? change.robots?.[0] ?? -1 });
+  for (const change of [...run.byHand, ...run.coming]) events.push({ frame: change.tick, kind: "hand", robot: change.robot ?? change.robots?.[0] ?? -1 });
   return events.sort((a, b) => a.frame - b.frame);
 }
 

@@ -1,12 +1,15 @@
 // @ts-check
 /** The page of a session that runs now: it takes frames from its server as they are made, and gives it orders. */
-import { addBlock, blocksIn, bytesOf, readRecording } from "./recording.js";
+import { addBlock, blocksIn, bytesOf, readRecording, showPresent } from "./recording.js";
 import { countsOf, eventsOf } from "./course.js";
 import { plain } from "./mind.js";
 import { Page, SPEEDS, element } from "./page.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./world.js").WorldView} WorldView */
-/** @typedef {{playing: boolean, speed: number, over: boolean, strategy: string, loss: number}} State */
+/**
+ * @typedef {{playing: boolean, speed: number, over: boolean, failure: string, strategy: string, loss: number, number: number, name: string,
+ *   strategies: string[], missions: string[], now: string}} State of the session, the `number`th of its server; now: a block in base64
+ */
 /** @typedef {{kind: "robot" | "item", number: number, x: number, y: number}} Held a robot or an item at a place [m] */
 
 const CHARTS_PERIOD = 500; // [ms] between two pictures of the charts
@@ -16,8 +19,8 @@ const OTHER = "This session is over, or another one answers there: open the addr
 
 /** A page whose run grows. */
 class LivePage extends Page {
-  /** @param {Run} run @param {State} state @param {string[]} strategies */
-  constructor(run, state, strategies) {
+  /** @param {Run} run @param {State} state */
+  constructor(run, state) {
     super([run]);
     this.run = run;
     this.state = state;
@@ -32,17 +35,22 @@ class LivePage extends Page {
     /** What is drawn where it is dragged, and stays there until the next frame. @type {Held | null} */
     this.held = null;
     const options = Object.values(run.head.options)[0] ?? [];
+    /** @param {string[]} names */
+    const choices = (names) => names.map((name) => `<option>${plain(name)}</option>`).join("");
     element("option").innerHTML = ["", ...options].map((name) => `<option value="${plain(name)}">${plain(name || "as the strategy chooses")}</option>`).join("");
-    element("strategy").innerHTML = strategies.map((name) => `<option>${plain(name)}</option>`).join("");
-    element("hand").hidden = false;
+    element("strategy").innerHTML = choices(state.strategies);
+    element("mission").innerHTML = choices(state.missions);
+    element("mission").value = state.name || run.head.about.experiment;
+    document.title = `Clean Swarm: ${run.head.about.experiment}, live`;
+    element("hand").hidden = element("anew").hidden = false;
   }
 
   get moving() {
     return this.state.playing && this.atHead;
   }
 
-  begin() {
-    super.begin();
+  start() {
+    super.start();
     this.go(this.end);
     /** @param {string} id @param {string} event @param {() => Record<string, any>} order */
     const on = (id, event, order) => element(id).addEventListener(event, () => this.order(order()));
@@ -53,12 +61,15 @@ class LivePage extends Page {
     on("loss", "change", () => ({ do: "set_loss", loss: Number(element("loss").value) }));
     on("hold", "click", () => ({ do: "hold_option", option: element("option").value, robots: [this.robot] }));
     on("hold_all", "click", () => ({ do: "hold_option", option: element("option").value }));
+    on("again", "click", () => ({ do: "open", name: this.state.name }));
+    on("open", "click", () => ({ do: "open", name: element("mission").value }));
     element("head").addEventListener("click", () => this.go(this.end));
     this.show();
   }
 
   /** Show how the session runs. */
   show() {
+    if (this.state.failure) this.say(this.state.failure);
     element("play").textContent = this.state.over ? "Over" : this.state.playing ? "Pause" : "Play";
     element("play").disabled = element("step").disabled = this.state.over;
     element("speed").value = String(SPEEDS.indexOf(this.state.speed));
@@ -78,6 +89,7 @@ class LivePage extends Page {
       const answer = await fetch(`/do${location.search}`, { method: "POST", body: JSON.stringify(order) });
       this.say(answer.ok ? "" : (await answer.json()).error);
       if (!answer.ok) this.held = null;
+      else if (order.do === "open") location.reload();
     } catch {
       this.say(GONE);
     }
@@ -109,7 +121,7 @@ class LivePage extends Page {
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      this.frames = this.run.frames;
+      this.frames = this.run.frames + this.run.ahead;
       element("time").max = String(this.end);
       if (!this.taken) this.held = null; // what was dropped is in the world
       if (this.atHead) this.time = this.end;
@@ -178,40 +190,56 @@ class LivePage extends Page {
   }
 }
 
-/** Follow the session of the server; return its page when the first frame has come. @param {{strategies: string[]}} facts @returns {Promise<LivePage>} */
-export function follow({ strategies }) {
+/** Follow the session of the server; return its page when there is something to see. @returns {Promise<LivePage>} */
+export function follow() {
   const source = new EventSource(`/events${location.search}`);
   /** @type {Run | null} */
   let run = null;
   /** @type {LivePage | null} */
   let page = null;
-  /** @type {State} */
-  let state = { playing: false, speed: 1, over: false, strategy: "", loss: 0 };
+  /** @type {State | null} */
+  let state = null;
   /** Blocks that have come and are not in the run yet. @type {Uint8Array[]} */
   let come = [];
+  let taking = false;
+  /** The present, until it is shown. @type {Uint8Array | null} */
+  let present = null;
   /** @param {string} words */
-  const say = (words) => (page ? page.say(words) : void (element("panel").textContent = words || "Waiting for the first step: press Play."));
+  const say = (words) => (page ? page.say(words) : void (element("panel").textContent = words || "Waiting for the world."));
   source.addEventListener("open", () => say(""));
   source.addEventListener("error", () => say(source.readyState === EventSource.CLOSED ? OTHER : GONE));
   return new Promise((ready, failed) => {
-    source.addEventListener("state", (event) => {
-      state = JSON.parse(event.data);
-      if (page) page.state = state;
-      if (page) page.show();
-    });
     const take = async () => {
-      while (come.length) {
-        if (!run) { run = await readRecording(come[0]); come.shift(); continue; }
-        const now = come.slice();
-        for (const blocks of await Promise.all(now.map(blocksIn))) for (const [kind, content] of blocks) addBlock(run, kind, content);
-        come = come.slice(now.length);
-        if (!page) { page = new LivePage(run, state, strategies); ready(page); }
-        else page.grow();
+      while (come.length || state?.now) {
+        const coming = come;
+        come = [];
+        if (!run && coming.length) run = await readRecording(/** @type {Uint8Array} */ (coming.shift()));
+        if (!run || !state) break;
+        for (const blocks of await Promise.all(coming.map(blocksIn))) for (const [kind, content] of blocks) addBlock(run, kind, content);
+        const { now: block } = state;
+        state.now = "";
+        if (block) [[, present]] = await blocksIn(bytesOf(block));
+        if (present && showPresent(run, present)) present = null;
+        if (page) page.grow();
+        else if (run.frames + run.ahead) ready((page = new LivePage(run, state)));
       }
     };
+    const look = () => {
+      if (taking) return;
+      taking = true;
+      take().catch(failed).finally(() => { taking = false; });
+    };
+    source.addEventListener("state", (event) => {
+      const before = state?.number;
+      state = /** @type {State} */ (JSON.parse(event.data));
+      if (before && before !== state.number) { source.close(); location.reload(); return; } // another session runs now
+      if (page) page.state = state;
+      if (page) page.show();
+      look();
+    });
     source.addEventListener("message", (event) => {
       come.push(bytesOf(event.data));
-      if (come.length === 1) take().catch(failed);
+      look();
     });
   });
 }

@@ -5,11 +5,10 @@ import { Page, element } from "./page.js";
 import { follow } from "./live.js";
 
 try {
-  const facts = element("live");
-  const page = facts ? await follow(JSON.parse(facts.textContent)) : new Page(
+  const page = element("live") ? await follow() : new Page(
     await Promise.all([...document.querySelectorAll("script[type='text/plain']")].map((file) => readRecording(bytesOf(file.textContent ?? "")))),
   );
-  page.begin();
+  page.start();
   const runs = page.shown.map(({ run }) => run);
   Object.assign(globalThis, { replay: { page, runs, checksums: () => runs.map(checksums), events: () => page.shown.map(({ events }) => events) } });
   document.body.dataset.ready = "true";

@@ -87,7 +87,7 @@ export function panelOf(run, frame, robot) {
   const { head } = run, parts = [];
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const cargo = valueAt(run, "cargo", frame, robot) < 0 ? 0 : 1 + valueAt(run, "recycled", frame, robot);
-  parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run))}</p>`);
+  parts.push(`<h2>Robot ${robot}</h2><p>${plain(titleOf(run, frame))}</p>`);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
     <span data-channel="y">${fixed(valueAt(run, "y", frame, robot), 3)}</span> m${run.tracks.has("cargo") ? ` and carries ${CARGO[cargo]}` : ""}.</p>`);

@@ -7,7 +7,7 @@ import { drawCurves, drawEvents, drawHeld, opinionCurves } from "./charts.js";
 import { panelOf, plain } from "./mind.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {{run: Run, view: WorldView, events: import("./course.js").RunEvent[], counts: {items: Float64Array, contacts: Float64Array},
- *   charts: HTMLCanvasElement[], caption: HTMLElement}} Shown */
+ *   charts: HTMLCanvasElement[], title: HTMLElement, caption: HTMLElement}} Shown */
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
 const LINE = 12; // pixels of a line of the timeline, as of its words in page.css
@@ -19,12 +19,12 @@ export const element = (id) => document.getElementById(id);
 /** Return a number with its noun. @param {number} count @param {string} noun */
 const numbered = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 
-/** The page; call `begin` once. */
+/** The page; call `start` once. */
 export class Page {
   /** @param {Run[]} runs */
   constructor(runs) {
     this.period = runs[0].head.period;
-    this.frames = Math.max(...runs.map((run) => run.frames));
+    this.frames = Math.max(...runs.map((run) => run.frames + run.ahead));
     this.time = 0;
     this.robot = 0;
     this.chosen = 0;
@@ -45,7 +45,7 @@ export class Page {
   }
 
   /** Listen to the user, and show the moment that the address names. */
-  begin() {
+  start() {
     this.connect();
     this.size();
     this.readLink();
@@ -63,14 +63,14 @@ export class Page {
 
   /** Return the frame of a run at the present time. @param {Run} run */
   frameOf(run) {
-    return Math.max(0, Math.min(run.frames - 1, Math.floor(this.time / this.period + 1e-6)));
+    return Math.max(0, Math.min(run.frames + run.ahead - 1, Math.floor(this.time / this.period + 1e-6)));
   }
 
   /** Build the figure of a run. @param {Run} run @param {number} k @returns {Shown} */
   build(run, k) {
     const figure = document.createElement("figure");
     const goal = Object.keys(run.head.options)[0], options = run.head.options[goal] ?? [];
-    figure.innerHTML = `<figcaption><b>${plain(titleOf(run))}</b><span class="caption"></span></figcaption>
+    figure.innerHTML = `<figcaption><b></b><span class="caption"></span></figcaption>
       <canvas class="world" tabindex="0" role="img" aria-label="The world of run ${k + 1}"></canvas>
       <h3>Option held by each robot</h3><div class="over"><canvas class="chart" height="120"></canvas></div>
       <div class="small">${options.map((name, o) => `<span class="key" style="background:${PALETTE[o % PALETTE.length]}"></span>${plain(name)}`).join(" ")}</div>
@@ -82,9 +82,9 @@ export class Page {
     const view = new WorldView(run, canvas);
     this.listen(canvas, view, k);
     for (const chart of charts) this.scrubOn(chart);
-    const caption = /** @type {HTMLElement} */ (figure.querySelector(".caption"));
+    const [title, caption] = ["b", ".caption"].map((name) => /** @type {HTMLElement} */ (figure.querySelector(name)));
     const events = eventsOf(run);
-    return { run, view, events, counts: countsOf(run, events), charts, caption };
+    return { run, view, events, counts: countsOf(run, events), charts, title, caption };
   }
 
   /** Return a new vertical line over a chart. @param {Element} over @param {string} name */
@@ -333,8 +333,8 @@ export class Page {
 
   /** Draw what does not change with the time. */
   pictures() {
-    const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1]), 1);
-    const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.items, counts.items[counts.items.length - 1])), 1);
+    const most = Math.max(...this.shown.map(({ counts }) => counts.contacts[counts.contacts.length - 1] ?? 0), 1);
+    const items = Math.max(...this.shown.map(({ run, counts }) => Math.max(run.head.items, counts.items[counts.items.length - 1] ?? 0)), 1);
     for (const { run, counts, charts } of this.shown) {
       const curves = [{ values: counts.items, colour: "#009E73", most: items }, { values: counts.contacts, colour: "#D55E00", dash: [5, 4], most }];
       drawHeld(run, this.frames, charts[0]);
@@ -351,14 +351,15 @@ export class Page {
     const layers = Object.fromEntries([...document.querySelectorAll("#layers input")].map((box) => [/** @type {HTMLInputElement} */ (box).name, /** @type {HTMLInputElement} */ (box).checked]));
     element("time").value = String(this.time);
     element("now").textContent = `${this.time.toFixed(1)} s`;
-    this.shown.forEach(({ run, view, counts, caption }, k) => {
-      const frame = this.frameOf(run), counted = Math.min(frame, counts.items.length - 1), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
+    this.shown.forEach(({ run, view, counts, title, caption }, k) => {
+      const frame = this.frameOf(run), counted = Math.min(frame, run.frames - 1, counts.items.length - 1), share = this.playing ? this.time / this.period - Math.floor(this.time / this.period) : 0;
       if (this.following && this.robot < run.head.robots) { view.pose(frame, share); view.centre = [view.x[this.robot], view.y[this.robot]]; }
       view.draw(frame, share, this.robot, layers, colours);
       const over = this.time >= (run.frames - 1) * this.period && run.result;
-      const done = [numbered(counts.contacts[counted], "collision")];
-      if (!run.head.things) done.unshift(`${numbered(counts.items[counted], "item")} dumped`);
+      const done = [numbered(counts.contacts[counted] ?? 0, "collision")]; // nothing is counted before the first step
+      if (!run.head.things) done.unshift(`${numbered(counts.items[counted] ?? 0, "item")} dumped`);
       if (over) done.push(run.result?.completed ? `completed after ${run.result.duration_s} s` : "not completed");
+      title.textContent = titleOf(run, frame);
       caption.textContent = done.join(", ");
       view.canvas.classList.toggle("chosen", k === this.chosen && this.shown.length > 1);
     });

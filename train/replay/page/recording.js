@@ -12,12 +12,13 @@
  *   networks?: Record<string, NetworkNames>, field?: number, things?: Thing[]}} Head; of the scene of a goal: field, the side of its
  *   middle part [m], and what is there from the start on
  * @typedef {{channel: string, attraction: number, x: number, y: number, radius: number}} Thing
- * @typedef {{tick: number, do: string, robot?: number, robots?: number[]}} Change what was done by hand before a frame was decided
+ * @typedef {{tick: number, do: string, robot?: number, robots?: number[], strategy?: string}} Change what was done by hand before a frame was decided
  * @typedef {{first: number, frames: number, sizes: [number, number][], deposits?: DepositKind[], by_hand?: Change[], made?: number}} Directory
  * @typedef {{channel: Channel, columns: number, data: Int32Array, room: Int32Array}} Track frame-major: number k of frame t is at
  *   t * columns + k of data, which is the beginning of room
  * @typedef {{head: Head, frames: number, tracks: Map<string, Track>, deposits: DepositKind[], byHand: Change[], made: number,
- *   result: Record<string, any> | null}} Run made: time at which the last frame of a session was made [s since 1970]
+ *   result: Record<string, any> | null, ahead: number, coming: Change[]}} Run made: time at which the last frame of a session was made
+ *   [s since 1970]; ahead: 1 if the present of a session is in `room` behind its last frame, with what was done by hand since then
  */
 
 const MAGIC = "\x93SWARM\r\n";
@@ -76,7 +77,7 @@ function newRun(head) {
     const columns = channel.shape.reduce((a, b) => a * b, 1), data = new Int32Array(0);
     return [channel.name, { channel, columns, data, room: data }];
   }));
-  return { head, frames: 0, tracks, deposits: [], byHand: [], made: 0, result: null };
+  return { head, frames: 0, tracks, deposits: [], byHand: [], made: 0, result: null, ahead: 0, coming: [] };
 }
 
 /** Make room for so many frames. @param {Run} run @param {number} frames */
@@ -98,18 +99,36 @@ function directoryOf(content) {
 export function addBlock(run, kind, content) {
   if (kind === "DONE") run.result = JSON.parse(new TextDecoder().decode(content));
   if (kind !== "DATA") return;
+  const { directory } = unpackBehind(run, content), frames = run.frames + directory.frames;
+  for (const track of run.tracks.values()) track.data = track.room.subarray(0, frames * track.columns);
+  run.frames = frames;
+  run.deposits = directory.deposits ?? [];
+  run.byHand.push(...(directory.by_hand ?? []));
+  run.made = directory.made ?? 0;
+  [run.ahead, run.coming] = [0, []];
+}
+
+/** Show the present of a session behind its last frame, until the next one comes; false if frames before it have not come. @param {Run} run @param {Uint8Array} content of a block */
+export function showPresent(run, content) {
+  const { directory } = directoryOf(content);
+  if (directory.first === run.frames) {
+    unpackBehind(run, content);
+    run.deposits = directory.deposits ?? [];
+    [run.ahead, run.coming] = [1, directory.by_hand ?? []];
+  }
+  return directory.first <= run.frames;
+}
+
+/** Unpack a part behind the last frame of a run, where there is room for it. @param {Run} run @param {Uint8Array} content */
+function unpackBehind(run, content) {
   const part = { ...directoryOf(content), content }, frames = run.frames + part.directory.frames;
   const fits = [...run.tracks.values()].every(({ room, columns }) => room.length >= frames * columns);
   if (!fits) reserve(run, Math.max(frames, 2 * run.frames, 64));
   run.head.channels.forEach((channel, c) => {
     const track = /** @type {Track} */ (run.tracks.get(channel.name));
     part.at = unpack(part, c, channel.order, track.columns, track.room);
-    track.data = track.room.subarray(0, frames * track.columns);
   });
-  run.frames = frames;
-  run.deposits = part.directory.deposits ?? [];
-  run.byHand.push(...(part.directory.by_hand ?? []));
-  run.made = part.directory.made ?? 0;
+  return part;
 }
 
 /**
@@ -170,11 +189,12 @@ export function checksums(run) {
 /** Return number k of a channel at a frame, in its unit; 0 where there is no such channel. @param {Run} run @param {string} name @param {number} frame @param {number} k */
 export function valueAt(run, name, frame, k = 0) {
   const track = run.tracks.get(name);
-  return track ? track.data[frame * track.columns + k] / track.channel.scale : 0;
+  return track ? track.room[frame * track.columns + k] / track.channel.scale : 0;
 }
 
-/** Return the title of a run. @param {Run} run */
-export function titleOf(run) {
+/** Return the title of a run at a frame, with who chooses then. @param {Run} run @param {number} frame */
+export function titleOf(run, frame) {
   const { experiment, scenario, condition } = run.head.about;
-  return [experiment, scenario && `scenario ${scenario}`, condition].filter(Boolean).join(", ") || "mission";
+  const followed = [...run.byHand, ...run.coming].filter((change) => change.do === "follow_strategy" && change.tick <= frame).pop();
+  return [experiment, scenario && `scenario ${scenario}`, followed?.strategy?.split(" sha256:")[0] ?? condition].filter(Boolean).join(", ") || "mission";
 }

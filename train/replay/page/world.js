@@ -43,7 +43,7 @@ export class WorldView {
   pose(frame, share) {
     const { run } = this, { width, height, robots } = run.head;
     const next = Math.min(frame + 1, run.frames - 1);
-    const there = run.tracks.get("present")?.data;
+    const there = run.tracks.get("present")?.room;
     for (let i = 0; i < robots; i++) {
       const [x, y, turn] = ["x", "y", "heading"].map((name) => valueAt(run, name, frame, i));
       const moves = share > 0 && there?.[frame * robots + i];
@@ -98,7 +98,7 @@ export class WorldView {
    */
   draw(frame, share, chosen, layers, colours) {
     const { run, canvas } = this, c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-    const robots = run.head.robots, there = run.tracks.get("present")?.data;
+    const robots = run.head.robots, there = run.tracks.get("present")?.room;
     this.rows = [];
     for (let i = 0; i < robots; i++) if (!there || there[frame * robots + i]) this.rows.push(i);
     this.pose(frame, share);
@@ -243,7 +243,7 @@ export class WorldView {
   /** @param {CanvasRenderingContext2D} c @param {number} frame @param {number} chosen @param {Colours} colours */
   drawPaths(c, frame, chosen, colours) {
     const { run } = this, { width, height, robots, period } = run.head;
-    const x = run.tracks.get("x")?.data, y = run.tracks.get("y")?.data;
+    const x = run.tracks.get("x")?.room, y = run.tracks.get("y")?.room;
     if (!x || !y) return;
     const begin = Math.max(0, frame - Math.round(PATH_SECONDS / period));
     /** @param {number} i @param {number} step */

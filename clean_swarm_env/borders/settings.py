@@ -1,0 +1,58 @@
+"""The settings that all borders take, and signatures that spell them out."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, get_args, get_type_hints
+
+from clean_swarm_env.goals.settings import GoalAction, GoalObservation
+from clean_swarm_env.learning.actions import ActionConfig
+from clean_swarm_env.learning.episodes import WorldSettings
+from clean_swarm_env.learning.given import GivenMission
+from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.reward import OwnRewards, RewardConfig
+from clean_swarm_env.scenes.ground import GroundKind
+
+Border = TypeVar("Border", bound=Callable[..., Any])
+GivenReward = RewardConfig | Mapping[str, Any] | OwnRewards | str
+"""Weights of the reward's terms, a function of the batch, or `module:function`."""
+
+
+class EnvSettings(WorldSettings, total=False):
+    """Settings of an environment, as keyword arguments of all borders."""
+
+    observation: ObservationConfig | GoalObservation | Mapping[str, Any] | None
+    """Terms of the observation; the default ones, and those of the mission, unless given."""
+    action: ActionConfig | GoalAction | Mapping[str, Any] | None
+    """What an action is: an option unless given."""
+    goal: str | None
+    """Goal of self-organisation in place of a mission; the three settings below change its scene."""
+    robots: int | None
+    """Number of robots."""
+    seconds: float | None
+    """Simulated time of an episode [s]."""
+    ground: GroundKind | None
+    """Kind of ground: "torus" or "open"."""
+
+
+class VectorSettings(EnvSettings, total=False):
+    """Settings of a vectorised environment, as keyword arguments."""
+
+    mission: GivenMission | None
+    """Its name in `configs/missions` ("table1" unless given), its path, its keys, or the model."""
+    reward: GivenReward | None
+    """Weights of the reward's terms, or a function, see `Batch`."""
+
+
+def spelled_out(function: Border) -> Border:
+    """Make `help` show each of the settings of a function with `**settings: Unpack[...]`."""
+    signature = inspect.signature(function)
+    *parameters, last = signature.parameters.values()
+    (settings,) = get_args(get_type_hints(function)[last.name])
+    for name, hint in settings.__annotations__.items():
+        text = hint.__forward_arg__
+        default = None if text.endswith("None") else ...
+        parameters.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=text))
+    vars(function)["__signature__"] = signature.replace(parameters=parameters)
+    return function

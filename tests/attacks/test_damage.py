@@ -1,0 +1,218 @@
+"""Damaged shares and models, and full disks: what is wrong is said in one line, and nothing is half done."""
+
+import os
+import resource
+import shutil
+from contextlib import contextmanager
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+
+from clean_swarm_env.config.load import load_experiment
+from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.drawing.files import FORMATS, write_picture
+from clean_swarm_env.drawing.recorded_picture import RecordedCourse
+from clean_swarm_env.drawing.video import write_video
+from clean_swarm_env.recording.file import blocks_of
+from clean_swarm_env.recording.reader import RecordedMission, RecordedParts
+from selector.documents.errors import DocumentError
+from selector.strategies.problem import Problem
+from tests.attacks.targets import Target, attack, damaged, recorded
+from tests.train import fake_mission
+from tests.train.commands import told
+from tests.train.live.sessions import SMALL, play_of
+from train.deciders.models import ModelDecider
+from train.evaluation.gathering import RunShare, gathered
+from train.evaluation.held import held_evaluation
+from train.evaluation.repeat import record_run
+from train.live.missions import MissionSession
+from train.replay.export import export
+from train.running import runs
+from train.running.finished_runs import JOURNAL
+from train.running.run_folder import MANIFEST
+
+COUNT = 3
+FILES = [(number, name) for number in range(1, COUNT + 1) for name in (MANIFEST, JOURNAL)]
+
+
+@pytest.fixture
+def shares(monkeypatch, tmp_path, capsys):
+    """A directory of three shares of an experiment of four runs."""
+    monkeypatch.setattr(runs, "run_mission", fake_mission.run_mission)
+    monkeypatch.chdir(tmp_path)
+    for number in range(1, COUNT + 1):
+        words = ("evaluate", "--scenarios", 2, "--workers", 1, "--output", "whole", "--share", f"{number}/{COUNT}")
+        assert told(capsys, *words)[0] == 0
+    return tmp_path / "whole"
+
+
+def place(root: Path, number: int, name: str) -> Path:
+    return RunShare(number, COUNT).folder(root) / name
+
+
+def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares, tmp_path):
+    """Files are cut, changed, swapped and lost; figures of a run may change in a journal, but no run comes or goes."""
+    first = place(shares, 1, "")
+    expected, _ = gathered(held_evaluation(first, None), shares, COUNT)
+    whole = {record.key for record in expected}
+    files = {at: place(shares, *at).read_bytes() for at in FILES}
+    one = st.sampled_from(FILES)
+    changes = (
+        st.tuples(one, one.flatmap(lambda at: damaged(files[at])))
+        | st.tuples(one, one.map(files.__getitem__))
+        | st.tuples(one, st.just(None))
+        | st.tuples(one, st.sampled_from(FILES).map(lambda at: files[at] * 2))
+    )
+
+    def read(given):
+        root = tmp_path / "damaged"
+        shutil.rmtree(root, ignore_errors=True)
+        shutil.copytree(shares, root)
+        for at, content in given:
+            if content is None:
+                place(root, *at).unlink(missing_ok=True)
+            else:
+                place(root, *at).write_bytes(content)
+        try:
+            found, _ = gathered(held_evaluation(place(root, 1, ""), None), root, COUNT)
+        except DocumentError as error:
+            message = str(error)
+        else:
+            assert {record.key for record in found} == whole
+            return
+        assert len(message.splitlines()) == 1
+        assert "damaged/shares" in message
+
+    attack(Target(st.lists(changes, min_size=1, max_size=3), read), 60)
+
+
+def field(number: int, *values: int | str | bytes) -> bytes:
+    """Return a field of a message of Protocol Buffers: a small number, a text, or messages."""
+    if isinstance(values[0], int):
+        return bytes([number << 3, values[0]])
+    data = b"".join(value.encode() if isinstance(value, str) else value for value in values)
+    return bytes([number << 3 | 2, len(data) & 127 | 128, len(data) >> 7]) + data
+
+
+def onnx_model() -> bytes:
+    """Return a model that gives its two numbers, as the fields of `onnx.proto`."""
+    shape = field(2, field(1, field(2, "R")), field(1, field(1, 2)))
+    seen, given = (field(1, name) + field(2, field(1, field(1, 1), shape)) for name in ("x", "y"))
+    tensor = [field(1, 2), field(1, 2), field(2, 1), field(8, "w"), field(9, np.eye(2, dtype=np.float32).tobytes())]
+    node = field(1, field(1, "x"), field(1, "w"), field(2, "y"), field(4, "MatMul"))
+    graph = field(7, node, field(2, "g"), field(5, *tensor), field(11, seen), field(12, given))
+    return field(1, 10) + graph + field(8, field(1, ""), field(2, 17))
+
+
+def models(folder: Path) -> list[Path]:
+    """Write a model of each kind whose library is here; each gives two numbers for two."""
+    if find_spec("torch"):
+        import torch
+
+        torch.jit.script(torch.nn.Linear(2, 2)).save(folder / "m.pt")
+    if find_spec("onnxruntime"):
+        (folder / "m.onnx").write_bytes(onnx_model())
+    if find_spec("stable_baselines3"):
+        from gymnasium import spaces
+        from stable_baselines3.common.policies import ActorCriticPolicy
+        from stable_baselines3.common.save_util import save_to_zip_file
+
+        seen, actions = spaces.Box(-1.0, 1.0, (2,)), spaces.Discrete(2)
+        policy = ActorCriticPolicy(seen, actions, lambda _: 0.0, net_arch=[2])
+        data = {"observation_space": seen, "action_space": actions, "policy_kwargs": {"net_arch": [2]}}
+        data["policy_class"] = ActorCriticPolicy
+        save_to_zip_file(folder / "m.zip", data, {"policy": policy.state_dict()}, {})
+    return sorted(folder.glob("m.*"))
+
+
+@pytest.mark.parametrize("ending", [".pt", ".onnx", ".zip"])
+def test_a_damaged_model_decides_or_is_refused_in_one_line(ending, tmp_path):
+    written = {path.suffix: path for path in models(tmp_path)}
+    if ending not in written:
+        pytest.skip("needs the extras train and onnx")
+    path, problem = written[ending], Problem("G", ("a", "b"), np.ones(2), ("near", "far"))
+    ModelDecider(path, problem, "option")
+
+    def read(content):
+        bad = tmp_path / f"bad{ending}"
+        bad.write_bytes(content)
+        message = f"{bad}: decides"
+        try:
+            ModelDecider(bad, problem, "option").decide(np.zeros((3, 2), dtype=np.float32))
+        except DocumentError as error:
+            message = str(error)
+        assert message.startswith(str(bad))
+        assert len(message.splitlines()) == 1
+
+    attack(Target(damaged(path.read_bytes()) | st.binary(max_size=200), read), int(os.environ.get("DAMAGES", "60")))
+
+
+@contextmanager
+def full_disk(most: int):
+    """Let files have at most so many bytes."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def export_whole(output: Path) -> None:
+    recording = Path("run.swarm")
+    export(RecordedMission(recording, ()), RecordedParts(blocks_of(recording), str(recording)), output)
+
+
+def test_a_full_disk_names_the_file_and_leaves_nothing_that_the_next_try_refuses(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("run.swarm").write_bytes(recorded())
+    experiment = load_experiment("table1")
+    mission = experiment.mission.model_copy(update={"time_limit": 6.0})
+    small = experiment.model_copy(update={"mission": mission, "starts": (random_start(mission, 1, 0),)})
+    task = runs.tasks_of(small, 0)[0]
+    packages = (("new.mcap", "mcap"), ("new", "pyarrow"))
+    writers = [(Path("new.swarm"), partial(record_run, task))]
+    writers += [(Path(name), export_whole) for name, package in packages if find_spec(package)]
+    noise = np.random.default_rng(0).integers(256, size=(20, 64, 64, 3), dtype=np.uint8)
+    videos = ["new.webp", "new.gif", *(("new.webm", "new.mp4") if find_spec("cv2") else ())]
+    writers += [(Path(name), lambda path: write_video(path, iter(noise))) for name in videos]
+    course = RecordedCourse(RecordedMission(Path("run.swarm")))
+    writers += [(Path(f"moment{end}"), lambda path: write_picture(course.at(1.0), path, 700)) for end in FORMATS]
+    for path, write in writers:
+        with full_disk(3000), pytest.raises((OSError, DocumentError)) as told_of:
+            write(path)
+        assert str(path) in str(told_of.value)
+        assert not path.exists()
+        write(path)
+        assert path.exists()
+
+
+def test_a_recording_of_a_play_is_whole_after_a_full_disk_and_goes_on_when_there_is_room(tmp_path):
+    """Nothing stays of a block that could not be written, and no file whose head could not be."""
+    path = tmp_path / "run.swarm"
+    with full_disk(100), pytest.raises(OSError, match=r"run\.swarm"):
+        MissionSession(play_of(SMALL), path)
+    assert not path.exists()
+    session = MissionSession(play_of(SMALL), path)
+    for _ in range(3):
+        session.tick()
+    with full_disk(path.stat().st_size + 100), pytest.raises(OSError, match=r"run\.swarm"):
+        session.close()
+    assert path.read_bytes() == session.beginning
+    session.close()
+    assert RecordedMission(path).frames == 3
+
+
+def test_a_damaged_database_of_a_study_is_named_and_may_be_deleted(tmp_path, monkeypatch):
+    pytest.importorskip("optuna", reason="needs the extra 'tune'")
+    from train.studies.trial_storage import TrialStorage
+
+    monkeypatch.chdir(tmp_path)
+    Path("trials.sqlite").write_bytes(b"no database" * 100)
+    with pytest.raises(DocumentError, match=r"trials\.sqlite: may be deleted, the study makes it again: ") as told_of:
+        TrialStorage("sqlite:///trials.sqlite", own="trials.sqlite")
+    assert len(str(told_of.value).splitlines()) == 1

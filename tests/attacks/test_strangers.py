@@ -1,0 +1,97 @@
+"""No command runs code or connects because a file of a stranger asks for it; docs/trust.md promises that."""
+
+import re
+import sys
+
+import pytest
+import typer
+
+from tests.attacks.strangers import Listener, hostile_files
+from tests.train.commands import run, told
+from train.cli.app import app
+
+DOCUMENTS = ("--family", "--config", "--starts", "--knowledge", "--store", "--configs")
+"""Options that take a file."""
+GIVEN = {
+    "--robot": 0,
+    "--time": 1,
+    "--period": 1,
+    "--strategy": "fixed:Off",
+    "--base": "Off",
+    "--html": "new.html",
+    "--output": "new.swarm",
+    "output": "new.png",
+}
+"""What other arguments that commands need are given."""
+
+
+def leaves(command, words=()):
+    """Yield all commands with their words."""
+    if not hasattr(command, "commands"):
+        yield words, command
+        return
+    for name, below in command.commands.items():
+        yield from leaves(below, (*words, name))
+
+
+COMMANDS = {" ".join(words): command for words, command in leaves(typer.main.get_command(app))}
+
+
+def calls(words, command, path, folder):
+    """Yield the words of the command with a file as each of its arguments, and as each option that takes a file."""
+    options = {opt: p for p in command.params for opt in p.opts if opt.startswith("--")}
+    needed = [word for opt, p in options.items() if p.required and opt not in DOCUMENTS for word in (opt, GIVEN[opt])]
+    needed += ["--config", path] if "--config" in options else []
+    needed += ["--family", path] if "--family" in options and words[0] in ("configure", "dataset") else []
+    arguments = [GIVEN.get(p.name, path) for p in command.params if not p.opts[0].startswith("-")]
+    if arguments or needed:
+        yield [*words, *arguments, *needed]
+    for opt in DOCUMENTS:
+        if opt in options and opt not in needed:
+            yield [*words, *arguments, *needed, opt, folder if opt == "--configs" else path]
+
+
+@pytest.fixture(scope="module")
+def strange(tmp_path_factory):
+    """The folder with hostile files, the files, and the port that they name."""
+    folder, listener = tmp_path_factory.mktemp("strange"), Listener()
+    yield folder, hostile_files(folder, listener.url), listener
+    listener.close()
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_nothing_runs_and_nothing_connects(strange, name, monkeypatch, capsys, tmp_path):
+    folder, files, listener = strange
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setenv("CLEAN_SWARM_STORE", str(tmp_path / "own.sqlite"))
+    (folder / "sang").unlink(missing_ok=True)
+    monkeypatch.delitem(sys.modules, "canary", raising=False)
+    listener.count = 0
+    for path in files:
+        for words in calls(name.split(), COMMANDS[name], path, folder):
+            code, _, err = told(capsys, *words)
+            assert not (folder / "sang").exists(), words
+            assert listener.count == 0, words
+            assert code in (0, 2) or "Abort" in err, (words, err)
+            assert "Traceback" not in err
+
+
+def test_trust_is_what_keeps_them_quiet(strange, monkeypatch, tmp_path, capsys):
+    folder, _, listener = strange
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    sang = folder / "sang"
+    for words in (
+        ["evaluate", "experiments/own.yaml", "--condition", "none"],
+        ["explain", "results-model", "--robot", "0", "--time", "1"],
+    ):
+        monkeypatch.delitem(sys.modules, "canary", raising=False)
+        assert run("--trust", *words) in (0, 2)
+        assert sang.exists(), words
+        said = re.findall(r"^trusted: (.+) asks to (.*)$", capsys.readouterr().err, re.MULTILINE)
+        assert "import canary:Own" in [deed for _, deed in said]
+        assert len(said) == len(set(said))
+        sang.unlink()
+    assert run("play", "missions/far.yaml", "--trust") == 2
+    assert listener.count > 0

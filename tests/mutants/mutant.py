@@ -1,0 +1,87 @@
+"""A fault made on purpose, and whether tests notice it."""
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+CPU_LIMIT, LIMIT = 240, 1200
+"""Seconds of the processor, and of the clock, after which the tests of a mutant are stopped."""
+TOO_LONG = "a limit of time"
+
+
+class Mutant(NamedTuple):
+    """One text of one file in place of another, and the tests that have to notice it."""
+
+    name: str
+    file: str
+    before: str
+    after: str
+    tests: tuple[str, ...]
+    start: int | None = None
+    """Where `before` begins in the file [characters]; None: it is there once."""
+    compiled: bool = False
+    """Whether the tests run with compiled kernels."""
+
+    def applied(self, whole: str) -> str:
+        """Return the file with the fault."""
+        start = self.start
+        if start is None:
+            start = whole.find(self.before)
+            if whole.count(self.before) != 1:
+                raise ValueError(f"{self.name}: expected its text once in {self.file}, got {whole.count(self.before)}")
+        end = start + len(self.before)
+        if whole[start:end] != self.before:
+            raise ValueError(
+                f"{self.name}: expected {self.before!r} at {start} of {self.file}, got {whole[start:end]!r}"
+            )
+        return whole[:start] + self.after + whole[end:]
+
+
+def failure(tests: tuple[str, ...], sources: Path, compiled: bool = False) -> str:
+    """Run tests on a copy of the sources; return the first that fails, what it took too long for, or nothing."""
+    plain = {} if compiled else {"NUMBA_DISABLE_JIT": "1"}
+    environment = {**os.environ, "PYTHONPATH": str(sources), **plain}
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+    with tempfile.TemporaryFile("w+") as said:  # a pipe would wait for the processes that a stopped test leaves
+        try:
+            done = subprocess.run(
+                command, cwd=sources, env=environment, stdout=said, stderr=said, timeout=LIMIT, preexec_fn=limit_cpu
+            )
+        except subprocess.TimeoutExpired:
+            return TOO_LONG
+        said.seek(0)
+        text = said.read()
+    if done.returncode not in (0, 1, 2, 4, -signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSEGV):
+        raise RuntimeError(f"{tests}: pytest ended with {done.returncode}\n{text[-2000:]}")
+    found = re.search(r"^(?:FAILED|ERROR) ([^\s[]+)", text, re.MULTILINE)  # with all its parameters
+    return "" if done.returncode == 0 else found[1] if found else TOO_LONG if done.returncode < 0 else tests[0]
+
+
+def limit_cpu() -> None:
+    """Limit the time of the processor, which a busy machine does not use up."""
+    resource.setrlimit(resource.RLIMIT_CPU, (CPU_LIMIT, CPU_LIMIT))
+
+
+def noticed(mutant: Mutant, sources: Path) -> str:
+    """Return which test of a mutant fails on it and passes without it, "" if none does.
+
+    sources: a copy, which is as before afterwards.
+    """
+    path = sources / mutant.file
+    whole = path.read_text(encoding="utf-8")
+    path.write_text(mutant.applied(whole), encoding="utf-8")
+    try:
+        found = failure(mutant.tests, sources, mutant.compiled)
+    finally:
+        path.write_text(whole, encoding="utf-8")
+    if found in ("", TOO_LONG) or not failure((found,), sources, mutant.compiled):
+        return found
+    if mutant.compiled:
+        raise RuntimeError(f"{found}: expected to pass without a mutant")
+    return noticed(mutant._replace(compiled=True), sources)

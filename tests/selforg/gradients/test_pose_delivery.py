@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from selforg.gradients.pose_delivery import PoseDelivery
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.store import columns as c
+from selforg.space import Euclidean
+
+ROWS = 3
+
+
+def ages(ticks, history=4, **settings):
+    """The ages of the last two poses that row 0 received from row 1, after each tick; settings of each tick."""
+    poses = OwnPoses(Euclidean(2), ROWS, history=history, hearing=True)
+    generators = [np.random.default_rng(row) for row in range(ROWS)]
+    delivery = PoseDelivery(poses, np.array([5.0]), np.zeros(1), generators, **settings)
+    told = []
+    for now, (reach, loss) in enumerate(ticks):
+        delivery.reaches[0], delivery.losses[0] = reach, loss
+        poses.update(np.arange(float(ROWS))[:, None] * [1.0, 0.0], None, float(now))
+        delivery.deliver()
+        told.append(poses.row_table[0, [c.ROW_HEARD + 1, c.ROW_HEARD + ROWS + 1]].tolist())
+    return told
+
+
+def test_a_pose_is_new_when_it_is_received_then_ages_and_is_forgotten_with_the_history():
+    assert ages([(1.0, 0.0), *[(0.5, 0.0)] * 4]) == [[0, -1], [1, -1], [2, -1], [3, -1], [-1, -1]]
+
+
+def test_the_pose_received_before_is_known_too_and_those_that_were_lost_are_skipped():
+    assert ages([(1.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 0.0)]) == [[0, -1], [0, 1], [1, 2], [0, 2]]
+
+
+def test_a_late_pose_arrives_with_the_age_of_its_delay():
+    assert ages([(1.0, 0.0)] * 3, delay=2) == [[-1, -1], [-1, -1], [2, -1]]
+
+
+def test_losses_have_the_given_probability_and_differ_among_receivers():
+    poses = OwnPoses(Euclidean(2), rows=20, hearing=True)
+    delivery = PoseDelivery(poses, np.array([99.0]), np.array([0.3]), [np.random.default_rng(s) for s in range(20)])
+    received = []
+    for now in range(100):
+        poses.update(np.zeros((20, 2)), None, float(now))
+        delivery.deliver()
+        received.append(poses.row_table[:, c.ROW_HEARD : c.ROW_HEARD + 20] == 0)
+    assert np.mean(received) == pytest.approx(0.7, abs=0.01)
+    assert np.any(np.any(received, axis=1) & ~np.all(received, axis=1))  # a pose reaches some receivers, not others
+
+
+def test_poses_that_nobody_hears_and_a_delay_beyond_the_history_are_refused():
+    with pytest.raises(ValueError, match="must be made with hearing=True"):
+        PoseDelivery(OwnPoses(Euclidean(2), ROWS), np.ones(1), np.zeros(1), [])
+    with pytest.raises(ValueError, match="delay must lie in the history of 4 poses, got 4"):
+        ages([], delay=4)

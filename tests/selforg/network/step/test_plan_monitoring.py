@@ -1,0 +1,269 @@
+"""How a plan is followed: when its step is passed, and when the planner is asked again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from selforg.network.model.activators import Boolean, Linear
+from selforg.network.model.behaviours import Behaviour, Effect, Goal, NetworkSettings, Sensor
+from selforg.network.model.conditions import Condition, Optional
+from selforg.network.model.model import NetworkModel
+from selforg.network.network import BehaviourNetwork
+from selforg.network.state import plan_state as ps
+from selforg.network.state import state as st
+from tests.golden.network.traces import Forgetful
+from tests.selforg.network.planning.test_planning import Counting
+
+ROW = np.array([0])
+
+
+def errand(effect=-1.0, **settings):
+    """First fetch (far comes down by `effect`), then give; something else may happen to `noise`."""
+    return NetworkModel(
+        [Sensor("far"), Sensor("given", "fact"), Sensor("noise", "fact"), Sensor("unused", "fact")],
+        [
+            Behaviour("fetch", effects=(Effect("far", effect),)),
+            Behaviour("give", (Condition("far", Linear(5.0, 0.0)),), (Effect("given", 1.0),)),
+            Behaviour("other", (Condition("noise", Boolean()),)),
+        ],
+        [Goal("done", (Condition("given", Boolean()),))],
+        NetworkSettings(activation_threshold=0.5, **settings),
+    )
+
+
+class Recorded(Counting):
+    def __init__(self, model, answer):
+        super().__init__(model)
+        self.memory = Forgetful(len(model.goals))
+        self.answer = answer
+
+    def plan(self, *_):
+        self.calls += 1
+        return self.answer
+
+
+def following(answer=(0, 1), far=5.0, **settings):
+    model = errand(**settings)
+    network = BehaviourNetwork(model, 1, Recorded(model, None if answer is None else list(answer)))
+    step(network, far=far)
+    return network
+
+
+def step(network, **readings):
+    """One step; returns how often the planner was asked."""
+    calls = network.planner.calls
+    network.read(readings)
+    network.step()
+    return network.planner.calls - calls
+
+
+def index(network):
+    return network.plans.marks[ps.INDEX, 0]
+
+
+def running(network):
+    return [b.name for b, on in zip(network.model.behaviours, network.executing[0], strict=True) if on]
+
+
+def test_a_quiet_world_needs_one_plan():
+    network = following()
+    assert network.planner.calls == 1
+    assert [step(network) for _ in range(5)] == [0] * 5
+
+
+def test_without_a_plan_the_planner_is_asked_every_step():
+    network = following(None)
+    assert [step(network) for _ in range(3)] == [1, 1, 1]
+
+
+def test_the_expected_change_passes_the_step_and_asks_for_nothing():
+    network = following()
+    assert "fetch" in running(network)
+    assert (step(network), index(network)) == (0, 0)
+    assert (step(network, far=4.0), index(network)) == (0, 1)
+
+
+def test_a_realised_step_is_passed_alone_also_before_an_equal_one():
+    network = following((0, 0, 1))
+    step(network)
+    assert (step(network, far=4.0), index(network)) == (0, 1)
+
+
+def test_a_change_against_the_effect_asks_for_a_plan():
+    network = following()
+    assert step(network, far=5.5) == 1
+
+
+def test_a_change_that_nothing_was_expected_to_bring_asks_for_a_plan():
+    network = following()
+    assert step(network, noise=True) == 1
+
+
+def test_a_sensor_that_no_condition_looks_at_asks_for_nothing():
+    network = following()
+    assert step(network, unused=True) == 0
+
+
+@pytest.mark.parametrize(("strict", "passed"), [(False, 1), (True, 0)])
+def test_a_positive_effect_counts_as_realised_at_once_unless_progress_is_strict(strict, passed):
+    network = following((1,), far=0.0, strict_progress=strict)
+    assert "give" in running(network)
+    step(network)
+    assert index(network) == passed
+    assert step(network, given=True) == 0
+    assert index(network) == 1
+
+
+def test_a_sensor_that_only_optional_conditions_read_asks_for_nothing():
+    """M1 of the original."""
+    model = errand()
+    model = NetworkModel(
+        model.sensors,
+        [*model.behaviours, Behaviour("look", (Optional(Condition("unused", Boolean())),))],
+        model.goals,
+        model.settings,
+    )
+    network = BehaviourNetwork(model, 1, Recorded(model, [0, 1]))
+    step(network, far=5.0)
+    assert step(network, unused=True) == 0
+    assert step(network, noise=True) == 1
+
+
+def test_a_change_that_six_decimals_do_not_show_asks_for_nothing():
+    """M2 of the original."""
+    network = following(far=0.25)
+    assert step(network, far=0.25 + 4e-7) == 0
+    assert step(network, far=0.25 + 2e-6) == 1
+
+
+def test_only_the_change_of_this_step_and_the_one_before_is_held_against_an_effect():
+    """M3 of the original."""
+    network = following()
+    for far in (4.5, 4.0):
+        assert (step(network, far=far), index(network)) == (0, int(far < 4.5))
+    network = following()
+    step(network, far=4.5)
+    step(network)
+    assert (step(network, far=4.0), index(network)) == (0, 0)  # half of the effect, and nothing the step before
+
+
+def test_two_changes_are_added_as_they_are_rounded_by_the_machine():
+    """M3 of the original: -0.2 and -0.3 make -0.5 or, as here, a little less, which is below no effect of -0.5."""
+    assert (0.63 - 0.83) + (0.33 - 0.63) > -0.5 == (0.33 - 0.63) + (0.13 - 0.33)
+    network = following(far=0.83, effect=-0.5)
+    course = [(step(network, far=far), index(network)) for far in (0.83, 0.63, 0.33, 0.13)]
+    assert course == [(0, 0), (0, 0), (0, 0), (0, 1)]
+
+
+def test_a_new_plan_does_not_clear_the_change_of_the_step_before():
+    """M3 of the original."""
+    network = following()
+    network.plans.marks[ps.ALARM] = 1
+    assert (step(network, far=4.5), index(network)) == (1, 0)
+    assert (step(network, far=4.0), index(network)) == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("plan", "asks", "passed"),
+    [
+        ((0, 1), 0, 1),
+        ((0, 0, 1), 0, 2),  # equal steps that follow one another are passed together
+        ((0, 1, 0), 1, 0),  # it is in the plan again later
+        ((1,), 1, 0),  # it is not due
+    ],
+)
+def test_a_behaviour_that_ends_itself(plan, asks, passed):
+    """M5 of the original."""
+    network = following(plan)
+    network.finish(ROW, 0)
+    assert (step(network), index(network)) == (asks, passed)
+
+
+def test_behaviours_that_end_in_one_step_pass_theirs_one_after_the_other():
+    """M5 of the original."""
+    network = following((0, 0, 2, 1))
+    network.start_by_hand(ROW, 2, True)
+    step(network)
+    assert {"fetch", "other"} <= set(running(network))
+    for behaviour in (0, 2):
+        network.finish(ROW, behaviour)
+    assert (step(network), index(network)) == (0, 3)
+
+
+def test_what_ends_itself_and_was_realised_in_one_step_asks_for_a_plan():
+    """M5 of the original."""
+    network = following()
+    step(network)  # the change of the first step, from 0, no longer counts
+    network.finish(ROW, 0)
+    assert (step(network, far=4.0), index(network)) == (1, 0)
+
+
+def test_a_planner_independent_behaviour_that_ends_itself_asks_for_nothing():
+    """M5 of the original."""
+    model = errand()
+    shy = replace(model.behaviours[2], planner_independent=True)
+    model = NetworkModel(model.sensors, [*model.behaviours[:2], shy], model.goals, model.settings)
+    network = BehaviourNetwork(model, 1, Recorded(model, [0, 1]))
+    network.start_by_hand(ROW, 2, True)
+    step(network, far=5.0)
+    assert "other" in running(network)
+    network.finish(ROW, 2)
+    assert step(network) == 0
+
+
+@pytest.mark.parametrize(("held", "asks"), [("", 1), ("not interruptable", 0), ("by hand", 0)])
+def test_a_timeout_asks_for_a_plan_only_when_it_stops_the_behaviour(held, asks):
+    """M6 of the original."""
+    model = errand()
+    short = replace(model.behaviours[0], timeout=1, interruptable=held != "not interruptable")
+    model = NetworkModel(model.sensors, [short, *model.behaviours[1:]], model.goals, model.settings)
+    network = BehaviourNetwork(model, 1, Recorded(model, [0, 1]))
+    network.start_by_hand(ROW, 0, held == "by hand")
+    step(network, far=5.0)
+    assert "fetch" in running(network)
+    assert [step(network) for _ in range(3)] == [0, 0, asks]
+
+
+def test_without_a_goal_the_planner_is_not_asked():
+    network = following()
+    network.enable_goal(ROW, 0, False)
+    network.plans.marks[ps.ALARM] = 1
+    assert step(network) == 0
+    assert network.plans.marks[ps.KNOWN, 0] == 0
+
+
+def test_an_unplanned_behaviour_that_ends_itself_asks_for_a_plan():
+    network = following()
+    network.start_by_hand(ROW, 2, True)
+    assert step(network) == 0
+    network.finish(ROW, 2)
+    assert step(network) == 1
+
+
+def test_the_due_behaviour_that_ends_itself_passes_its_step():
+    network = following()
+    network.finish(ROW, 0)
+    assert (step(network), index(network)) == (0, 1)
+
+
+@pytest.mark.parametrize("event", ["enable", "remove", "disable"])
+def test_a_changed_network_asks_for_a_plan(event):
+    network = following()
+    if event == "remove":
+        network.remove(ROW, 2)
+    else:
+        network.enable(ROW, 2, event == "enable")
+    assert step(network) == 1
+
+
+def test_the_plan_adds_to_the_activation_of_its_behaviours():
+    network = following()
+    plan = network.state.values[st.PLAN, 0]
+    np.testing.assert_allclose(plan, [1.0, 0.5, 0.0])
+
+
+def test_a_plan_longer_than_fits_is_refused():
+    network = following()
+    with pytest.raises(ValueError, match=f"a plan holds at most {ps.MAX_PLAN} steps, got {ps.MAX_PLAN + 1}"):
+        network.set_plan(0, [0] * (ps.MAX_PLAN + 1))

@@ -1,0 +1,103 @@
+"""The report on a family: unfinished missions beside every mean, ratios at other prices of them, and the figure."""
+
+import io
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from clean_swarm_env.config.families import FamilyConfig, scenario_name
+from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.world.mission_end import mission_cost
+from tests.train.records import record
+from train.analysis.family_report import FamilyRuns, family_report_of
+from train.reports.family_figure import draw_front
+from train.reports.family_tables import family_tables
+
+LIMIT, SCENARIOS = 20.0, 8
+
+
+def report(left, fixed=("fixed:a", "fixed:b"), conditions=("fixed:a", "fixed:b", "Random")):
+    """Return the report of missions of 3 items that last 10 s; `left`: condition -> items left in the last one."""
+    mission = load_mission("table1").model_copy(update={"time_limit": LIMIT})
+    family = FamilyConfig(name="small", description="Three items.", mission=mission, items=(3, 3))
+    scenario = family.scenario(0, 0, "test").mission
+    records = []
+    for c, condition in enumerate(conditions):
+        for k in range(SCENARIOS):
+            kept = left.get(condition, 0) if k == SCENARIOS - 1 else 0
+            time = LIMIT if kept else 10.0 + c + 0.1 * k
+            cost = mission_cost(scenario, time, 0, 0, 3 - kept)
+            done = {"completed": not kept, "garbage_done": 3 - kept, "cost_s": cost}
+            events = {"collision_events_per_s": (float(c),), "collision_samples_per_s": (float(c),)}
+            records.append(record(scenario_name("test", k), condition, time, **done, **events))
+    named = {condition: (condition,) for condition in conditions}
+    return family_report_of(FamilyRuns(family, "AvoidCollision", 0, SCENARIOS, 1, named, fixed, records))
+
+
+def test_the_share_of_unfinished_missions_stands_beside_every_mean():
+    found = report({"Random": 2})
+    for grid in family_tables(found):
+        place = [columns.heads[0] for columns in grid.columns].index("unfinished")
+        shares = {row.label: row.groups[place][0] for row in grid.rows}
+        assert shares == {"fixed:a": "0%", "fixed:b": "0%", "Random": "12%"}, grid.title
+
+
+def test_ratios_are_told_with_items_left_priced_by_half_and_twice_the_limit():
+    found = report({"Random": 2})
+    _, gaps, _ = family_tables(found)
+    heads = [columns.heads[0] for columns in gaps.columns]
+    (row,) = (row for row in gaps.rows if row.label == "Random")
+    cells = dict(zip(heads, (group[0] for group in row.groups), strict=False))
+    fixed = np.mean([10.0 + 0.1 * k for k in range(SCENARIOS)])
+    finished = sum(12.0 + 0.1 * k for k in range(SCENARIOS - 1))
+    for head, limits in (("limit / 2", 0.5), ("ratio to best fixed", 1.0), ("limit x 2", 2.0)):
+        own = (finished + LIMIT + 2 * 2.0 * LIMIT * limits) / SCENARIOS
+        assert cells[head] == f"{own / fixed:.3f}"
+    assert cells["limit / 2"] < cells["ratio to best fixed"] < cells["limit x 2"]
+
+
+def test_without_an_unfinished_mission_there_are_no_other_limits():
+    found = report({})
+    assert found.limits == {}
+    assert not any("limit" in columns.heads[0] for columns in family_tables(found)[1].columns)
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Draw the figure of a report; return its axes, and the picture."""
+    figures = []
+    save = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *a, **k: (figures.append(figure), save(figure, *a, **k))[1])
+
+    def draw(found):
+        picture = np.asarray(Image.open(io.BytesIO(draw_front(found))).convert("RGB"))
+        return figures[-1].axes, picture
+
+    return draw
+
+
+def test_the_figure_shows_every_point_whole_and_no_events_below_0(drawn):
+    axes, _ = drawn(report({}, conditions=("fixed:a", "fixed:b", "Random")))
+    low, high = axes[0].get_ylim()
+    events = [float(points.get_offsets()[0][1]) for points in axes[0].collections]
+    assert low < min(events) == 0.0
+    assert low > -1.0
+    assert all(tick >= 0.0 for tick in axes[0].get_yticks())
+    box = axes[0].get_window_extent()
+    for points in axes[0].collections:
+        across, up = axes[0].transData.transform(points.get_offsets()[0])
+        assert box.x0 + 4 < across < box.x1 - 4
+        assert box.y0 + 4 < up < box.y1 - 4
+    assert high > max(events)
+
+
+def test_no_two_strategies_look_alike(drawn):
+    conditions = tuple(f"fixed:{letter}" for letter in "abcdefghijklmnopqrst")
+    axes, _ = drawn(report({}, fixed=conditions, conditions=conditions))
+    looks = {(line.get_color(), line.get_linestyle()) for line in axes[1].get_lines()}
+    assert len(looks) == len(conditions)
+    colours = [np.array(points.get_facecolors()[0][:3]) for points in axes[0].collections]
+    apart = [np.abs(one - other).sum() for k, one in enumerate(colours) for other in colours[:k]]
+    assert min(one for one in apart if one > 0.0) > 0.2

@@ -1,0 +1,71 @@
+"""What is known from the words alone is told before libraries are imported that take seconds."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from tests.paths import ROOT
+
+SLOW = ("numba", "pymunk", "scipy", "matplotlib", "torch", "sqlalchemy", "pettingzoo")
+CODE = f"""
+import sys
+from train.cli.app import run_app
+try:
+    run_app()
+finally:
+    print("imported", *[name for name in {SLOW} if name in sys.modules])
+"""
+
+
+def told(*words):
+    """Run a command in a process of its own; return its code, what it said, and which slow libraries it imported."""
+    done = subprocess.run([sys.executable, "-c", CODE, *words], cwd=ROOT, capture_output=True, text=True, check=False)
+    said, _, imported = (done.stdout + done.stderr).partition("imported")
+    return done.returncode, said + imported.partition("\n")[2], imported.partition("\n")[0].split()
+
+
+REGISTERED = """
+import json
+from clean_swarm_env.learning.observation.config import TERMS
+from clean_swarm_env.scenes import goals
+from selector.strategies.registry import STRATEGIES
+from selforg.mechanisms.registry import MECHANISMS
+names = {"strategies": STRATEGIES.names(), "mechanisms": MECHANISMS.names()}
+print(json.dumps(names | {"goals": sorted(goals()), "terms": sorted(TERMS.names())}))
+"""
+"""What we ship, in a process in which no test registers anything."""
+MISTAKES = [
+    ("evaluate tabel1", "did you mean 'table1'"),
+    ("evaluate --family crowdde", "did you mean 'crowded'"),
+    ("evaluate --family crowded --strategy policy:exploring-pp", "did you mean 'exploring-ppo'"),
+    ("evaluate --family crowded --strategy mine=fsm:finds+fsm:find", "unknown machine 'fsm:find'"),
+    ("evaluate --family crowded --knowledge avoidanc", "did you mean 'avoidance'"),
+    ("evaluate --strategy fixed", "--strategy: expected with --family only"),
+    ("evaluate --learn --workers 2", "--workers: expected 1 with --learn"),
+    ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
+    ("train es --config ess", "did you mean 'es'"),
+    ("tune keep-aprt", "did you mean 'keep-apart'"),
+    ("configure ORCA --family crowdde", "did you mean 'crowded'"),
+    ("headroom crowdde", "did you mean 'crowded'"),
+]
+
+
+@pytest.mark.parametrize(("words", "expected"), MISTAKES, ids=[words for words, _ in MISTAKES])
+def test_a_mistake_in_the_words_is_told_before_slow_libraries_are_imported(words, expected):
+    code, said, imported = told(*words.split())
+    assert (code, imported) == (2, [])
+    assert expected in said
+    assert len(said.strip().splitlines()) == 1
+
+
+def test_the_list_imports_nothing_slow_and_names_all_that_is_registered():
+    code, said, imported = told("list")
+    assert (code, imported) == (0, [])
+    known = json.loads(subprocess.check_output([sys.executable, "-c", REGISTERED], cwd=ROOT, text=True))
+    lines = dict(line.split(": ", 1) for line in said.splitlines() if ": " in line and not line.startswith("  "))
+    assert lines["strategies by name"].split(", ") == known["strategies"]
+    assert lines["mechanisms by name"].split(", ") == known["mechanisms"]
+    assert lines["goals with a scene"].split(", ") == known["goals"]
+    assert lines["terms of observations"].split(", ") == known["terms"]

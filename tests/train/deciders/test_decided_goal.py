@@ -1,0 +1,101 @@
+"""Learners and deciders choose for the goal that is named, wherever it stands in the robot's document."""
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.load import load_mission
+from clean_swarm_env.learning.batch import Batch
+from selector.documents.errors import DocumentError
+from train.deciders.decided_goal import DecidedGoal, named_goal, option_named
+from train.deciders.named import decider_named
+from train.evaluation.entrants import with_baselines
+from train.running.trials import TrialSettings, run_trials
+
+BOTH = ("ExplorationPatrol", "AvoidCollision")
+
+
+@pytest.fixture(scope="module")
+def batch():
+    return Batch("cleaning-patrol", worlds=2)
+
+
+def test_a_mission_of_two_goals_is_decided_for_the_goal_that_is_named(batch):
+    assert [coordinator.model.goal for coordinator in batch.worlds.coordinators] == list(BOTH)
+    options = np.full(batch.rows, 2)
+    for name, column in ((None, 1), ("AvoidCollision", 1), ("ExplorationPatrol", 0)):
+        decided = DecidedGoal(batch, name)
+        assert decided.problem.goal == BOTH[column]
+        assert decided.problem.options == batch.options[BOTH[column]]
+        actions = decided.actions(options)
+        assert (actions[:, column] == 2).all()
+        assert (actions[:, 1 - column] == batch.choices.default[1 - column]).all()
+
+
+def test_avoidance_is_the_goal_unless_another_is_named():
+    assert named_goal(BOTH, None) == "AvoidCollision"
+    assert named_goal(BOTH, "ExplorationPatrol") == "ExplorationPatrol"
+    assert named_goal(("Foraging",), None) == "Foraging"
+    with pytest.raises(DocumentError, match="goal: unknown goal 'Avoid'"):
+        named_goal(BOTH, "Avoid")
+    with pytest.raises(DocumentError, match="goal: expected the name of one of Foraging, Patrol"):
+        named_goal(("Foraging", "Patrol"), None)
+
+
+def test_what_is_chosen_serves_the_named_goal_and_the_other_keeps_its_best_option(monkeypatch):
+    mission = load_mission("cleaning-patrol").model_copy(update={"time_limit": 2.0})
+    scenario = FamilyConfig(name="two", description="Two goals.", mission=mission).scenario(0, 0, "test")
+    held = []
+
+    def step(batch, actions):
+        done = original(batch, actions)
+        held.append([c.model.options[c.held[0]] for c in batch.worlds.coordinators])
+        return done
+
+    original = Batch.step
+    monkeypatch.setattr(Batch, "step", step)
+    settings = TrialSettings(goal="ExplorationPatrol")
+    run_trials([scenario], lambda problem, teams: decider_named("fixed:RandomWalk").build(problem, teams), settings)
+    assert held[0] == ["RandomWalk", "RepulsionFernandez"]
+
+
+def test_several_goals_are_decided_as_one(batch):
+    joint = DecidedGoal(batch, "AvoidCollision+ExplorationPatrol")
+    assert joint.problem.goal == "AvoidCollision+ExplorationPatrol"
+    names = [f"{a}+{e}" for a in batch.options["AvoidCollision"] for e in batch.options["ExplorationPatrol"]]
+    assert list(joint.problem.options) == names
+    assert option_named(joint.problem, "RepulsionGradient") == "RepulsionGradient+Patrol"
+    assert option_named(joint.problem, "RandomWalk+RepulsionGradient") == "RepulsionGradient+RandomWalk"
+    assert names[joint.problem.scores.argmax()] == "RepulsionFernandez+Patrol"
+    options = np.arange(batch.rows) % len(names)
+    goals = list(batch.options)
+    for name, actions in zip(np.array(names)[options], joint.actions(options), strict=True):
+        held = {goal: batch.options[goal][option] for goal, option in zip(goals, actions, strict=True)}
+        assert "+".join((held["AvoidCollision"], held["ExplorationPatrol"])) == name
+    with pytest.raises(DocumentError, match="expected each goal once, got AvoidCollision"):
+        DecidedGoal(batch, "AvoidCollision+AvoidCollision")
+    with pytest.raises(DocumentError, match="unknown option 'Patrol\\+RandomWalk'"):
+        option_named(joint.problem, "Patrol+RandomWalk")
+
+
+def test_what_is_thought_of_combinations_is_recorded_for_each_goal(batch, monkeypatch):
+    thought = {}
+
+    class Recorder:
+        def think(self, goal, values):
+            thought[goal] = values
+
+    monkeypatch.setattr(batch, "recorder", Recorder())
+    joint = DecidedGoal(batch, "AvoidCollision+ExplorationPatrol")
+    opinions = np.random.default_rng(1).random((batch.rows, len(joint.problem.options)))
+    joint.think(opinions)
+    for place, goal in enumerate(("AvoidCollision", "ExplorationPatrol")):
+        for k, option in enumerate(batch.options[goal]):
+            of_option = [n for n, name in enumerate(joint.problem.options) if name.split("+")[place] == option]
+            np.testing.assert_array_equal(thought[goal][:, k], opinions[:, of_option].max(axis=1))
+
+
+def test_off_and_random_stand_beside_combinations():
+    options = [f"{a}+{e}" for a in ("ORCA", "Off") for e in ("Patrol", "LevyWalk")]
+    labels = [entrant.label for entrant in with_baselines([], options)]
+    assert labels == ["fixed:Off", "Random"]

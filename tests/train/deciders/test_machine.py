@@ -1,0 +1,108 @@
+"""Missions by state machines: one state is a fixed option, and the rule made by hand is a machine, bit for bit."""
+
+import re
+
+import numpy as np
+import pytest
+
+from clean_swarm_env.config.load import load_family
+from clean_swarm_env.learning.batch import Batch
+from selector.documents.building import yaml_value
+from selector.strategies.machine_file import StateMachine, load_machine
+from selector.strategies.problem import Problem
+from tests.paths import ROOT
+from train.deciders.decided_goal import DecidedGoal
+from train.deciders.machine import MachineDecider
+from train.deciders.named import decider_named
+from train.deciders.rules import RuleDecider
+from train.running.trials import run_trials
+
+PROBLEM = Problem("Goal", ("a", "b", "c"), np.zeros(3), ("near", "far"))
+ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
+
+
+GUIDE = (ROOT / "docs" / "machines.md").read_text(encoding="utf-8")
+
+
+def machine(**states):
+    return StateMachine.model_validate({"goal": "Goal", "start": next(iter(states)), "states": states})
+
+
+def test_a_machine_of_one_state_is_a_fixed_option(tmp_path):
+    (tmp_path / "one.yaml").write_text(ONE)
+    scenarios = [load_family("random").scenario(1, number, "test") for number in range(2)]
+    members = (f"fsm:{tmp_path / 'one.yaml'}", "fixed:RepulsionGradient")
+    machine, fixed = (run_trials(scenarios, decider_named(member).build) for member in members)
+    assert machine == fixed
+
+
+def test_a_machine_that_goes_to_the_state_of_its_situation_is_a_rule(tmp_path):
+    scenarios = [load_family("random").scenario(1, number, "test") for number in range(2)]
+    situations, machine = ("free_far", "free_near", "carrying_far", "carrying_near"), load_machine("rule")
+
+    def by_hand(problem, teams):
+        options = [problem.options.index(machine.states[name.replace("_", " ")].option) for name in situations]
+        return RuleDecider(problem, situations, np.tile(options, (len(teams), 1)))
+
+    assert run_trials(scenarios, decider_named("fsm:rule").build) == run_trials(scenarios, by_hand)
+
+
+def test_the_rule_has_another_course_than_its_first_option():
+    states = load_machine("rule").states
+    assert len({state.option for state in states.values()}) > 1
+
+
+def test_the_guide_shows_a_machine_for_the_options_that_ship():
+    (text,) = re.findall(r"```yaml\n(.*?)```", GUIDE, re.DOTALL)
+    shown = StateMachine.model_validate(yaml_value(text, "guide"))
+    batch = Batch(load_family("crowded").scenario(0, 0, "test").mission)
+    shown.check_fits(DecidedGoal(batch).problem, "docs/machines.md")
+    assert len(shown.ways) == 3
+
+
+def test_the_first_open_way_is_taken_and_one_way_a_decision():
+    ways = [{"to": "second", "when": "near", "above": 0.5}, {"to": "third", "when": "far", "below": 0.0}]
+    decider = MachineDecider(
+        machine(
+            first={"option": "a", "transitions": ways},
+            second={"option": "b", "transitions": [{"to": "third"}]},
+            third={"option": "c"},
+        ),
+        PROBLEM,
+        rows=4,
+    )
+    decider.reset(np.arange(4), 1)
+    seen = np.array([[0.6, -1.0], [0.5, -0.1], [0.5, 0.0], [0.9, 0.9]], dtype=np.float32)
+    assert decider.decide(seen).options.tolist() == [1, 2, 0, 1]
+    assert decider.decide(seen).options.tolist() == [2, 2, 0, 2]
+    assert decider.opinions().argmax(axis=1).tolist() == [2, 2, 0, 2]
+    decider.reset(np.array([1, 3]), 2)
+    assert decider.decide(seen).options.tolist() == [2, 2, 0, 1]
+
+
+def test_probabilities_are_kept_and_rows_draw_the_same_in_any_batch():
+    flips = machine(
+        on={"option": "a", "transitions": [{"to": "off", "probability": 0.2}]},
+        off={"option": "b", "transitions": [{"to": "on", "when": "near", "above": -1.0, "probability": 0.4}]},
+    )
+
+    def course(rows, first):
+        decider = MachineDecider(flips, PROBLEM, rows)
+        decider.reset(np.arange(first, rows), 5)
+        return np.array([decider.decide(np.zeros((rows, 2), dtype=np.float32)).options for _ in range(300)])[:, first:]
+
+    alone = course(50, 0)
+    np.testing.assert_array_equal(course(60, 10), alone)
+    assert alone[100:].mean() == pytest.approx(0.2 / 0.6, abs=0.03)  # the share of the time in the second state
+    assert len(np.unique(alone, axis=1).T) == 50
+
+
+def test_chance_that_holds_draws_every_option_alike_and_anew_every_eight_decisions():
+    held = load_machine("random-held")
+    options = tuple(dict.fromkeys(state.option for state in held.states.values()))
+    decider = MachineDecider(held, Problem("ExplorationPatrol", options, np.zeros(7), ("any",)), 2000)
+    decider.reset(np.arange(2000), 3)
+    chosen = np.array([decider.decide(np.zeros((2000, 1), dtype=np.float32)).options for _ in range(40)])
+    for one in (chosen[0], chosen[-1]):
+        assert np.bincount(one) / 2000 == pytest.approx(np.full(7, 1 / 7), abs=0.03)
+    assert np.mean(chosen[1:] != chosen[:-1]) == pytest.approx(6 / 7 / 8, abs=0.003)

@@ -1,0 +1,120 @@
+"""An experiment's condition takes any decider: an option, a machine, a policy, as the command line names them."""
+
+import json
+
+import pytest
+import yaml
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.load import load_experiment
+from clean_swarm_env.config.starts import random_start
+from selector.documents.errors import DocumentError
+from tests.train.commands import run
+from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
+from train.evaluation.trial_task import experiment_tasks
+
+ONE = "goal: AvoidCollision\nstart: only\nstates:\n  only: {option: RepulsionGradient}\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "one.yaml").write_text(ONE)
+    return tmp_path
+
+
+def written(folder, *conditions):
+    content = {
+        "name": "deciders",
+        "mission": {"base": "table1", "knowledge": "avoidance", "time_limit": 60.0},
+        "scenarios": 2,
+        "conditions": list(conditions),
+    }
+    path = folder / "deciders.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+FORCED = {"name": "forced", "scores": {"AvoidCollision": {"RepulsionGradient": 1e6}}}
+MACHINE = {"name": "machine", "strategy": "fsm:one.yaml"}
+
+
+def test_an_option_and_a_machine_of_one_state_have_the_bits_of_the_highest_score(folder):
+    path = written(folder, FORCED, {"name": "option", "strategy": "fixed:RepulsionGradient"}, MACHINE)
+    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
+    rows = [json.loads(line) for line in (folder / "done" / "runs.jsonl").read_text().splitlines()]
+    figures = {}
+    for row in rows:
+        key = row["scenario"], row["condition"]
+        figures[key] = {name: row[name] for name in row if name not in ("condition", "wall_s")}
+    assert len(figures) == 6
+    for (scenario, _), own in figures.items():
+        assert own == figures[scenario, "forced"]
+    assert run("explain", "done", "--condition", "machine", "--robot", 1, "--time", 20) == 0
+    assert run("record", "done", "--condition", "machine", "--output", "run.swarm") == 0
+
+
+def test_a_policy_decides_for_its_own_goal(folder):
+    experiment = load_experiment(str(written(folder, {"name": "policy", "strategy": "policy:exploring-ppo"})))
+    (task, _) = experiment_tasks(experiment.model_copy(update={"starts": starts(experiment)}), 0)
+    assert task.settings.goal == "ExplorationPatrol"
+    with pytest.raises(DocumentError, match="unknown goal 'ExplorationPatrol'"):
+        task.check()
+
+
+def starts(experiment):
+    return tuple(random_start(experiment.mission, 0, number) for number in range(2))
+
+
+def test_a_strategy_by_its_text_is_that_strategy(folder):
+    both = (
+        {"name": "a", "strategy": "UCB1:prior=2"},
+        {"name": "b", "strategy": {"name": "UCB1", "parameters": {"prior": 2}}},
+    )
+    first, second = load_experiment(str(written(folder, *both))).conditions
+    assert first.strategy == second.strategy
+
+
+@pytest.mark.parametrize(
+    ("condition", "message"),
+    [
+        ({"strategy": "fsm:two.yaml"}, "two.yaml: no such file"),
+        ({"strategy": "fixed:Nothing"}, "unknown option 'Nothing'"),
+        ({"strategy": "MaxScor"}, "did you mean 'MaxScore'"),
+        ({"strategy": "policy:theirs.zip"}, "only a file asks to load theirs.zip"),
+        ({"strategy": "velocity:theirs.pt"}, "only a file asks to load theirs.pt"),
+        ({"strategy": "fixed:Off", "scores": FORCED["scores"]}, "scores: expected none beside fixed:Off"),
+    ],
+)
+def test_what_does_not_fit_is_one_line(folder, condition, message):
+    path = written(folder, {"name": "x", **condition})
+    with pytest.raises((ConfigurationError, DocumentError)) as told:
+        ExperimentEvaluation(ExperimentRequest(str(path), 0))
+    assert message in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_a_machine_that_has_changed_is_no_longer_the_same_evaluation(folder, capsys):
+    path = written(folder, MACHINE)
+    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
+    (folder / "one.yaml").write_text(ONE.replace("RepulsionGradient", "Off"))
+    assert run("explain", "done", "--robot", 1, "--time", 20) == 2
+    assert "condition 'machine' is no longer what the evaluation ran with" in capsys.readouterr().err
+    assert run("evaluate", path, "--workers", 1, "--output", "done", "--resume") == 2
+
+
+@pytest.mark.parametrize("held", [None, [1], {}, {"machine": "fsm:one.yaml", "more": "Random"}])
+def test_a_manifest_whose_deciders_are_not_those_of_its_conditions_is_refused(folder, held, capsys):
+    path = written(folder, MACHINE)
+    assert run("evaluate", path, "--workers", 1, "--output", "done") == 0
+    manifest = json.loads((folder / "done" / "manifest.json").read_text())
+    manifest["identity"]["deciders"] = held
+    (folder / "done" / "manifest.json").write_text(json.dumps(manifest))
+    assert run("explain", "done", "--robot", 1, "--time", 20) == 2
+    assert "manifest.json: identity.deciders: expected those of machine, got " in capsys.readouterr().err
+
+
+def test_a_bandit_that_does_not_learn_is_named(folder, capsys):
+    path = written(folder, {"name": "bandit", "strategy": "UCB1"}, FORCED)
+    assert run("evaluate", path, "--workers", 1, "--scenarios", 1, "--output", "done") == 0
+    assert "bandit: has learned nothing and learns nothing; --learn" in capsys.readouterr().err

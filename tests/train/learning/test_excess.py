@@ -1,0 +1,52 @@
+"""Learners learn from the excess, by which tables judge, and not from the cost that nobody could avoid."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tests.train.learning.trainings import job, written
+from train.learning import by_missions
+from train.learning.bandit import BanditTraining
+from train.learning.config import load_training
+from train.learning.members.es import EsTraining
+from train.learning.members.missions import OptionMember
+from train.learning.validation import LEAST_EXCESS, CheckpointHistory, judged
+
+UNAVOIDABLE = 20.0
+
+
+def result(excess):
+    return SimpleNamespace(cost_s=UNAVOIDABLE + excess, excess_s=excess)
+
+
+def test_the_best_checkpoint_is_that_of_the_lowest_excess():
+    history, still = CheckpointHistory(), {"still/cost_s": 100.0, "still/excess_s": 100.0}
+    assert history.note({}, still | {"arrivals/cost_s": 22.0, "arrivals/excess_s": 2.0})
+    worse = {"still/cost_s": 80.0, "still/excess_s": 80.0, "arrivals/cost_s": 24.0, "arrivals/excess_s": 4.0}
+    assert not history.note({}, worse)  # its costs are lower, by the product
+    assert history.best == pytest.approx(np.log([100.0, 2.0]).mean())
+
+
+def test_bandits_compare_the_excess_of_missions(tmp_path, monkeypatch):
+    training = BanditTraining(job(load_training(str(written(tmp_path, "missions")), "bandit"), tmp_path / "run"))
+    monkeypatch.setattr(by_missions, "run_trials", lambda missions, *_: [result(1.0 + k) for k in range(len(missions))])
+    scenarios = next(zip(*training.curriculum.scenarios(0), strict=True)) * 2
+    costs = training._learning._costs(scenarios, np.zeros((4, 2), dtype=np.int64))
+    assert costs.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_members_are_compared_by_their_excess(tmp_path):
+    def done(tasks):
+        for task in tasks:
+            for run in task.each():
+                run.result.__dict__.update(cost_s=UNAVOIDABLE + 3.0, unavoidable_s=UNAVOIDABLE)
+                yield run
+
+    training = EsTraining(job(load_training(str(written(tmp_path, "es")), "es"), tmp_path / "run", done=done))
+    scenario = next(training.curriculum.scenarios(0)[0])
+    assert training.costs([OptionMember(0)], [scenario]).tolist() == [[3.0]]
+
+
+def test_an_excess_that_has_no_logarithm_is_the_least():
+    assert judged(result(0.0)) == judged(result(-1e-12)) == LEAST_EXCESS

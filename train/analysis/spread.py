@@ -1,0 +1,135 @@
+"""How far means over scenarios may be from the truth: intervals, p-values, and how many scenarios are needed.
+
+Scenarios are drawn at random, and so are trainings where a strategy has several. Every interval and p-value is
+therefore Student's, by the number of scenarios and trainings, however many missions were run. A ratio of means is taken
+by its logarithm. docs/decisions/0212-ratios-by-student.md says how often intervals of ratios hold the truth.
+
+Shapes: S trainings of a strategy, K scenarios.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import scipy.stats
+
+from selforg.arrays import Floats
+
+Interval = tuple[float, float]
+TAIL: Final = 0.025
+"""Probability of each tail outside of a 95 % interval."""
+FEWEST: Final = 6
+"""Scenarios from which on there are p-values: five that all agree are no rarer than 6 % by chance alone."""
+TOLD: Final = math.log(1.1)
+"""Difference between two means, a tenth, that scenarios have to tell; as a logarithm."""
+POWER: Final = 0.8
+"""Probability with which so many scenarios tell it."""
+NO_SPREAD: Final = 1e-9
+"""Errors of means below this one are roundings only."""
+
+
+@dataclass(frozen=True)
+class MeanError:
+    """The error of a mean over scenarios and trainings."""
+
+    scenarios: int
+    error: float
+    """Standard error."""
+    freedom: float
+    """Degrees of freedom, by Welch and Satterthwaite."""
+
+    @classmethod
+    def of(cls, values: Floats) -> MeanError | None:
+        """Return that of the mean of `values` (S, K); None for a single scenario."""
+        if values.shape[1] < 2:
+            return None
+        means = [own for own in (values.mean(axis=0), values.mean(axis=1)) if len(own) > 1]
+        parts = np.array([own.var(ddof=1) / len(own) for own in means])
+        shares = np.maximum(parts, NO_SPREAD**2) / np.maximum(parts, NO_SPREAD**2).sum()
+        freedom = 1.0 / (shares**2 / [len(own) - 1 for own in means]).sum()
+        return cls(values.shape[1], math.sqrt(parts.sum()), float(freedom))
+
+    def half_width(self, tail: float = TAIL) -> float:
+        """Return half the width of the interval both of whose tails have the probability `tail`."""
+        return float(scipy.stats.t.isf(tail, self.freedom)) * self.error
+
+    def around(self, mean: float) -> Interval:
+        """Return the 95 % interval."""
+        return mean - self.half_width(), mean + self.half_width()
+
+    def p(self, mean: float) -> float | None:
+        """Return the two-sided probability of a mean at least so far from 0 if it were 0; None for few scenarios."""
+        if self.scenarios < FEWEST:
+            return None
+        return float(2.0 * scipy.stats.t.sf(abs(mean) / max(self.error, NO_SPREAD), self.freedom))
+
+    def needed(self, effect: float) -> int:
+        """Return the number of scenarios that tells a mean of `effect` from 0, by this spread."""
+        level, power = float(scipy.stats.norm.isf(TAIL)), float(scipy.stats.norm.ppf(POWER))
+        spread = self.error * math.sqrt(self.scenarios)
+        return max(math.ceil(((level + power) * spread / effect) ** 2 + level**2 / 2.0), FEWEST)
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A ratio of two means over the same scenarios."""
+
+    ratio: float | None
+    """None if the denominator is zero."""
+    spread: MeanError | None
+    """That of its logarithm; None for a single scenario, or if a mean is zero."""
+    scenarios: int
+
+    @classmethod
+    def of(cls, own: Floats, other: Floats) -> Ratio:
+        """Return the ratio of the means of `own` (S, K) or (K,) and `other` (K,)."""
+        above, below, count = float(own.mean()), float(other.mean()), len(other)
+        if below == 0.0 or above / below <= 0.0:
+            return cls(above / below if below else None, None, count)
+        return cls(above / below, MeanError.of(np.atleast_2d(own) / above - other / below), count)
+
+    def interval(self, tail: float = TAIL) -> Interval | None:
+        """Return the interval both of whose tails have the probability `tail`; None if it is unknown."""
+        if self.ratio is None or self.spread is None:
+            return None
+        half = min(self.spread.half_width(tail), 500.0)
+        return self.ratio * math.exp(-half), self.ratio * math.exp(half)
+
+    @cached_property
+    def ci95(self) -> Interval | None:
+        """The 95 % interval."""
+        return self.interval()
+
+    @property
+    def p(self) -> float | None:
+        """Probability of a ratio at least so far from 1 if it were 1; None for fewer than FEWEST scenarios."""
+        return self.spread.p(math.log(self.ratio)) if self.ratio is not None and self.spread is not None else None
+
+    @property
+    def content(self) -> dict[str, object]:
+        """The ratio as JSON has it."""
+        return {"ratio": self.ratio, "ci95": self.ci95, "p": self.p}
+
+
+def too_few(ratios: Sequence[Ratio]) -> tuple[str, ...]:
+    """Return the line that says how many scenarios `ratios` need, by the middle one of their spreads; none if enough.
+
+    The ratio of the fewest scenarios counts.
+
+    >>> too_few([Ratio.of(np.array([5.0, 3.0]), np.array([4.0, 4.0]))])
+    ('2 scenarios: no statement; about 110 are needed to tell a difference of a tenth',)
+
+    """
+    scenarios = min((one.scenarios for one in ratios), default=FEWEST)
+    if scenarios >= FEWEST:
+        return ()
+    spreads = [one.spread for one in ratios if one.spread is not None and one.spread.error > NO_SPREAD]
+    needed = int(np.median([spread.needed(TOLD) for spread in spreads])) if spreads else FEWEST
+    about = f"about {round(needed, 2 - len(str(needed)))}" if spreads else f"{FEWEST} or more"
+    plural = "s" if scenarios != 1 else ""
+    return (f"{scenarios} scenario{plural}: no statement; {about} are needed to tell a difference of a tenth",)

@@ -1,0 +1,115 @@
+"""The goals of a mission for which a learner or a decider chooses options; others keep the option of highest score.
+
+Several goals are decided as one: their names and those of their options are joined by `+`. The joint goal
+`ExplorationPatrol+AvoidCollision` has an option `LevyWalk+ORCA`, and as many others as there are combinations.
+
+Shapes: R rows, C goals that the mission coordinates, in the order of the robot's document; G goals that are decided;
+O options.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.observation.observer import Observations
+from clean_swarm_env.world.cleaning_robot import GOAL
+from selector.documents.errors import DocumentError
+from selector.documents.fields import JOINT
+from selector.strategies.problem import Problem
+from selforg.arrays import Floats, Ints
+from selforg.registry import unknown
+from train.deciders.decider import Decider
+
+
+class DecidedGoal:
+    """One goal of a batch, or several, and its options as actions.
+
+    Args:
+        batch: the worlds.
+        goal: name of the goal, or several joined by `+`; the goal that `named_goal` returns unless given.
+
+    Attributes:
+        problem: goal, options and scores; the features are all components of the observation. The score of a
+            combination is the sum of its options' scores.
+        parts: (G,) for each of the goals that are decided, its options.
+        goals: C.
+        columns: (G,) the goals that are decided among those that the mission coordinates.
+
+    Raises:
+        DocumentError: the mission does not coordinate the goal, or has several goals of which none is named.
+
+    """
+
+    def __init__(self, batch: Batch, goal: str | None = None) -> None:
+        models = {coordinator.model.goal: coordinator.model for coordinator in batch.worlds.coordinators}
+        names = [named_goal(tuple(models), name) for name in ([None] if goal is None else goal.split(JOINT))]
+        if len(set(names)) < len(names):
+            raise DocumentError(f"goal: expected each goal once, got {goal}")
+        self._goals, self.columns = names, [list(models).index(name) for name in names]
+        self.parts = tuple(tuple(models[name].options) for name in names)
+        self._default, self._recorder, self._mode = batch.choices.default, batch.recorder, batch.action.mode
+        self.goals = len(self._default)
+        self.problem = models[names[0]].problem(batch.observer.names)
+        if len(names) > 1:
+            options = tuple(JOINT.join(each) for each in product(*self.parts))
+            scores = np.array([sum(each) for each in product(*(models[name].scores for name in names))])
+            self.problem = Problem(JOINT.join(names), options, scores, batch.observer.names)
+
+    def decide(self, decider: Decider, observations: Observations) -> NDArray[Any]:
+        """Return the actions of a batch whose decider sees `observations` (R, F); a recording notes its opinions."""
+        options, vectors = decider.decide(observations)
+        if self._mode == "velocity":
+            return vectors
+        if self._recorder is not None:
+            self.think(decider.opinions())
+        actions = self.actions(options)
+        return actions if self._mode == "option" else np.hstack([actions, vectors])
+
+    def actions(self, options: Ints) -> Ints:
+        """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""
+        actions = np.tile(self._default, (len(options), 1))
+        actions[:, self.columns] = self.combined(options)
+        return actions
+
+    def combined(self, options: Ints) -> Ints:
+        """Return the option of each goal (N, G) in combinations (N,)."""
+        return np.stack(np.unravel_index(options, [len(part) for part in self.parts]), axis=1)
+
+    def think(self, opinions: Floats) -> None:
+        """Record what is thought (R, O) of the options; of an option of one goal, the best of its combinations."""
+        assert self._recorder is not None
+        table = opinions.reshape(-1, *(len(part) for part in self.parts))
+        for k, goal in enumerate(self._goals):
+            others = tuple(1 + other for other in range(len(self._goals)) if other != k)
+            self._recorder.think(goal, table.max(axis=others))
+
+
+def option_named(problem: Problem, name: str) -> str:
+    """Return the option of a name, or the best by score of the combinations that hold all options that it names.
+
+    Raises:
+        DocumentError: there is none.
+
+    """
+    wanted = set(name.split(JOINT))
+    fitting = [option for option in problem.options if option == name or wanted <= set(option.split(JOINT))]
+    if not fitting:
+        raise DocumentError(f"goal {problem.goal}: {unknown('option', name, problem.options)}")
+    return max(fitting, key=lambda option: problem.scores[problem.options.index(option)])
+
+
+def named_goal(known: Sequence[str], wanted: str | None) -> str:
+    """Return the goal `wanted` if given, else AvoidCollision if it is `known`, else the only known goal."""
+    if wanted is not None:
+        if wanted not in known:
+            raise DocumentError(f"goal: {unknown('goal', wanted, known)}")
+        return wanted
+    if GOAL in known or len(known) == 1:
+        return GOAL if GOAL in known else known[0]
+    raise DocumentError(f"goal: expected the name of one of {', '.join(known)}")

@@ -1,0 +1,95 @@
+"""The base class of deciders, which say in each decision period what robots do: options, movement vectors, or both.
+
+Shapes: R rows, F components of an observation, O options.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import NamedTuple, final
+
+import numpy as np
+
+from clean_swarm_env.learning.actions import Mode
+from clean_swarm_env.learning.observation.observer import Observations
+from selector.documents.errors import DocumentError
+from selector.strategies.problem import Problem
+from selforg.arrays import Floats, Ints
+from selforg.registry import unknown
+
+
+class Decided(NamedTuple):
+    """What rows do until the next decision."""
+
+    options: Ints
+    """(R,) option that serves the goal; 0 where the decider only drives."""
+    vectors: Floats
+    """(R, 2) movement, see `Controls`; 0 where the decider only chooses options."""
+
+
+class Decider(ABC):
+    """Base class: decides for R rows at a time.
+
+    `reset` is called when rows begin a mission, `decide` once in each decision period. A new decider is a class that
+    implements `_decide`, or `_choose` of an `OptionDecider`:
+
+    >>> class Nearest(OptionDecider):
+    ...     def _choose(self, observations):
+    ...         return observations.argmin(axis=1)
+    >>> nearest = Nearest(Problem("Goal", ("left", "right"), np.zeros(2), ("on_the_left", "on_the_right")))
+    >>> nearest.decide(np.array([[3.0, 1.0], [0.5, 1.0]])).options
+    array([1, 0])
+
+    Args:
+        problem: goal and options; its features are all components of the observation.
+
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+
+    def reset(self, rows: Ints, seed: int) -> None:  # noqa: B027  (decisions of many depend on no mission)
+        """Prepare `rows` (N,) for a new mission with `seed`."""
+
+    @final
+    def decide(self, observations: Observations) -> Decided:
+        """Return what each row does until the next decision, from its observations (R, F)."""
+        self._last = self._decide(observations)
+        return self._last
+
+    def opinions(self) -> Floats:
+        """Return what each row thought of each option (R, O) when it last decided: 1 for the one that it took."""
+        return np.eye(len(self.problem.options))[self._last.options]
+
+    @abstractmethod
+    def _decide(self, observations: Observations) -> Decided:
+        """Return what each row does."""
+
+
+class OptionDecider(Decider):
+    """Base class of deciders that only choose options."""
+
+    def _decide(self, observations: Observations) -> Decided:
+        return Decided(self._choose(observations), np.zeros((len(observations), 2)))
+
+    @abstractmethod
+    def _choose(self, observations: Observations) -> Ints:
+        """Return the option (R,) of each row."""
+
+
+DeciderMaker = Callable[[Problem, Ints], Decider]
+"""Makes a decider for rows of teams (R,), for a problem whose features are all components of the observation."""
+
+
+def mode_of(*, options: bool, vector: bool) -> Mode:
+    """Return what an action is that has options, a movement vector, or both."""
+    return "option" if not vector else "both" if options else "velocity"
+
+
+def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
+    """Return the indices of components of an observation; DocumentError for an unknown name."""
+    for name in names:
+        if name not in problem.features:
+            raise DocumentError(f"{what}: {unknown('component', name, problem.features)}")
+    return np.array([problem.features.index(name) for name in names], dtype=np.int64)
