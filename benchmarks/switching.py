@@ -35,7 +35,7 @@ MISSIONS = ("table1", "cleaning-patrol")  # one coordinator, two coordinators
 
 def worlds_of(mission: MissionConfig, worlds: int) -> Worlds:
     """Return worlds that have run for a while, robots holding options at random."""
-    models = coordinators_of(mission.network, load_knowledge(mission.knowledge), library_of())
+    models = coordinators_of(mission, load_knowledge(mission.knowledge), library_of())
     made = Worlds(mission, models, worlds)
     for world in range(worlds):
         made.reset(world, random_start(mission, 1, world), world)

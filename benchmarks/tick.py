@@ -70,7 +70,7 @@ def early_and_late(worlds: int, robots: int) -> dict[str, float]:
         told = by_turns({"tick": lambda: seconds_per_call(made.tick, ticks), "floor": floor})
         figures[f"{name} tick [us]"] = 1e6 * middle(told["tick"]) / worlds
         figures[f"{name} tick / floor"] = ratio(told["tick"], told["floor"]).value
-        figures[f"{name} pheromones per world"] = made.minds.pheromones.count(0, "pheromone")
+        figures[f"{name} pheromones per world"] = made.minds.buffers["pheromones"].count(0, "pheromone")
     figures["late / early"] = figures["late tick / floor"] / figures["early tick / floor"]
     return figures
 

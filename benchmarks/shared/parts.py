@@ -51,13 +51,13 @@ def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
     """Yield (owner, method, part) of every call that leads from one part of a tick into another."""
     yield worlds, "tick", "sensors and cargo"
     yield worlds.floor, "move", "physics"
-    for buffer in (worlds.minds.items, worlds.minds.pheromones, worlds.minds.gradients):
+    for buffer in (worlds.minds.buffers["items"], worlds.minds.buffers["pheromones"], worlds.minds.buffers["gradients"]):
         for method in ("store_static", "extinguish", "deposit"):
             yield buffer, method, "buffer"
     yield worlds.minds.poses, "update", "buffer"
     contents = [content for coordinator in worlds.coordinators for content in coordinator.contents]
     inner = [mechanism for content in contents for mechanism in content.mechanisms.values()]
-    for mechanism in (worlds.minds.to_garbage, worlds.minds.patrol, *inner):
+    for mechanism in (worlds.minds.movers["MoveToGarbage"], worlds.minds.movers["Patrol"], *inner):
         if isinstance(mechanism, MovementMechanism):
             yield mechanism, "move_into", "mechanisms"
     for network in (worlds.network, *(content.network for content in contents)):

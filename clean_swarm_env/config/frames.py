@@ -1,7 +1,7 @@
 """Frames: the parts of a mission that all worlds of one batch share.
 
-Worlds of one batch share the torus, the bodies, the network, the patrol, the numbers of rows and of stations; places of
-stations, events, garbage, delivery, prices and the time limit may differ. Rows that a mission does not use are absent,
+Worlds of one batch share the task, the ground, the bodies, the network, the patrol, the numbers of rows and of
+stations; places of stations, events, garbage, delivery, prices and, on a torus, the time limit may differ. Rows that a mission does not use are absent,
 so that missions of different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
 """
 
@@ -30,7 +30,7 @@ def frame_of(mission: MissionConfig) -> MissionConfig:
             "garbage": garbage,
             "stations": stations,
             "events": (),
-            "time_limit": 1.0,
+            "time_limit": 1.0 if mission.world.ground == "torus" else mission.time_limit,
             "collision_cost": 0.0,
             "contact_cost": 0.0,
             "delivery": delivery,

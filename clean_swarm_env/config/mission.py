@@ -10,8 +10,9 @@ import sys
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_serializer, field_validator, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, field_serializer, field_validator, model_validator
 
+from clean_swarm_env.config.cleaning import GarbageConfig, PatrolConfig, StationsConfig
 from clean_swarm_env.config.delivery import DeliveryConfig
 from clean_swarm_env.config.events import (
     Event,
@@ -24,13 +25,15 @@ from clean_swarm_env.config.events import (
     check_team,
 )
 from clean_swarm_env.config.network import NetworkConfig
-from clean_swarm_env.config.stations import StationsConfig
-from clean_swarm_env.config.types import ArrivalRate, Index, Items, Length, Point, Pose, Robots, Seconds, Spots
+from clean_swarm_env.config.tasks import CLEANING, TaskSettings, settings_from, with_task_defaults
+from clean_swarm_env.config.types import Index, Length, Point, Pose, Robots, Seconds
 from clean_swarm_env.config.world import ConsequencesConfig, WorldConfig, robots_that_fit
 from selector.documents.errors import impossible
-from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, Share, StoreName
+from selector.documents.fields import Closed, DocumentName, Name, NonNegative, Positive, StoreName
 from selector.knowledge import LearnedScores, learned_from
 
+SPARE = 2.0
+"""Margin around the places that robots can reach on open land [m]."""
 RANDOM_ITEMS = 40
 """Default number of rows for items in a world in which garbage keeps coming."""
 
@@ -44,6 +47,8 @@ class RobotConfig(Closed):
     """Number of robots for which there is room in memory, over the whole mission; 0: as many as the events need."""
     radius: Length = 0.25
     """Radius of the disc [m]."""
+    drive: Literal["differential", "holonomic"] = "differential"
+    """Whether a robot turns into its direction, or moves in any direction at once."""
     max_speed: Positive = 1.0
     """Largest speed along the heading [m/s]."""
     max_turn_rate: Positive = 2.0
@@ -67,66 +72,14 @@ class RobotConfig(Closed):
     """Whether a robot that has failed still carries its gradient: others keep away from its body and its cargo."""
 
 
-class GarbageConfig(Closed):
-    """The items and how near a robot must be to see or take one."""
-
-    count: Items = 10
-    """Number of items at the start."""
-    respawn: ArrivalRate = 0.0
-    """Items that arrive in a minute, at random times and places; above 0 a mission lasts its time limit [1/min]."""
-    capacity: Items = 0
-    """Most items lying or carried at a time, further ones are lost; 0: as needed, at least 40 with respawn."""
-    spots: Spots = ()
-    """Centres of the places about which items lie and arrive, all equally likely; empty: anywhere [m]."""
-    spot_radius: Length = 1.0
-    """Distance from the centre of its spot within which an item comes, evenly over the disc [m]."""
-    diffusion: NonNegative = 1.0
-    """Diffusion of an item's attractive gradient [m]."""
-    goal_radius: NonNegative = 0.0
-    """Goal radius of an item's attractive gradient [m]."""
-    view_distance: NonNegative = 1.0
-    """Distance added to the reach of an item within which it is seen [m]."""
-    at_distance: Positive = 0.55
-    """Distance within which a robot is at an item [m]."""
-    pick_distance: Positive = 0.6
-    """Distance within which the nearest item is taken [m]."""
-
-
-class PatrolConfig(Closed):
-    """The pheromones of the patrol and the speed of following them."""
-
-    diffusion: Positive = 1.0
-    """Diffusion of a fresh pheromone [m]."""
-    evaporation_factor: Share = 0.9
-    """Factor on a pheromone's diffusion after each evaporation period [-]."""
-    evaporation_period: NonNegative = 30.0
-    """Time between two evaporations of a pheromone [s]."""
-    min_diffusion: NonNegative = 0.3
-    """Diffusion below which a pheromone is gone [m]."""
-    aggregation_distance: NonNegative = 0.1
-    """Distance within which a new pheromone merges with a stored one [m]."""
-    view_distance: NonNegative = 4.0
-    """Distance added to the reach of a pheromone within which it is felt [m]."""
-    min_speed: NonNegative = 0.5
-    """Smallest length of the patrol's movement vector [m/s]."""
-    max_speed: Positive = 1.0
-    """Largest length of the patrol's movement vector [m/s]."""
-
-    @model_validator(mode="after")
-    def _ordered_speeds(self) -> Self:
-        if self.min_speed > self.max_speed:
-            raise impossible("min_speed", f"a speed up to max_speed {self.max_speed:g} m/s", self.min_speed)
-        return self
-
-
 class StartConfiguration(Closed):
     """Places of robots and items at the start of a mission."""
 
     id: Name
     """Name of the scenario, unique among those of an experiment."""
-    robots: Annotated[tuple[Pose, ...], Field(min_length=1)]
-    """(N, 3) x [m], y [m] and heading [rad] of each robot."""
-    items: tuple[Point, ...]
+    robots: tuple[Pose, ...]
+    """(N, 3) x [m], y [m] and heading [rad] of each robot; empty where the task of the mission places them."""
+    items: tuple[Point, ...] = ()
     """(M, 2) x [m] and y [m] of each item."""
 
     @field_validator("id", mode="before")
@@ -136,12 +89,15 @@ class StartConfiguration(Closed):
 
 
 class MissionConfig(Closed):
-    """One cleaning mission: it ends when all items are dumped or the time is over."""
+    """One mission: what there is to do, where, by which robots, and for how long."""
 
     name: Name = "cleaning"
     """Name of the mission."""
+    task: Annotated[SerializeAsAny[TaskSettings], BeforeValidator(settings_from)] = TaskSettings()
+    """What there is to do: the name of a task, or its name and its settings. `garbage`, `stations`, `patrol` and
+    `consequences` are those of cleaning; the task says what the other keys are unless they are given."""
     world: WorldConfig = WorldConfig()
-    """The torus and its physics."""
+    """The ground and its physics."""
     robots: RobotConfig = RobotConfig()
     """The robots."""
     garbage: GarbageConfig = GarbageConfig()
@@ -186,9 +142,26 @@ class MissionConfig(Closed):
 
         return public_url(store)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _of_task(cls, given: object) -> object:
+        return with_task_defaults(given) if isinstance(given, Mapping) else given
+
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        world, robots, stations = self.world, self.robots, self.stations
+        if self.cleans:
+            self._check_places()
+        else:
+            self._check_other_task()
+        self._check_times()
+        self._check_room()
+        return self
+
+    def _check_places(self) -> None:
+        """Raise the error of the first place that is not on the torus."""
+        world, stations = self.world, self.stations
+        if world.ground != "torus":
+            raise impossible("world.ground", "a torus with the task Cleaning", world.ground)
         places = {"stations.recycling": stations.recycling, "stations.dump": stations.dump}
         for key in ("further_recycling", "further_dumps"):
             places |= {f"stations.{key}.{k}": place for k, place in enumerate(getattr(stations, key))}
@@ -202,6 +175,21 @@ class MissionConfig(Closed):
             if not (0.0 <= x <= world.width and 0.0 <= y <= world.height):
                 expected = f"a point on the torus {world.width:g} m x {world.height:g} m"
                 raise impossible(key, expected, f"[{x:g}, {y:g}]")
+
+    def _check_other_task(self) -> None:
+        """Raise the error of the first key that only cleaning has."""
+        garbage = self.garbage
+        for key, given in (
+            ("garbage", garbage.count > 0 or self.continuous),
+            ("events", bool(self.events)),
+            ("consequences", self.consequences != ConsequencesConfig()),
+        ):
+            if given:
+                raise impossible(key, f"none with the task {self.task.name}", "some")
+
+    def _check_times(self) -> None:
+        """Raise the error of the first time that is no number of control periods."""
+        world = self.world
         for key, time, least in (
             ("decision_period", self.decision_period, 1),
             ("delivery.delay", self.delivery.delay, 0),
@@ -213,6 +201,10 @@ class MissionConfig(Closed):
             raise impossible(
                 "time_limit", f"at least one control period, {1.0 / world.control_rate:g} s", self.time_limit
             )
+
+    def _check_room(self) -> None:
+        """Raise an error if robots or items have no room."""
+        world, robots = self.world, self.robots
         fitting = robots_that_fit(world, robots.radius)
         if world.contacts == "solid" and robots.count > fitting:
             room = f"{world.width:g} m x {world.height:g} m"
@@ -226,12 +218,26 @@ class MissionConfig(Closed):
         if 0 < self.garbage.capacity < self.items_expected:
             expected = f"0 or at least {self.items_expected}, the items at the start and those that land"
             raise impossible("garbage.capacity", expected, self.garbage.capacity)
-        return self
 
     def beginning_with(self, learned: Mapping[str, Any]) -> "MissionConfig":
         """Return the mission without a store, and with what was learned of options, if anything, as plain data."""
         known = learned_from(learned, "learned") if learned else self.learned
         return self.model_copy(update={"store": "", "learned": known})
+
+    @property
+    def cleans(self) -> bool:
+        """Whether the task is to clean."""
+        return self.task.name == CLEANING
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height of the torus of the physics [m].
+
+        Open land is so wide that no robot can get round it within the mission.
+        """
+        world = self.world
+        beyond = 0.0 if world.ground == "torus" else self.time_limit * self.robots.max_speed + SPARE
+        return world.width + 2.0 * beyond, world.height + 2.0 * beyond
 
     @property
     def rows(self) -> int:

@@ -66,7 +66,12 @@ def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfigur
 
 
 def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: str) -> StartConfiguration:
-    """Return a start with the id `name`, drawn from two children of `sequence`; see `random_start`."""
+    """Return a start with the id `name`, drawn from two children of `sequence`; see `random_start`.
+
+    Tasks other than cleaning place robots and things themselves.
+    """
+    if not mission.cleans:
+        return StartConfiguration(id=name, robots=())
     for_robots, for_items = sequence.spawn(2)
     size = np.array([mission.world.width, mission.world.height])
     apart = 2.0 * mission.robots.radius + START_GAP if mission.world.contacts == "solid" else 0.0
@@ -162,8 +167,10 @@ def load_starts(path: Path) -> StartsFile:
 
 def for_start(mission: MissionConfig, start: StartConfiguration) -> MissionConfig:
     """Return `mission` with the counts of `start`; a start that does not fit raises ConfigurationError."""
-    size = np.array([mission.world.width, mission.world.height])
-    robots = np.array(start.robots)
+    if not mission.cleans and not start.robots:
+        return mission  # its task places them
+    size = np.array(mission.extent)
+    robots = np.array(start.robots).reshape(-1, 3)
     for what, points in (("robots", robots[:, :2]), ("items", np.array(start.items).reshape(-1, 2))):
         for row in np.flatnonzero(~np.all((points >= 0.0) & (points <= size), axis=1))[:1]:
             expected = f"a point on the torus {size[0]:g} m x {size[1]:g} m"

@@ -16,13 +16,18 @@ MOST_STEPS = 1000
 """Physics steps of a control period, between which nobody can interrupt a mission."""
 
 
-class WorldConfig(Closed):
-    """The torus and its physics."""
+GroundKind = Literal["torus", "open"]
 
+
+class WorldConfig(Closed):
+    """The ground and its physics."""
+
+    ground: GroundKind = "torus"
+    """Whether the world is a torus, or open land that has no edge; cleaning is for a torus."""
     width: Length = 11.0
-    """Length of the torus along x [m]."""
+    """Length of the torus along x, or of the part of open land in which robots start [m]."""
     height: Length = 11.0
-    """Length of the torus along y [m]."""
+    """Length along y [m]."""
     contacts: Literal["solid", "pass_through"] = "solid"
     """Whether robots are solid, or drive through each other as in the paper's simulator."""
     physics_rate: Rate = 20.0

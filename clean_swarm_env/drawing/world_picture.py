@@ -22,7 +22,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     loaded = garbage.cargo[rows] != NOTHING
     lying = garbage.stage[world] == LYING
     coordinator = worlds.coordinators[0] if worlds.coordinators else None
-    trail, diffusions = trail_of(worlds.minds.pheromones, int(worlds.rows_of(world)[0]), worlds.now)
+    trail, diffusions = trail_of(worlds.minds.buffers["pheromones"], int(worlds.rows_of(world)[0]), worlds.now)
     return Canvas(
         worlds.physics.positions[rows].copy(),
         worlds.physics.headings[rows].copy(),

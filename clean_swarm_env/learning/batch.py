@@ -96,7 +96,7 @@ class Batch(AnyBatch):
         self.action = config_from(ActionConfig, action, "action")
         self.begin_anew = settings.get("begin_anew", True)
         known = knowledge_of(self.mission, directories)
-        models = coordinators_of(self.mission.network, known, library_of(directories), directories)
+        models = coordinators_of(self.mission, known, library_of(directories), directories)
         record, explained = settings.get("record"), settings.get("explained", False)
         explained = explained or (record is not None and record.minds)
         self.worlds = Worlds(self.mission, models, worlds, directories=directories, explained=explained)

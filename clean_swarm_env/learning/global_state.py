@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config.stations import StationsConfig
+from clean_swarm_env.config.cleaning import StationsConfig
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds

@@ -185,7 +185,7 @@ class MissionProgress:
         self.acted |= executing[:, self._coordinated] != 0
         avoids = executing[:, self._avoiding] if self._avoiding >= 0 else np.zeros_like(entered)
         period, followed = self.period.words, self._followed.words
-        count = count_tick(period, followed, entered, avoids, worlds.cleaned, worlds.ticks, worlds.period)
+        count = count_tick(period, followed, entered, avoids, worlds.done, worlds.ticks, worlds.period)
         self.ended = self._followed.record.ended[:count].copy()
         return count > 0
 

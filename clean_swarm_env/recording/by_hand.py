@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.types import Index
+from clean_swarm_env.world.cleaning import cleaning_of
 from clean_swarm_env.world.garbage import ABSENT, LYING
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
@@ -147,7 +148,7 @@ class _OfItem(Change):
             raise ValueError(f"item {self.item}: expected an item that lies")
         here, place = np.array([WORLD]), garbage.positions[WORLD, [self.item]]
         garbage.stage[WORLD, self.item] = ABSENT
-        worlds.hide_items(here, place)
+        cleaning_of(worlds.task).hide_items(here, place)
 
 
 class PutItem(_AtPlace, _OfItem):

@@ -148,8 +148,8 @@ class MissionRecorder:
         self._note_poses()
         self._ticks += 1
         if found & DONE or self._ticks >= self._soonest:
-            cleaned = worlds.cleaned
-            for world in [w for w in self._running if cleaned[w] or self._ticks >= self._ends[w]]:
+            done = worlds.done
+            for world in [w for w in self._running if done[w] or self._ticks >= self._ends[w]]:
                 self._end(world, asdict(result_of(worlds, world)))
         if self.frames.at == self.frames.room:
             self._write_all()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
+from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.network import NetworkConfig
+from clean_swarm_env.config.tasks import find_task
 from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel, coordinator_models
 from selector.coordination.robot_document import coordinated_goals, load_network
@@ -52,11 +54,19 @@ BEHAVIOURS = ("MoveToGarbage", "PickGarbage", "MoveToRecycling", "Recycle", "Mov
 """Behaviours that the world carries out; a document may add others, and may coordinate `Patrol`."""
 
 
+def goals_of(mission: MissionConfig, directories: Sequence[Path] = ()) -> tuple[str, ...]:
+    """Return the goals that robots coordinate: those of the robot's document, or the goal of another task."""
+    if not mission.cleans:
+        kind: Any = find_task(mission.task.name)
+        return (kind.goal or mission.task.name,)
+    return coordinated_goals(find_file("robots", mission.network.robot, directories))
+
+
 def coordinators_of(
-    config: NetworkConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
+    mission: MissionConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
 ) -> tuple[CoordinatorModel, ...]:
-    """Return the models of the goals that the robot's document coordinates, in the order of the document."""
-    return coordinator_models(coordinated_goals(find_file("robots", config.robot, directories)), knowledge, library)
+    """Return the models of the goals that robots coordinate, in their order."""
+    return coordinator_models(goals_of(mission, directories), knowledge, library)
 
 
 def robot_network(

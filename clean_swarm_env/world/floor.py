@@ -18,11 +18,13 @@ from clean_swarm_env.physics.physics import Physics
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.world.consequences import Consequences
 from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
+from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.records import FLOOR, FloorRecord
 from selforg.arrays import Flags, Floats, Ints, Lasting, together
 from selforg.commands import Commanded
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
+from selforg.elementary import directions
 from selforg.space import nearest_image, shorten
 
 SAME_PLACE = 1e-6
@@ -48,13 +50,15 @@ class Floor:
     def __init__(self, mission: MissionConfig, worlds: int) -> None:
         world, robots, garbage = mission.world, mission.robots, mission.garbage
         self.worlds, self.robots = worlds, mission.rows
-        self.extent: Floats = np.array([world.width, world.height])
+        self.ground = Ground.of(mission)
+        self.extent: Floats = self.ground.extent
+        width, height = self.extent.tolist()
         self.physics = Physics(
             PhysicsSettings(
                 worlds=worlds,
                 robots=mission.rows,
-                width=world.width,
-                height=world.height,
+                width=width,
+                height=height,
                 radius=robots.radius,
                 contacts=world.contacts,
                 timestep=1.0 / world.physics_rate,
@@ -70,10 +74,12 @@ class Floor:
                 command_timeout=robots.command_timeout,
             ),
         )
-        self.collisions = CollisionCounter(worlds, mission.rows, world.width, world.height, mission.collision_distances)
+        self.collisions = CollisionCounter(worlds, mission.rows, width, height, mission.collision_distances)
         self.consequences = Consequences(mission, worlds * mission.rows)
         self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
-        self.stations: Floats = np.tile(mission.stations.places, (worlds, 1, 1))
+        self._holonomic = robots.drive == "holonomic"
+        places, kinds = (mission.stations.places, mission.stations.kinds) if mission.cleans else ((), ())
+        self.stations: Floats = np.tile(np.reshape(places, (-1, 2)), (worlds, 1, 1))
         sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
         cells = cells_along(mission.item_rows, max(sight, garbage.at_distance, garbage.pick_distance), self.extent)
         self._substeps = mission.world.physics_steps_per_tick
@@ -82,7 +88,7 @@ class Floor:
                 robots=self.physics.positions,
                 extent=self.extent,
                 stations=self.stations,
-                kinds=np.array(mission.stations.kinds, dtype=np.int64),
+                kinds=np.array(kinds, dtype=np.int64),
                 items=self.garbage.positions,
                 stage=self.garbage.stage,
                 leftover=self.garbage.leftover,
@@ -127,7 +133,8 @@ class Floor:
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
         """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""
-        self.stations[world] = mission.stations.places
+        if mission.cleans:
+            self.stations[world] = mission.stations.places
         self.garbage.place(world, items % self.extent)
         self.collisions.reset(world)
 
@@ -150,6 +157,10 @@ class Floor:
 
     def move(self, commands: Packed[Commanded], now: float) -> None:
         """Move the robots by their commands for one control period, and count collisions meanwhile."""
+        if self._holonomic:
+            given = commands.record
+            turned = given.commanded & ~given.in_place & (given.vectors != 0.0).any(axis=1)
+            self.physics.headings[turned] = directions(given.vectors[turned])
         self.physics.tick(now, self._substeps, commands, self.drive, self.collisions)
 
 

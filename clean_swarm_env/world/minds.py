@@ -5,41 +5,57 @@ Rows are robots, R = W * N. Bodies, items and stations are on the `floor`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.world.cleaning_robot import CargoMemory, robot_network
+from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.reception import Localisation, Reception, pose_history
-from clean_swarm_env.world.records import MINDS, FloorRecord, MindsRecord
-from clean_swarm_env.world.tick_kernels import begin_commands, read_sensors
+from clean_swarm_env.world.records import MINDS, MindsRecord
 from selector.configurations.host import Host, host_memory
 from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
+from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import Flags, Floats, Ints, Lasting, together
 from selforg.commands import Commands
 from selforg.compiler.records import Packed
+from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.settings import BufferSettings
-from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
+from selforg.mechanisms import MovementMechanism, Patrol
 from selforg.network.network import BehaviourNetwork
 from selforg.network.planning.names import planner_named
 from selforg.randomness import DirectionStream
 from selforg.registry import unknown
-from selforg.space import Torus
 
 ITEM_CHANNEL: Final = "garbage"
 """Channel of the items."""
-PHEROMONES: Final = "pheromone"
-"""Channel of the pheromones that patrolling robots deposit."""
 STATION_CHANNELS: Final = ("recycling", "dump")
 """Channels of the stations, by their kinds."""
+
+
+class Blueprint(Protocol):
+    """What minds must know of a task: buffers, networks, and mechanisms that move robots by themselves."""
+
+    handling: tuple[str, ...]
+    transport: tuple[str, ...]
+
+    def robot(
+        self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
+    ) -> RobotNetwork:
+        """Return the network of a robot."""
+
+    def buffers(self, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
+        """Return the buffers by name."""
+
+    def movers(
+        self, mission: MissionConfig, buffers: Mapping[str, SoBuffer], directions: DirectionStream
+    ) -> dict[str, MovementMechanism]:
+        """Return mechanisms by behaviours of the robots' network."""
 
 
 class Inner(Protocol):
@@ -73,16 +89,14 @@ class Minds:
     Attributes:
         poses: the pose gradients of the robots.
         reception: the delivery of messages.
-        items, pheromones, gradients: the buffers: garbage, traces of the patrol, everything else; `buffers` has them
-            by name, and that of the stations.
+        buffers: by name; those of the task.
+        memory: knowledge of every robot, shared by all options.
+        known: returns what robots know from the start on: name -> (R,).
         directions: random directions, one stream a row.
         network: the robots' behaviour networks.
         coordinators: (C,) one for each goal that the robot's document coordinates, in its order.
         nested: the networks inside other behaviours of the robot's document.
-        to_garbage, patrol: the mechanisms of MoveToGarbage and Patrol, unless a coordinator or a network inside the
-            behaviour moves the robots.
         commands: the commands to the robots in this tick.
-        cargo_memory: what configurations know of the robots' cargo, and ask for.
         packed: the record that compiled code takes.
 
     """
@@ -92,22 +106,24 @@ class Minds:
         mission: MissionConfig,
         models: Sequence[CoordinatorModel],
         worlds: int,
+        task: Blueprint,
         directories: Sequence[Path] = (),
         explained: bool = False,
     ) -> None:
-        self.rows = worlds * mission.rows
+        self.rows, self._alone = worlds * mission.rows, not task.handling
+        self.known: Callable[[], Mapping[str, Floats]] = dict
         self._garbage = mission.garbage
         self._station_kinds: Ints = np.array(mission.stations.kinds, dtype=np.int64)
-        self._build_buffers(mission, worlds)
-        self._build_network(mission, models, directories, explained)
+        self._build_buffers(mission, worlds, task)
+        self._build_network(mission, models, task, directories, explained)
         self.commands = Commands.none(self.rows, 2)
         index = self.network.model.behaviour_index
         self.packed: Packed[MindsRecord] = MINDS.pack(
             MindsRecord(
                 readings=self.network.readings,
                 marks=self.network.state.mark_table,
-                handling=np.array([index[name] for name in ("PickGarbage", "Recycle", "Dump")], dtype=np.int64),
-                transport=np.array([index[name] for name in ("MoveToRecycling", "MoveToDump")], dtype=np.int64),
+                handling=np.array([index[name] for name in task.handling], dtype=np.int64),
+                transport=np.array([index[name] for name in task.transport], dtype=np.int64),
                 movers=np.array([index[name] for name in self._movers], dtype=np.int64),
                 starting=np.zeros((self.rows, 3), dtype=np.bool_),
                 running=np.zeros((len(self._movers), self.rows), dtype=np.int64),
@@ -115,8 +131,8 @@ class Minds:
             )
         )
 
-    def _build_buffers(self, mission: MissionConfig, worlds: int) -> None:
-        space = Torus(mission.world.width, mission.world.height)
+    def _build_buffers(self, mission: MissionConfig, worlds: int, task: Blueprint) -> None:
+        space = Ground.of(mission).space
         self.reception = Reception(mission, worlds, self.rows)
         self._localisation = Localisation(mission, self.rows)
         self.poses = OwnPoses(
@@ -130,44 +146,32 @@ class Minds:
         )
         self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
-        patrol, seen = mission.patrol, mission.garbage.view_distance
-        newest = BufferSettings(seen, {"DEFAULT": "new"}, aggregation_distance=0.0)
-        strongest = BufferSettings(
-            patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
-        )
-        self.items = SoBuffer(newest, space, self.poses)
-        self.pheromones = SoBuffer(strongest, space, self.poses, self.reception.delivery())
-        self.gradients = SoBuffer(BufferSettings(), space, self.poses)
-        self.buffers = {"gradients": self.gradients, "items": self.items, "pheromones": self.pheromones}
-        self.buffers["stations"] = SoBuffer(replace(newest, view_distance=np.inf), space, self.poses)
-        self.to_garbage = ChemotaxisBalch(self.items, channels=(ITEM_CHANNEL,), directions=self.directions)
-        self.patrol = Patrol(
-            self.pheromones,
-            pheromone=Pheromone(PHEROMONES, -1, patrol.diffusion, patrol.evaporation_factor, patrol.evaporation_period),
-            min_speed=patrol.min_speed,
-            max_speed=patrol.max_speed,
-            channels=(PHEROMONES,),
-            directions=self.directions,
-        )
+        self.buffers = task.buffers(mission, self.poses, self.reception)
+        self._delivered = self.buffers.values() if mission.own_contents or not mission.cleans else ()
+        self.movers = task.movers(mission, self.buffers, self.directions)
 
     def _build_network(
-        self, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path], explained: bool
+        self,
+        mission: MissionConfig,
+        models: Sequence[CoordinatorModel],
+        task: Blueprint,
+        directories: Sequence[Path],
+        explained: bool,
     ) -> None:
-        robot = robot_network(mission.network, models, directories)
+        robot = task.robot(mission, models, directories)
         planner = planner_named(robot.model, mission.network.planner)
         self.network = BehaviourNetwork(robot.model, self.rows, planner, explained)
         configurations = [configuration for model in models for configuration in model.configurations]
         self._chances = [np.random.default_rng(0)] * self.rows
-        self._memory = host_memory([*configurations, *robot.all_specs()], self.rows)
-        self.cargo_memory = CargoMemory(self._memory)
-        host = Host(self.poses, self.buffers, self.directions, self._chances, self._memory)
+        self.memory: RobotMemory = host_memory([*configurations, *robot.all_specs()], self.rows)
+        host = Host(self.poses, self.buffers, self.directions, self._chances, self.memory)
         self.coordinators = tuple(
             Coordinator(m, self.network, host, during=robot.during.get(m.goal, ()), explained=explained) for m in models
         )
         self.nested = inner_networks(robot, self.network, host, explained=explained)
         self._movers = {
             name: mechanism
-            for name, mechanism in (("MoveToGarbage", self.to_garbage), ("Patrol", self.patrol))
+            for name, mechanism in self.movers.items()
             if name in robot.model.behaviour_index and name not in robot.inner
         }
         self._inner: tuple[Inner, ...] = (*self.coordinators, *self.nested)
@@ -198,7 +202,7 @@ class Minds:
         """Return what robots hand on to the next tick, but for the buffers and the random draws."""
         own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
         inner = (part.lasting() for part in self._inner)
-        return together((own, self.network.lasting(), self._memory.lasting(), *inner))
+        return together((own, self.network.lasting(), self.memory.lasting(), *inner))
 
     def restore(self) -> None:
         """Go on from what has been written to those arrays."""
@@ -211,14 +215,17 @@ class Minds:
         for buffer in self.buffers.values():
             buffer.clear_rows(rows)
         self.network.reset(rows)
-        self._memory.reset(rows)
+        self.memory.reset(rows)
+        for name, values in self.known().items():
+            if name in self.memory.kinds:
+                self.memory[name].values[rows] = values[rows]
         for inner in self._inner:
             inner.reset(rows)
 
     def show_items(self, worlds: int | Ints, positions: Floats, now: float) -> None:
         """Store the gradients of items that lie at `positions` (M, 2) [m] of one world, or of `worlds` (M,)."""
         garbage = self._garbage
-        self.items.store_static(
+        self.buffers["items"].store_static(
             np.broadcast_to(worlds, len(positions)),
             ITEM_CHANNEL,
             positions,
@@ -229,7 +236,7 @@ class Minds:
 
     def hide_items(self, worlds: Ints, positions: Floats, now: float) -> None:
         """Delete the gradients of items that lay at `positions` (M, 2) [m] of `worlds` (M,)."""
-        self.items.extinguish(worlds, ITEM_CHANNEL, positions, now)
+        self.buffers["items"].extinguish(worlds, ITEM_CHANNEL, positions, now)
 
     def show_stations(self, world: int, places: Floats, now: float) -> None:
         """Store the gradients of the stations, which are at `places` (K, 2) [m], in place of those stored before."""
@@ -246,27 +253,21 @@ class Minds:
         """Deliver the messages that arrive now, by the delivery of each mission."""
         if self._pose_delivery is not None:
             self._pose_delivery.deliver()
-            self.pheromones.deliver(now)
+        for buffer in self._delivered:
+            buffer.deliver(now)
 
-    def sense(self, floor: Packed[FloorRecord], now: float) -> None:
-        """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
-        self.sense_floor(floor)
-        self.cargo_memory.tell(floor.record.recycled, floor.record.leg, self.network.readings)
+    def sense(self, now: float) -> None:
+        """Write the sensors of coordinators and nested networks into the readings."""
         for inner in self._inner:
             inner.sense(now)
 
-    def sense_floor(self, floor: Packed[FloorRecord]) -> None:
-        """Write the robots' own sensors into the readings."""
-        read_sensors(floor.words, self.packed.words)
-
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""
-        self.network.step(rows)
+        self.network.step(rows, self._alone)
 
-    def act(self, floor: Packed[FloorRecord], now: float) -> None:
-        """Write a movement vector for every robot in which a behaviour that moves runs, and steer those that do."""
+    def act(self, now: float) -> None:
+        """Write a movement vector for every robot in which a behaviour that moves runs, and bend those there are."""
         commands = self.commands
-        begin_commands(floor.words, self.packed.words, commands.packed.words)
         for mechanism, rows in self._moved():
             mechanism.move_into(now, rows, commands.vectors, commands.commanded)
         for inner in self._inner:
@@ -284,8 +285,8 @@ class Minds:
     def leave(self, now: float) -> None:
         """Deposit and spread what others perceive from the next tick on: pheromones of the patrol, and gradients."""
         for mechanism, rows in self._moved():
-            if mechanism is self.patrol:
-                self.patrol.deposit(now, rows)
+            if isinstance(mechanism, Patrol):
+                mechanism.deposit(now, rows)
         for inner in self._inner:
             inner.leave(now)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from clean_swarm_env.config.known import knowledge_of
@@ -28,9 +28,9 @@ class MissionResult:
     """The figures of a mission that is over, in the order of the columns of `runs.csv`."""
 
     completed: bool
-    """Whether all garbage was dumped in time."""
+    """Whether all garbage was dumped in time; with another task, whether all measures met their targets."""
     duration_s: float
-    """Time at which the last item was dumped, or the time limit [s]."""
+    """Time at which the last item was dumped, or the task was done, or the time limit [s]."""
     collision_samples_per_s: tuple[float, ...]
     """For each collision distance, pairs closer than it, counted at every physics step [1/s]."""
     collision_events_per_s: tuple[float, ...]
@@ -44,9 +44,11 @@ class MissionResult:
     items_per_min: float
     """Items dumped per minute [1/min]."""
     cost_s: float
-    """See `mission_cost` [s]."""
+    """See `mission_cost`, and `Task.costs` for other tasks [s]."""
     unavoidable_s: float
     """The part of the cost that nobody could avoid [s]; see `unavoidable_cost`."""
+    measures: Mapping[str, float] = field(default_factory=dict)
+    """The measures of a task other than cleaning, by name."""
 
     @property
     def excess_s(self) -> float:
@@ -147,7 +149,7 @@ class Course:
     def __init__(self, run: MissionRun, *, explained: bool = False) -> None:
         mission, directories = run.mission, run.directories
         knowledge = knowledge_of(mission, directories).with_scores(run.scores)
-        models = coordinators_of(mission.network, knowledge, library_of(directories), directories)
+        models = coordinators_of(mission, knowledge, library_of(directories), directories)
         self.worlds = Worlds(mission, models, directories=directories, explained=explained)
         self.worlds.reset(0, run.start, run.seed)
         self._selection = Selection(self.worlds.coordinators, run.seed, run.strategy)
@@ -169,7 +171,7 @@ class Course:
     def in_progress(self) -> bool:
         """Whether garbage and time are left."""
         worlds = self.worlds
-        return mission_state(worlds.cleaned[0], worlds.ticks[0], self._limit) == RUNNING
+        return mission_state(worlds.done[0], worlds.ticks[0], self._limit) == RUNNING
 
     def tick(self) -> None:
         """Run one control period; at the first one of a decision period, choose the options first."""
@@ -180,12 +182,12 @@ class Course:
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:
     """Return the result of a world up to now."""
-    mission = worlds.missions[world]
+    mission, task = worlds.missions[world], worlds.task
     ticks, done = int(worlds.ticks[world]), int(worlds.garbage.done[world])
-    completed = bool(worlds.cleaned[world])
+    completed = bool(worlds.done[world]) if mission.cleans else bool(task.met()[world])
     time = max(ticks, 1) * worlds.period
     # the last item is dumped at the beginning of its control period
-    duration = max(ticks - 1, 0) * worlds.period if completed else mission.time_limit
+    duration = max(ticks - 1, 0) * worlds.period if bool(worlds.done[world]) else mission.time_limit
     events, samples = worlds.collisions.events[world], worlds.collisions.samples[world]
     return MissionResult(
         completed=completed,
@@ -196,6 +198,9 @@ def result_of(worlds: Worlds, world: int) -> MissionResult:
         robots=int(worlds.team.joined[world]),
         ticks=ticks,
         items_per_min=60.0 * done / time,
-        cost_s=mission_cost(mission, duration, int(events[0]), int(samples[0]), done),
-        unavoidable_s=unavoidable_cost(mission, worlds.came(world)),
+        cost_s=mission_cost(mission, duration, int(events[0]), int(samples[0]), done)
+        if mission.cleans
+        else float(task.costs()[world]),
+        unavoidable_s=unavoidable_cost(mission, worlds.came(world)) if mission.cleans else 0.0,
+        measures={} if mission.cleans else {name: float(values[world]) for name, values in task.result().items()},
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clean_swarm_env.config.stations import DUMP, RECYCLING
+from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.physics.cells import distance, fill_cells, nearest_of_kind, nearest_point
 from clean_swarm_env.world.cleaning_robot import (
     AT_DUMP,

@@ -18,6 +18,7 @@ from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.events import Agenda, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.team_changes import Team
 from selforg.arrays import together
 from selforg.gradients.store.columns import POSE_STAMP, ROW_TEAM
@@ -45,11 +46,13 @@ class WorldState(NamedTuple):
 class WorldStates:
     """Takes states out of the worlds of a batch, and puts them in."""
 
-    def __init__(self, floor: Floor, minds: Minds, team: Team, agendas: Agendas, clock: Clock) -> None:
+    def __init__(
+        self, floor: Floor, minds: Minds, team: Team, task: Task[Any, Any], agendas: Agendas, clock: Clock
+    ) -> None:
         self._floor, self._minds, self._team, self._agendas, self._clock = floor, minds, team, agendas, clock
         lasting = together((floor.lasting(), minds.lasting(), team.lasting()))
-        self._rows, self._times = (*lasting.values, *lasting.times), lasting.times
-        self._worlds = (*floor.of_worlds(), *minds.reception.of_worlds(), team.joined, agendas.over)
+        self._rows, self._times = (*lasting.values, *task.of_rows(), *lasting.times), lasting.times
+        self._worlds = (*floor.of_worlds(), *minds.reception.of_worlds(), team.joined, agendas.over, *task.of_worlds())
         self._likeness = {
             "options": tuple((one.model.goal, one.model.options) for one in minds.coordinators),
             "behaviours": tuple(behaviour.name for behaviour in minds.network.model.behaviours),

@@ -1,4 +1,4 @@
-"""W worlds of N cleaning robots each, stepped together; `tick` lists the stages of one control period.
+"""W worlds of N robots each with one task, stepped together; `tick` lists the stages of one control period.
 
 Rows are robots, R = W * N. A world depends on its own start and seed only: its course is the same alone and in a
 batch.
@@ -8,22 +8,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 
 from clean_swarm_env.config.frames import check_frame
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.physics.clock import Clock
+from clean_swarm_env.world.cleaning import Cleaning
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.team_changes import Team
-from clean_swarm_env.world.tick_kernels import handle_cargo_as_decided, handle_cargo_in_reach
+from clean_swarm_env.world.view import World
 from clean_swarm_env.world.world_state import WorldState, WorldStates
 from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
 from selforg.arrays import Flags, Floats, Ints
 from selforg.sealing import sealed, unsealed
+
+TASK_STREAM: Final = 0xFFFFFFFB
+"""Spawn key of the draws of a task at the start of a world; other streams have other keys."""
 
 
 class Worlds:
@@ -41,6 +49,7 @@ class Worlds:
             attributes of the worlds too.
         minds: what the robots know and decide; its `network` and `coordinators` are attributes of the worlds too.
         team: which robots are present and at work.
+        task: what there is to do.
 
     """
 
@@ -60,10 +69,14 @@ class Worlds:
         self.period = 1.0 / mission.world.control_rate
         self._clock = Clock(worlds, self.period)
         self.floor = Floor(mission, worlds)
-        self.minds = Minds(mission, models, worlds, directories, explained)
+        kind: Any = Cleaning if mission.cleans else find_task(mission.task.name)
+        self.minds = Minds(mission, models, worlds, kind, directories, explained)
+        self.world = World(self.missions, self.floor, self.minds, self._clock)
+        self.task: Task[Any, Any] = kind(self.world)
+        self.minds.known = self.task.known
         self.team = Team(mission, self.floor, self.minds, self._clock)
         self._agendas = Agendas(Affected(self.floor, self.minds, self.team, self._clock))
-        self._states = WorldStates(self.floor, self.minds, self.team, self._agendas, self._clock)
+        self._states = WorldStates(self.floor, self.minds, self.team, self.task, self._agendas, self._clock)
         self._driven: Floats | None = None
         self._correction: Floats | None = None
         self.extent, self.stations, self.garbage = self.floor.extent, self.floor.stations, self.floor.garbage
@@ -81,10 +94,10 @@ class Worlds:
         return self._clock.now
 
     @property
-    def cleaned(self) -> Flags:
-        """Whether each world (W,) is clean for good: all garbage that ever comes is dumped."""
-        clean: Flags = self._agendas.over & (self.garbage.done == self.garbage.arrived)
-        return clean
+    def done(self) -> Flags:
+        """Whether the task of each world (W,) is done, and nothing more will come."""
+        done: Flags = self._agendas.over & self.task.done()
+        return done
 
     def came(self, world: int) -> int:
         """Return how many items have come into a world, those without room included: whatever robots do."""
@@ -101,21 +114,38 @@ class Worlds:
         """Put a world at its start; everything random in it follows from `seed`.
 
         `mission`, if given, is the mission of this world until its next reset; it must have the frame of the batch's.
+        Where the start has no robots the task places them.
         """
         mission, stream = mission or self.mission, np.random.SeedSequence(seed)
         check_frame(mission, self.mission)
         items = np.array(start.items).reshape(-1, 2)
-        if (len(start.robots), len(items)) != (mission.robots.count, mission.garbage.count):
-            expected = f"{mission.robots.count} robots and {mission.garbage.count} items"
-            raise ValueError(f"start {start.id!r}: expected {expected}, got {len(start.robots)} and {len(items)}")
+        counts, given = (mission.robots.count, mission.garbage.count), (len(start.robots), len(items))
+        if given != counts and (mission.cleans or start.robots):
+            expected = f"{counts[0]} robots and {counts[1]} items"
+            raise ValueError(f"start {start.id!r}: expected {expected}, got {given[0]} and {given[1]}")
         self.missions[world] = mission
         self._clock.reset(world)
         self.floor.reset(world, mission, items)
-        self.minds.reset(world, mission, self.rows_of(world), stream)
-        self.minds.show_items(world, items, self.now)
-        self.minds.show_stations(world, self.stations[world], self.now)
-        self.team.reset(world, np.array(start.robots))
+        rows = self.rows_of(world)
+        self.minds.reset(world, mission, rows, stream)
+        self.team.reset(world, self._placed(world, mission, start, stream))
+        self.task.reset(world, slice(int(rows[0]), int(rows[-1]) + 1))
         self._agendas.reset(world, mission, stream)
+
+    def _placed(
+        self, world: int, mission: MissionConfig, start: StartConfiguration, stream: np.random.SeedSequence
+    ) -> Floats:
+        """Return the poses (N, 3) of robots at the start of a world, and let its task place all else."""
+        given = np.array(start.robots) if start.robots else None
+        if mission.cleans:
+            assert given is not None  # its counts have been checked
+            return given
+        rows = self.rows_of(world)
+        self.task.state.reset(world, slice(int(rows[0]), int(rows[-1]) + 1))
+        own = np.random.SeedSequence(stream.entropy, spawn_key=(*stream.spawn_key, TASK_STREAM))
+        placing = Start(world, mission.robots.count, self.floor.ground, np.random.default_rng(own), given)
+        self.task.place(placing)
+        return placing.poses
 
     def state_of(self, world: int) -> WorldState:
         """Return all that the further course of a world depends on, but for vectors by which it is driven.
@@ -162,55 +192,48 @@ class Worlds:
         """Add vectors (R, 2) [m/s], or nothing, to what behaviours command from now on; networks decide as ever."""
         self._driven, self._correction = None, vectors
 
-    def hide_items(self, worlds: Ints, places: Floats) -> None:
-        """Delete the gradients of items that lay at `places` (K, 2) [m] of `worlds` (K,), unless others lie there."""
-        self.minds.hide_items(worlds, places, self._clock.now)
-        others = self.floor.left_at(worlds, places)  # their gradients were one
-        if len(others[0]):
-            self.minds.show_items(*others, self._clock.now)
+    def lead(self, baseline: bool) -> None:
+        """Let the baseline of the task command the robots from now on, or what they decide again."""
+        self.world.led = baseline and not self.task.baseline_option
 
     def tick(self) -> Ints:
         """Run one control period of all worlds.
 
         Returns the collision events (R,) in which each robot took part, valid until the next tick.
         """
-        floor, minds, working, now = self.floor, self.minds, self.team.working, self._clock.now
+        floor, minds, task, now = self.floor, self.minds, self.task, self._clock.now
         self._agendas.apply_due()
         able = floor.consequences.start_tick(self.team.at_work)
         minds.spread_poses(self.physics.positions, self.physics.headings, now)
         minds.receive(now)
-        if self._driven is None:
-            minds.sense(floor.packed, now)
-            minds.decide(able)
-            self._hide(handle_cargo_as_decided(floor.packed.words, minds.packed.words))
-            minds.act(floor.packed, now)
-            if self._correction is not None:
-                minds.commands.add(self._correction * working[:, None])
-            minds.leave(now)
-            if minds.cargo_memory.handed is not None:
-                self._hand_over(minds.cargo_memory.handed)
-        else:
-            minds.sense_floor(floor.packed)
-            self._hide(handle_cargo_in_reach(floor.packed.words, minds.packed.words, working))
-            minds.follow(self._driven, working)
+        if self.world.led:
+            minds.commands.clear()
+            task.lead(minds.commands)
+        elif self._driven is None or task.thinks_when_driven:
+            self._think(able, now)
+        if self._driven is not None:
+            task.follow(self._driven, self.team.working)
+            minds.follow(self._driven, self.team.working)
         floor.consequences.hold_back(minds.commands.packed)
         floor.move(minds.commands.packed, now)
         self._clock.advance()
+        task.after_moving()
         return self._bear_collisions()
 
-    def _hide(self, picked: int) -> None:
-        """Hide the first `picked` items picked in this tick."""
-        if picked:
-            self.hide_items(*self.floor.picked(picked))
-
-    def _hand_over(self, asked: Floats) -> None:
-        """Put down the cargo for which options `asked` (R,), unless its robot stands after a collision."""
-        garbage = self.garbage
-        for row in np.flatnonzero(asked).tolist():
-            place, blind = self.physics.positions[row], max(round(asked[row] / self.period), 1)
-            if not self.floor.consequences.standing[row] and garbage.hand_over(row, place, blind):
-                self.minds.show_items(row // self.robots, place[None], self._clock.now)
-        asked[:] = 0.0
+    def _think(self, able: Ints | None, now: float) -> None:
+        """Let the robots that are `able` (K,), all with None, sense, decide and act."""
+        minds, task = self.minds, self.task
+        task.sense()
+        minds.sense(now)
+        minds.decide(able)
+        task.after_deciding()
+        task.command(minds.commands)
+        minds.act(now)
+        task.after_acting(minds.commands)
+        if self._correction is not None:
+            minds.commands.add(self._correction * self.team.working[:, None])
+        minds.leave(now)
+        task.after_leaving()
 
     def _bear_collisions(self) -> Ints:
         """Let the collisions of the tick have their consequences, and return them (R,)."""

@@ -246,7 +246,7 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         knowledge = load_knowledge(experiment.mission.knowledge, directories)
         library.check(knowledge)
     with within(f"{where}: mission.network.robot"):
-        robot_network(network, coordinators_of(network, knowledge, library, directories), directories)
+        robot_network(network, coordinators_of(experiment.mission, knowledge, library, directories), directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

@@ -23,7 +23,7 @@ class FindsTerm(Term):
     def __init__(self, observed: Observed, *, together: float = 2.0) -> None:
         super().__init__(observed)
         self.together = together
-        self._queries = Queries(observed.worlds.minds.pheromones)
+        self._queries = Queries(observed.worlds.minds.buffers["pheromones"])
 
     def write(self, rows: Ints, out: Floats) -> None:
         """Write the flags."""

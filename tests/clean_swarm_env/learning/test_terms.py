@@ -122,7 +122,7 @@ def test_finds_are_none_apart_or_together():
     batch = Batch(nothing, observation=ObservationConfig(terms=["finds"]))
     flags = batch.reset([1]).copy()
     assert (flags == [1.0, 0.0, 0.0]).all()
-    pheromones, now = batch.worlds.minds.pheromones, batch.worlds.now
+    pheromones, now = batch.worlds.minds.buffers["pheromones"], batch.worlds.now
     told = []
     for number, (x, y) in enumerate([(29.5, 3.0), (15.0, 15.0), (0.4, 3.2), (29.9, 4.5), (7.0, 9.0), (29.9, 2.0)]):
         told.append((x, y))

@@ -32,7 +32,7 @@ def mission_of(robots, items, **changes):
 
 def worlds_of(mission, count=1):
     """Return worlds in which all robots explore by Patrol, carry by Chain, and avoid by ORCA."""
-    worlds = Worlds(mission, coordinators_of(mission.network, load_knowledge(mission.knowledge), Library()), count)
+    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()), count)
     _, carry, avoid = (coordinator.model for coordinator in worlds.coordinators)
     worlds.hold(np.tile([0, carry.options.index("Chain"), avoid.options.index("ORCA")], (worlds.rows, 1)))
     return worlds
@@ -84,7 +84,7 @@ class Followed:
             assert np.array_equal(garbage.positions[0, cargo[row]], places[row])
             assert garbage.leftover[0, cargo[row]] == recycled[row]
             assert garbage.paid[0, cargo[row]] == 1
-        assert worlds.minds.items.count(0, "garbage") == (garbage.stage[0] == LYING).sum()
+        assert worlds.minds.buffers["items"].count(0, "garbage") == (garbage.stage[0] == LYING).sum()
         self.blind[dropped] = BLIND
         self.put_down += len(dropped)
 
@@ -115,7 +115,7 @@ def test_a_crowd_hands_all_garbage_over_and_cleans_its_world():
     worlds = worlds_of(mission)
     worlds.reset(0, random_start(mission, 1, 0), 1)
     followed = Followed(worlds)
-    while not worlds.cleaned[0]:
+    while not worlds.done[0]:
         followed.tick()
         assert worlds.ticks[0] < 5 * 600
     assert followed.put_down > 30

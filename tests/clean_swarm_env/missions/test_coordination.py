@@ -27,7 +27,7 @@ def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
         if name not in ("inner", "held"):  # of the coordinators, of which one has one more
             assert np.array_equal(part, parts[name]), name
     assert (
-        other.worlds.minds.pheromones.count(0, "pheromone") == one.worlds.minds.pheromones.count(0, "pheromone") > 100
+        other.worlds.minds.buffers["pheromones"].count(0, "pheromone") == one.worlds.minds.buffers["pheromones"].count(0, "pheromone") > 100
     )
 
 
@@ -54,7 +54,7 @@ def test_the_same_seed_takes_the_same_course_however_options_change():
 
 def test_each_coordinator_wants_an_option():
     mission = load_mission("cleaning-patrol")
-    models = coordinators_of(mission.network, load_knowledge(mission.knowledge), Library())
+    models = coordinators_of(mission, load_knowledge(mission.knowledge), Library())
     assert [model.goal for model in models] == ["ExplorationPatrol", "AvoidCollision"]
     worlds = Worlds(mission, models)
     worlds.hold(np.tile([2, 1], (5, 1)))

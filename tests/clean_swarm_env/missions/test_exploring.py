@@ -26,7 +26,7 @@ def exploring(option, robots, items=()):
             "garbage": mission.garbage.model_copy(update={"count": len(items)}),
         }
     )
-    worlds = Worlds(mission, coordinators_of(mission.network, load_knowledge(mission.knowledge), Library()))
+    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
     worlds.reset(0, StartConfiguration(id="own", robots=robots, items=items), 3)
     goals = [coordinator.model for coordinator in worlds.coordinators]
     held = [goals[0].options.index(option), goals[1].options.index("Off")]
@@ -41,7 +41,7 @@ def run(worlds, seconds):
 
 def test_who_finds_garbage_tells_where_for_a_while():
     worlds = exploring("Patrol", ((8.0, 7.6, 1.5), (25.0, 25.0, 0.0)), (tuple(FIND),))
-    queries, far_robot = Queries(worlds.minds.pheromones), np.array([1])
+    queries, far_robot = Queries(worlds.minds.buffers["pheromones"]), np.array([1])
     felt = np.zeros(2)
     for _ in range(130):
         run(worlds, 1.0)

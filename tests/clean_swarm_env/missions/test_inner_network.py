@@ -85,7 +85,7 @@ def test_what_lies_in_a_behaviour_moves_the_robots(robot):
     roams = search.network.executing[:, 0] == 1
     assert np.array_equal(roams, searched[-1])
     assert np.array_equal(pause.network.executing[:, 0] == 1, search.network.executing[:, 1] == 1)
-    assert course.worlds.minds.pheromones.count(0, "pheromone") > 0
+    assert course.worlds.minds.buffers["pheromones"].count(0, "pheromone") > 0
 
 
 def test_a_robot_that_begins_anew_begins_anew_inside(robot):

@@ -20,7 +20,7 @@ def crowd(knowledge=None, option="PredictiveSteering", *, library=None, explaine
     """Twenty robots that all hold an option."""
     mission = SCENARIO.mission
     known = knowledge_from(knowledge) if knowledge else load_knowledge("avoidance")
-    models = coordinators_of(mission.network, known, library or Library())
+    models = coordinators_of(mission, known, library or Library())
     worlds = Worlds(mission, models, explained=explained)
     worlds.reset(0, SCENARIO.start, 5)
     worlds.hold(np.full(worlds.rows, models[0].options.index(option)))
@@ -121,7 +121,7 @@ def test_a_crowd_with_bumpers_hardly_collides_where_robots_keep_eighty_centimetr
     scenario = family.scenario(3, 0, "train")
     events = {}
     for option in ("ORCA", "ORCA-distance0.8"):
-        models = coordinators_of(scenario.mission.network, load_knowledge("exploring"), Library())
+        models = coordinators_of(scenario.mission, load_knowledge("exploring"), Library())
         worlds = Worlds(scenario.mission, models)
         worlds.reset(0, scenario.start, scenario.seed)
         avoid = [model.goal for model in models].index(GOAL)

@@ -9,7 +9,7 @@ from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
-from clean_swarm_env.config.stations import DUMP, RECYCLING
+from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.world.cleaning_robot import coordinators_of
@@ -37,7 +37,7 @@ def carrying(option, places, avoidance="Off", **changes):
     """Return a world whose robots, at `places` (N, 3), carry by an option: the first ones have cargo."""
     items = ((5.9, 10.0),)
     mission = mission_of(len(places), len(items), **changes)
-    worlds = Worlds(mission, coordinators_of(mission.network, load_knowledge(mission.knowledge), Library()))
+    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
     worlds.reset(0, StartConfiguration(id="own", robots=places, items=items), 3)
     goals = [coordinator.model for coordinator in worlds.coordinators]
     assert [goal.goal for goal in goals] == ["ExplorationPatrol", "Transport", "AvoidCollision"]
@@ -70,13 +70,13 @@ def test_the_nearest_of_a_kind_is_that_of_the_smallest_offset():
 
 def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_place():
     mission = load_mission("transport")
-    worlds = Worlds(mission, coordinators_of(mission.network, load_knowledge(mission.knowledge), Library()))
+    worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
     worlds.reset(0, random_start(mission, 1, 0), 1)
     used = {RECYCLING: set(), DUMP: set()}
     kinds, places = np.array(mission.stations.kinds), np.array(mission.stations.places)
     assert kinds.tolist() == [RECYCLING, DUMP, RECYCLING, RECYCLING, DUMP, DUMP]
     worlds.hold(np.tile([0, 0, worlds.coordinators[2].model.options.index("ORCA")], (worlds.rows, 1)))
-    while not worlds.cleaned[0] and worlds.ticks[0] < 5 * 300:
+    while not worlds.done[0] and worlds.ticks[0] < 5 * 300:
         recycled, done = worlds.garbage.recycled.copy(), worlds.garbage.stage[0] == DONE
         cargo, standing = worlds.garbage.cargo.copy(), worlds.physics.positions.copy()
         worlds.tick()
@@ -88,7 +88,7 @@ def test_a_mission_with_three_stations_of_a_kind_uses_all_of_them_and_no_other_p
                 at = [k for k in np.flatnonzero(kinds == kind) if away[k] <= mission.stations.reach]
                 assert at
                 used[kind].update(at)
-    assert worlds.cleaned[0]
+    assert worlds.done[0]
     assert used[RECYCLING] == {0, 2, 3}
     assert len(used[DUMP]) > 1
 
@@ -174,7 +174,7 @@ def test_one_robot_that_takes_the_nearest_station_moves_as_without_the_choice():
     courses = []
     for robot in ("cleaning-patrol", "cleaning-transport"):
         mission = mission_of(1, 3, network={"robot": robot})
-        models = coordinators_of(mission.network, load_knowledge(mission.knowledge), Library())
+        models = coordinators_of(mission, load_knowledge(mission.knowledge), Library())
         worlds = Worlds(mission, models)
         worlds.reset(0, random_start(mission, 2, 0), 3)
         places = []
@@ -189,7 +189,7 @@ def test_one_robot_that_takes_the_nearest_station_moves_as_without_the_choice():
 def test_worlds_of_one_batch_may_have_their_stations_at_different_places():
     base = mission_of(1, 3)
     other = base.model_copy(update={"stations": base.stations.model_copy(update={"further_recycling": ((9.0, 3.0),)})})
-    worlds = Worlds(base, coordinators_of(base.network, load_knowledge(base.knowledge), Library()), 2)
+    worlds = Worlds(base, coordinators_of(base, load_knowledge(base.knowledge), Library()), 2)
     for world, mission in enumerate((base, other)):
         worlds.reset(world, random_start(mission, 2, 0), 3, mission)
     assert worlds.stations[:, 2].tolist() == [[9.0, 10.0], [9.0, 3.0]]
@@ -202,7 +202,7 @@ def test_damaged_robots_are_mended_at_every_station():
     consequences = {"damage_after": 1, "damaged_speed": 0.5, "mending": 1.0}
     for place in ((3.0, 10.0), (13.0, 10.0), (9.0, 10.0), (15.0, 15.0)):
         mission = mission_of(1, 0, consequences=consequences)
-        worlds = Worlds(mission, coordinators_of(mission.network, load_knowledge(mission.knowledge), Library()))
+        worlds = Worlds(mission, coordinators_of(mission, load_knowledge(mission.knowledge), Library()))
         worlds.reset(0, StartConfiguration(id="own", robots=((*place, 0.0),), items=()), 3)
         worlds.floor.consequences.collisions[0] = 1
         worlds.tick()

@@ -68,7 +68,7 @@ def seen(tmp_path_factory):
 
 def stored(worlds) -> list[tuple[int, float, float]]:
     """Who left each pheromone that any robot has stored, and where [m]."""
-    table = worlds.minds.pheromones.table.record
+    table = worlds.minds.buffers["pheromones"].table.record
     used = np.flatnonzero(table.links[: table.counters[c.COUNTER_HIGH], c.LINK_LAYER] >= 0)
     return list(
         zip(table.marks[used, c.MARK_SOURCE].tolist(), *table.near[used, c.X : c.X + 2].T.tolist(), strict=True)

@@ -96,7 +96,7 @@ def test_cargo_that_is_lost_lies_where_the_robot_is_and_is_not_dumped():
                     assert np.array_equal(garbage.positions[row // 10, cargo[row]], worlds.physics.positions[row])
                     lost += 1
             for world in range(2):
-                assert worlds.minds.items.count(world, "garbage") == (garbage.stage[world] == LYING).sum()
+                assert worlds.minds.buffers["items"].count(world, "garbage") == (garbage.stage[world] == LYING).sum()
             cargo = garbage.cargo.copy()
         assert batch.progress.events[DUMPINGS].sum() == batch.progress.dumped.sum()
     assert lost > 10

@@ -60,7 +60,7 @@ def test_garbage_keeps_coming_at_its_rate_whatever_robots_do():
         worlds = worlds_at_start(config, [1], option)
         for _ in range(1500):
             worlds.tick()
-        assert not worlds.cleaned[0]
+        assert not worlds.done[0]
         arrived.append(int(worlds.garbage.arrived[0]))
     assert arrived[0] == arrived[1]
     assert arrived[0] - 2 == pytest.approx(150, abs=3 * 150**0.5)
@@ -72,7 +72,7 @@ def test_items_without_room_are_lost():
     for _ in range(60):
         worlds.tick()
     assert (worlds.garbage.stage[0] < 2).sum() == 5
-    assert worlds.minds.items.count(0, "garbage") == (worlds.garbage.stage[0] == 0).sum()
+    assert worlds.minds.buffers["items"].count(0, "garbage") == (worlds.garbage.stage[0] == 0).sum()
 
 
 def test_a_mission_waits_for_garbage_that_is_still_to_land():

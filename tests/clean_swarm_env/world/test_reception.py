@@ -28,7 +28,7 @@ def _spread(worlds, ticks=1):
         worlds.minds.receive(worlds.now)
         worlds._clock.advance()
     everything = Filter(static=False, view_distance=np.inf)
-    return [len(Queries(worlds.minds.gradients).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
+    return [len(Queries(worlds.minds.buffers["gradients"]).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
 
 
 def test_poses_reach_robots_within_range():
@@ -44,7 +44,7 @@ def test_a_pose_is_kept_for_its_time_and_then_forgotten():
     worlds.minds.reception.set(0, 1.0, 0.0)
     worlds.physics.positions[0, 0] += 0.5
     assert _spread(worlds) == [2, 2, 2]
-    seen = Queries(worlds.minds.gradients).gradients(1, worlds.now, Filter(static=False, view_distance=np.inf))
+    seen = Queries(worlds.minds.buffers["gradients"]).gradients(1, worlds.now, Filter(static=False, view_distance=np.inf))
     assert sorted(gradient.position[0] for gradient in seen) == [1.0, 6.0]  # where robot 0 was when last heard
     assert _spread(worlds, 2) == [2, 2, 2]
     assert _spread(worlds) == [0, 0, 0]
@@ -60,9 +60,9 @@ def test_losses_have_the_given_probability():
 def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
     worlds = _still({"reach": 2.5})
     _spread(worlds)
-    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
     trail = Filter(("pheromone",), moving=False, view_distance=np.inf)
-    known = [len(Queries(worlds.minds.pheromones).gradients(row, worlds.now, trail)) for row in range(3)]
+    known = [len(Queries(worlds.minds.buffers["pheromones"]).gradients(row, worlds.now, trail)) for row in range(3)]
     assert known == [1, 1, 0]
 
 
@@ -71,15 +71,15 @@ def test_pheromones_reach_robots_within_range_and_the_one_that_left_them():
 def test_robots_that_no_longer_work_hold_no_pheromones_and_receive_none(way, delay):
     worlds = _still({"reach": 2.5, "delay": delay})
     _spread(worlds)
-    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
     _spread(worlds, 2)
-    assert worlds.minds.pheromones.count(0, "pheromone") == 2
-    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    assert worlds.minds.buffers["pheromones"].count(0, "pheromone") == 2
+    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
     getattr(worlds.team, way)(np.array([1]))  # with a delay its message is under way
     for _ in range(2):
         _spread(worlds, 2)
-        assert worlds.minds.pheromones.count(0, "pheromone") == 1
-        worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+        assert worlds.minds.buffers["pheromones"].count(0, "pheromone") == 1
+        worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
 
 
 def test_messages_arrive_after_their_delay():
@@ -89,16 +89,16 @@ def test_messages_arrive_after_their_delay():
     everything, seen = Filter(static=False, view_distance=np.inf), []
     for _ in range(4):
         _spread(worlds)
-        poses = Queries(worlds.minds.gradients).gradients(1, worlds.now, everything)
+        poses = Queries(worlds.minds.buffers["gradients"]).gradients(1, worlds.now, everything)
         seen.append(sorted(pose.position[0] for pose in poses))
     assert seen == [[1.0, 6.0]] * 3 + [[1.5, 6.0]]
-    worlds.minds.patrol.deposit(worlds.now, np.array([0]))
+    worlds.minds.movers["Patrol"].deposit(worlds.now, np.array([0]))
     trails = []
     for _ in range(4):
-        trails.append(worlds.minds.pheromones.count(0, "pheromone"))
+        trails.append(worlds.minds.buffers["pheromones"].count(0, "pheromone"))
         _spread(worlds)
     assert trails == [0, 0, 0, 0]
-    assert worlds.minds.pheromones.count(0, "pheromone") == 3
+    assert worlds.minds.buffers["pheromones"].count(0, "pheromone") == 3
 
 
 def test_a_pose_that_came_late_is_kept_for_its_time_from_then_on():
@@ -124,7 +124,7 @@ def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
     assert abs(np.mean(errors)) < 0.01
     assert np.corrcoef(np.reshape(errors, (-1, 6)).T) == pytest.approx(np.eye(6), abs=0.1)
     everything = Filter(static=False, view_distance=np.inf)
-    seen = {gradient.position for gradient in Queries(worlds.minds.gradients).gradients(0, worlds.now, everything)}
+    seen = {gradient.position for gradient in Queries(worlds.minds.buffers["gradients"]).gradients(0, worlds.now, everything)}
     assert seen == {tuple(place) for place in worlds.minds.poses.positions[1:].tolist()}
 
 

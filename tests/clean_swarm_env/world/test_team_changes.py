@@ -118,7 +118,7 @@ def test_the_order_of_the_robots_does_not_matter_while_the_team_changes(seed):
 
 def _poses_seen(worlds, row):
     everything = Filter(static=False, view_distance=np.inf)
-    return len(Queries(worlds.minds.gradients).gradients(row, worlds.now, everything))
+    return len(Queries(worlds.minds.buffers["gradients"]).gradients(row, worlds.now, everything))
 
 
 def test_a_robot_taken_away_is_nowhere():
@@ -176,11 +176,11 @@ def test_cargo_lies_where_its_robot_is_lost_and_is_picked_up_as_it_was(way, recy
         worlds.tick()
     row = int(np.flatnonzero((worlds.garbage.cargo != NOTHING) & (worlds.garbage.recycled == recycled))[0])
     item, place = int(worlds.garbage.cargo[row]), worlds.physics.positions[row].copy()
-    lying = worlds.minds.items.count(0, "garbage")
+    lying = worlds.minds.buffers["items"].count(0, "garbage")
     getattr(worlds.team, way)(np.array([row]))
     assert worlds.garbage.stage[0, item] == LYING
     assert (worlds.garbage.positions[0, item] == place).all()
-    assert worlds.minds.items.count(0, "garbage") == lying + 1
+    assert worlds.minds.buffers["items"].count(0, "garbage") == lying + 1
     assert (worlds.garbage.cargo[row], worlds.garbage.recycled[row]) == (NOTHING, 0)
     for _ in range(3000):
         worlds.tick()

@@ -107,7 +107,7 @@ def test_every_item_is_found_then_carried_then_recycled_then_dumped(name):
                 assert now["stage"][had] == DONE
                 assert _apart(place, stations.dump, worlds) <= 0.5
         assert (now["stage"] == DONE).sum() == worlds.garbage.done[0] == dumped
-        assert worlds.minds.items.count(0, "garbage") == (now["stage"] == LYING).sum()
+        assert worlds.minds.buffers["items"].count(0, "garbage") == (now["stage"] == LYING).sum()
         before = now
     assert picked == recycled == dumped == 10
 

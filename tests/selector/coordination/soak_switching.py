@@ -39,7 +39,7 @@ class Switching:
     """Worlds that switch at random."""
 
     def __init__(self, mission: MissionConfig, seed: int, worlds: int = 2) -> None:
-        models = coordinators_of(mission.network, load_knowledge(mission.knowledge), library_of())
+        models = coordinators_of(mission, load_knowledge(mission.knowledge), library_of())
         self.worlds = Worlds(mission, models, worlds)
         for world in range(worlds):
             self.worlds.reset(world, random_start(mission, seed, world), seed + world)
@@ -82,7 +82,7 @@ def soak(seconds: float) -> list[str]:
                 return [f"fingerprints of equal seeds differ after {period * mission.decision_period:g} s"]
         done = period + 1
     third, last = (float(np.mean(part)) for part in np.array_split(memory, 4)[2:])
-    stored = one.worlds.minds.pheromones.count(0, "pheromone")
+    stored = one.worlds.minds.buffers["pheromones"].count(0, "pheromone")
     print(f"{done} decision periods of 2 x {one.worlds.rows} robots, fingerprint {one.fingerprint()[:12]}")
     print(f"memory: third quarter {third / 1024:.0f} KiB, last {last / 1024:.0f} KiB; {stored} pheromones in a world")
     if last - third > GROWTH:

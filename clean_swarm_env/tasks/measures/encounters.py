@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from clean_swarm_env.scenes.ground import Ground
+from clean_swarm_env.world.ground import Ground
 from selforg.arrays import Flags, Floats, Ints
 
 

@@ -5,7 +5,7 @@ Shapes: W worlds, N robots a world. Positions (W, N, 2) [m], headings (W, N) [ra
 
 import numpy as np
 
-from clean_swarm_env.scenes.ground import Ground
+from clean_swarm_env.world.ground import Ground
 from selforg.arrays import Floats
 
 

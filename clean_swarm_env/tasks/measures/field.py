@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clean_swarm_env.scenes.ground import Ground
+from clean_swarm_env.world.ground import Ground
 from selforg.arrays import Floats
 
 

@@ -1,0 +1,102 @@
+"""Typed configuration of cleaning: stations for recycling and for what is left, garbage, and the patrol."""
+
+from collections.abc import Sequence
+from typing import Self
+
+from pydantic import model_validator
+
+from clean_swarm_env.config.types import ArrivalRate, FurtherStations, Items, Length, Point, Spots
+from selector.documents.errors import impossible
+from selector.documents.fields import Closed, NonNegative, Positive, Share
+
+RECYCLING, DUMP = range(2)
+"""Kinds of stations."""
+
+
+class StationsConfig(Closed):
+    """The stations; each item passes one of either kind."""
+
+    recycling: Point = (2.75, 5.5)
+    """Position of the recycling station [m]."""
+    dump: Point = (8.25, 5.5)
+    """Position of the dump station [m]."""
+    further_recycling: FurtherStations = ()
+    """Positions of further recycling stations [m]."""
+    further_dumps: FurtherStations = ()
+    """Positions of further dump stations [m]."""
+    reach: Positive = 0.5
+    """Distance within which a robot is at a station [m]."""
+
+    @property
+    def places(self) -> tuple[Point, ...]:
+        """Positions of all S stations [m]: the first one of either kind, then the further ones."""
+        return (self.recycling, self.dump, *self.further_recycling, *self.further_dumps)
+
+    @property
+    def kinds(self) -> tuple[int, ...]:
+        """Kinds of all S stations, in the order of `places`."""
+        further = (RECYCLING,) * len(self.further_recycling) + (DUMP,) * len(self.further_dumps)
+        return (RECYCLING, DUMP, *further)
+
+    @property
+    def earlier(self) -> tuple[int, ...]:
+        """How many stations of the same kind come before each of the S stations."""
+        return tuple(self.kinds[:number].count(kind) for number, kind in enumerate(self.kinds))
+
+    def at(self, places: Sequence[Point]) -> "StationsConfig":
+        """Return the same stations at other `places` (S,) [m]."""
+        dumps = 2 + len(self.further_recycling)
+        further = {"further_recycling": tuple(places[2:dumps]), "further_dumps": tuple(places[dumps:])}
+        return self.model_copy(update={"recycling": places[0], "dump": places[1], **further})
+
+
+class GarbageConfig(Closed):
+    """The items and how near a robot must be to see or take one."""
+
+    count: Items = 10
+    """Number of items at the start."""
+    respawn: ArrivalRate = 0.0
+    """Items that arrive in a minute, at random times and places; above 0 a mission lasts its time limit [1/min]."""
+    capacity: Items = 0
+    """Most items lying or carried at a time, further ones are lost; 0: as needed, at least 40 with respawn."""
+    spots: Spots = ()
+    """Centres of the places about which items lie and arrive, all equally likely; empty: anywhere [m]."""
+    spot_radius: Length = 1.0
+    """Distance from the centre of its spot within which an item comes, evenly over the disc [m]."""
+    diffusion: NonNegative = 1.0
+    """Diffusion of an item's attractive gradient [m]."""
+    goal_radius: NonNegative = 0.0
+    """Goal radius of an item's attractive gradient [m]."""
+    view_distance: NonNegative = 1.0
+    """Distance added to the reach of an item within which it is seen [m]."""
+    at_distance: Positive = 0.55
+    """Distance within which a robot is at an item [m]."""
+    pick_distance: Positive = 0.6
+    """Distance within which the nearest item is taken [m]."""
+
+
+class PatrolConfig(Closed):
+    """The pheromones of the patrol and the speed of following them."""
+
+    diffusion: Positive = 1.0
+    """Diffusion of a fresh pheromone [m]."""
+    evaporation_factor: Share = 0.9
+    """Factor on a pheromone's diffusion after each evaporation period [-]."""
+    evaporation_period: NonNegative = 30.0
+    """Time between two evaporations of a pheromone [s]."""
+    min_diffusion: NonNegative = 0.3
+    """Diffusion below which a pheromone is gone [m]."""
+    aggregation_distance: NonNegative = 0.1
+    """Distance within which a new pheromone merges with a stored one [m]."""
+    view_distance: NonNegative = 4.0
+    """Distance added to the reach of a pheromone within which it is felt [m]."""
+    min_speed: NonNegative = 0.5
+    """Smallest length of the patrol's movement vector [m/s]."""
+    max_speed: Positive = 1.0
+    """Largest length of the patrol's movement vector [m/s]."""
+
+    @model_validator(mode="after")
+    def _ordered_speeds(self) -> Self:
+        if self.min_speed > self.max_speed:
+            raise impossible("min_speed", f"a speed up to max_speed {self.max_speed:g} m/s", self.min_speed)
+        return self

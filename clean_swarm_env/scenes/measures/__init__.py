@@ -1,1 +1,0 @@
-"""The measures of scenes: pure functions and small counters over rows of robots."""

@@ -1,0 +1,69 @@
+"""Foraging: robots find food, bring it to the nest, and lay a trail by which others find it."""
+
+import numpy as np
+
+from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.task import Measure, Task, TaskState, Thing, kept
+from selforg.arrays import Flags, Floats, Ints
+
+PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]
+AWAY = 9.0  # [m] least distance of food from the nest
+AT_NEST = 1.0
+"""Distance from the edge of the nest within which an item counts as brought [m]: a robot's goal radius and more."""
+CARRYING = "carrying"
+"""What robots know that carry something."""
+
+
+class Food(TaskState):
+    """Two patches of food in each world, and what robots have brought."""
+
+    patches: Floats = kept("W 2 2")  # [m]
+    carried: Flags = kept("R")  # whether the robot carried something at the end of the period before
+    brought: Ints = kept("W")
+
+
+@TASKS.register
+class Foraging(Task[TaskSettings, Food]):
+    """Patches hold more than robots can bring. An item counts when a robot puts it down at the nest."""
+
+    story = "12 robots bring food from 2 patches, 9 m and more away, to a nest on a torus of 900 m2 for 300 s"
+    measures = (
+        Measure(
+            "items brought per minute",
+            "1/min",
+            "higher",
+            10.0,
+            "more than a quarter of the 36 that 12 robots could bring that know a way of 10 m",
+        ),
+    )
+    baseline = "random search: the same robots, which never follow a trail"
+    baseline_option = "RandomSearch"
+    mission = {"world": {"width": 30.0, "height": 30.0}, "robots": {"count": 12}, "time_limit": 300.0}
+    apart, start_side = 0.6, 5.0
+
+    def place(self, start: Start) -> None:
+        """Put robots around the nest, and food away from it."""
+        super().place(start)
+        self.state.patches[start.world] = start.scattered(2, 6.0, 24.0, AWAY)
+
+    def things(self) -> tuple[Thing, ...]:
+        """Return the food and the nest."""
+        nests = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
+        return (
+            Thing("food", self.state.patches, diffusion=0.0, goal_radius=PATCH_RADIUS),
+            Thing("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
+        )
+
+    def after_moving(self) -> None:
+        """Count what robots have put down at the nest."""
+        world, state = self.world, self.state
+        carrying = world.memory[CARRYING].values == 1.0
+        at_nest = world.ground.distances(world.floor.physics.positions, world.ground.centre) < NEST_RADIUS + AT_NEST
+        state.brought += world.by_world(state.carried & ~carrying & at_nest).sum(axis=1)
+        state.carried[:] = carrying
+
+    def result(self) -> dict[str, Floats]:
+        """Return what the team has brought so far, by the minutes of the whole mission."""
+        minutes = self.world.limits * self.world.period / 60.0
+        return {"items brought per minute": self.state.brought / minutes}

@@ -1,0 +1,1 @@
+"""The measures of tasks: pure functions and small counters over rows of robots."""

@@ -1,0 +1,124 @@
+"""FollowPotentialField and FollowMaxPotential: robots climb a field of gradients, or find the widest one."""
+
+import numpy as np
+
+from clean_swarm_env.config.tasks import TASKS, TaskSettings
+from clean_swarm_env.tasks.measures.field import Field, height
+from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.task import Measure, Task, TaskState, Thing, kept
+from selforg.arrays import Floats
+from selforg.commands import Commands
+
+HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
+HILLS = 5
+SOURCE_REACHES = (8.0, 11.0, 14.0)  # [m] diffusion of the three sources
+SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
+
+
+class Hills(TaskState):
+    """Repulsive gradients of each world, and how high its robots stood at the start."""
+
+    places: Floats = kept("W 5 2")  # [m]
+    start: Floats = kept("W")  # mean height of the robots [m]
+
+
+class Sources(TaskState):
+    """Attractive gradients of each world, and those that were nearest to its robots at the start."""
+
+    places: Floats = kept("W 3 2")  # [m]
+    nearest: Floats = kept("R 2")  # [m]
+
+
+@TASKS.register
+class FollowPotentialField(Task[TaskSettings, Hills]):
+    """Robots climb a potential whose slope is the forces of the gradients; height 0 is the top."""
+
+    story = "6 robots climb a field of one attractive and 5 repulsive gradients for 90 s"
+    measures = (
+        Measure("share of the height climbed", "-", "higher", 0.9, "a tenth is left to those that wait for a place"),
+    )
+    mission = {"world": {"width": 16.0, "height": 16.0}, "robots": {"count": 6}, "time_limit": 90.0}
+    away = 5.0
+
+    def place(self, start: Start) -> None:
+        """Put robots away from the top, and hills between."""
+        super().place(start)
+        self.state.places[start.world] = start.scattered(HILLS, 2.0, 12.0, 4.0)
+        self.state.start[start.world] = self._height(start.world, start.places[None])[0]
+
+    def _height(self, world: int | slice, positions: Floats) -> Floats:
+        """Return the mean height (K,) [m] of robots at positions (K, N, 2) in the field of some worlds."""
+        ground, hills = self.world.ground, np.atleast_3d(self.state.places[world]).reshape(-1, HILLS, 2)
+        tops = np.broadcast_to(ground.centre, (len(hills), 1, 2))
+        field = Field(
+            np.concatenate([tops, hills], axis=1),
+            np.array([1.0] + [-1.0] * HILLS),
+            np.array([HOLLOW] + [HILL] * HILLS),
+            np.array([SOURCE_RADIUS] + [0.0] * HILLS),
+        )
+        own = self.world.mission.robots.pose_goal_radius
+        mean: Floats = height(field, positions, own, ground).mean(axis=1)
+        return mean
+
+    def things(self) -> tuple[Thing, ...]:
+        """Return the gradients of the field."""
+        tops = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
+        return (
+            Thing("field", tops, diffusion=HOLLOW, goal_radius=SOURCE_RADIUS),
+            Thing("field", self.state.places, -1, diffusion=HILL),
+        )
+
+    def result(self) -> dict[str, Floats]:
+        """Return how much of its height at the start the team has climbed."""
+        now = self._height(slice(None), self.world.positions)
+        first = np.where(self.state.start == 0.0, 1.0, self.state.start)
+        return {"share of the height climbed": 1.0 - now / first}
+
+
+@TASKS.register
+class FollowMaxPotential(Task[TaskSettings, Sources]):
+    """Robots have to find the source that reaches farthest of three, though another one may be nearer."""
+
+    story = "6 robots among three sources find the one that reaches farthest within 120 s"
+    measures = (Measure("robots at the source of most reach", "-", "higher", 0.9, "all but a late one in two runs"),)
+    baseline = "everybody goes to the source that is nearest at the start"
+    mission = {
+        "world": {"ground": "open", "width": 28.0, "height": 28.0},
+        "robots": {"count": 6},
+        "time_limit": 120.0,
+    }
+    start_side = 14.0
+
+    def place(self, start: Start) -> None:
+        """Put robots and sources anywhere."""
+        super().place(start)
+        sources = start.scattered(len(SOURCE_REACHES), 6.0, 14.0)
+        self.state.places[start.world] = sources
+        away = start.ground.distances(start.places[:, None], sources)
+        first = start.world * self.world.robots
+        self.state.nearest[first : first + start.robots] = sources[away.argmin(axis=1)]
+
+    def things(self) -> tuple[Thing, ...]:
+        """Return the sources."""
+        reaches = np.array(SOURCE_REACHES)
+        return (Thing("field", self.state.places, diffusion=reaches, goal_radius=SOURCE_RADIUS),)
+
+    def lead(self, commands: Commands) -> None:
+        """Go to the source that was nearest at the start, and stop at it."""
+        positions = self.world.floor.physics.positions
+        offsets = self.world.ground.offsets(positions, self.state.nearest)
+        away = np.linalg.norm(offsets, axis=1, keepdims=True)
+        unit = offsets / np.maximum(away, 1e-12)
+        commands.vectors[:] = np.where(away > self._at_source, self.world.max_speed * unit, 0.0)
+        commands.commanded[:] = True
+
+    @property
+    def _at_source(self) -> float:
+        return SOURCE_RADIUS + self.world.mission.robots.pose_goal_radius
+
+    def result(self) -> dict[str, Floats]:
+        """Return the share of robots at the source that reaches farthest."""
+        best = self.state.places[:, None, int(np.argmax(SOURCE_REACHES))]
+        away = self.world.ground.distances(self.world.positions, best)
+        there = away <= self._at_source + self.world.mission.robots.radius
+        return {"robots at the source of most reach": there.mean(axis=1)}

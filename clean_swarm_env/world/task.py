@@ -1,0 +1,377 @@
+"""Tasks: what there is to do in a world. A class in one file is a task of your own; see `Task`.
+
+Shapes: W worlds of N robots, R = W * N rows (robots).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final, Generic, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import TaskSettings
+from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.reception import Reception
+from clean_swarm_env.world.view import World
+from selector.coordination.model import CoordinatorModel
+from selector.coordination.robot_network import RobotNetwork
+from selector.coordination.robots import network_of
+from selforg.arrays import Flags, Floats
+from selforg.commands import Commands
+from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.delivery import Delivery
+from selforg.gradients.poses import OwnPoses
+from selforg.gradients.settings import BufferSettings
+from selforg.mechanisms import MovementMechanism
+from selforg.randomness import DirectionStream
+
+AROUND: Final = BufferSettings(aggregation={"DEFAULT": "new"}, aggregation_distance=0.0)
+"""Settings of the buffer of things: gradients at one place are one thing."""
+MOST_RATIO: Final = 100.0
+"""Largest ratio of a measure and its target that counts."""
+WALK: Final = 2.0
+"""Time for which a robot on a random walk keeps its direction [s]."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A figure of success in a task.
+
+    Attributes:
+        name: name of the figure.
+        unit: "-" for a pure number.
+        better: whether lower or higher values are better.
+        target: value to reach in the task's own mission, stated before anything was run.
+        reason: reason for the target.
+        guard: whether the figure is a price: it has to meet its target, but need not beat the baseline.
+
+    """
+
+    name: str
+    unit: str
+    better: Literal["lower", "higher"]
+    target: float
+    reason: str
+    guard: bool = False
+
+    def met(self, value: float) -> bool:
+        """Return whether a value reaches the target."""
+        return value <= self.target if self.better == "lower" else value >= self.target
+
+    def ratio(self, values: Floats) -> Floats:
+        """Return values by the target, 1 where it is just met and less where they are better, from 0.01 to 100."""
+        target, least = abs(self.target) or 1.0, 1.0 if self.guard else 1.0 / MOST_RATIO
+        better = values / target if self.better == "lower" else target / np.maximum(values, target / MOST_RATIO)
+        ratio: Floats = np.clip(better, least, MOST_RATIO)
+        return np.where(ratio > 1.0, ratio, 1.0 / MOST_RATIO) if self.guard else ratio
+
+    def score(self, values: Floats) -> Floats:
+        """Return the scores of values: 1 where the target is just met, 0 as far from it as it is from 0."""
+        sign = -1.0 if self.better == "lower" else 1.0
+        return 1.0 + sign * (values - self.target) / (abs(self.target) or 1.0)
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Things of one kind, which robots sense as gradients of a channel.
+
+    Attributes:
+        channel: name by which mechanisms find the gradients.
+        places: (W, M, 2) [m], the same array all the time; see `moves`.
+        attraction: +1 or -1.
+        diffusion, goal_radius: [m], one or (M,).
+        moves: whether the task moves the things during a mission.
+
+    """
+
+    channel: str
+    places: Floats
+    attraction: int = 1
+    diffusion: float | Floats = 1.0
+    goal_radius: float | Floats = 0.0
+    moves: bool = False
+
+    def show(self, buffer: SoBuffer, world: int, now: float) -> None:
+        """Store the gradients of a world in a buffer whose teams are the worlds."""
+        places = self.places[world]
+        buffer.store_static(
+            np.full(len(places), world),
+            self.channel,
+            places,
+            now,
+            attraction=self.attraction,
+            diffusion=np.broadcast_to(self.diffusion, len(places)),
+            goal_radius=np.broadcast_to(self.goal_radius, len(places)),
+        )
+
+
+def kept(axes: str) -> Any:  # noqa: ANN401  (stands for an array in the body of a class)
+    """Declare an array of a `TaskState` by its axes: W or R, then numbers, N, settings or names in `Task.sizes`."""
+    return axes
+
+
+class TaskState:
+    """Arrays of all worlds, declared with `kept`; zero at each reset. States, copies and recordings follow from it.
+
+    >>> class Flock(TaskState):
+    ...     places: Floats = kept("W sheep 2")
+    >>> Flock({"W": 3, "sheep": 5}).places.shape
+    (3, 5, 2)
+
+    """
+
+    def __init__(self, sizes: Mapping[str, int]) -> None:
+        self._of_rows: list[str] = []
+        for name, kind in self._declared().items():
+            axes = str(getattr(type(self), name)).split()
+            unknown = [axis for axis in axes if axis not in sizes and not axis.isdigit()]
+            if unknown or axes[:1] not in (["W"], ["R"]):
+                expected = f"W or R, then any of {', '.join(sizes)} and numbers"
+                raise ConfigurationError(f"{type(self).__name__}.{name}: expected axes {expected}, got {axes}")
+            shape = [sizes[axis] if axis in sizes else int(axis) for axis in axes]
+            setattr(self, name, np.zeros(shape, dtype=get_args(get_args(kind)[1])[0]))
+            if axes[0] == "R":
+                self._of_rows.append(name)
+
+    @classmethod
+    def _declared(cls) -> dict[str, Any]:
+        return {name: kind for name, kind in get_type_hints(cls).items() if not name.startswith("_")}
+
+    def of_rows(self) -> tuple[NDArray[Any], ...]:
+        """Return the arrays (R, ...)."""
+        return tuple(getattr(self, name) for name in self._of_rows)
+
+    def of_worlds(self) -> tuple[NDArray[Any], ...]:
+        """Return the arrays (W, ...)."""
+        return tuple(getattr(self, name) for name in self._declared() if name not in self._of_rows)
+
+    def reset(self, world: int, rows: slice) -> None:
+        """Set the arrays of a world to zero."""
+        for array in self.of_worlds():
+            array[world] = 0
+        for array in self.of_rows():
+            array[rows] = 0
+
+
+S = TypeVar("S", bound=TaskSettings)
+T = TypeVar("T", bound=TaskState)
+
+
+class Task(ABC, Generic[S, T]):
+    """What there is to do in W worlds at once. Register a subclass with `TASKS.register`; implement `result`.
+
+    A mission names the task, and has its settings, under the key `task:`. `parallel_env`, `evaluate`, `run`, `play`,
+    recordings, states, training and tuning then take it as they take cleaning. Everything else has a default: robots
+    start anywhere, nothing else is there, and the mission ends with its time. You never need to loop over robots.
+
+    Attributes:
+        story: one sentence: the robots, their place and their task.
+        measures: figures of success; the first one that is no guard is the one that counts.
+        baseline: what the mechanisms are compared with, in words; see `lead`.
+        baseline_option: the option of the goal that is the baseline, where one is.
+        goal: the goal in the knowledge whose options serve the task: the one of its own name unless given.
+        mission: keys of a mission that names the task, unless they are given: the task's own mission.
+        fewest: robots with which the measures have a meaning.
+        start_side: side of the square in the middle in which robots start, 0: the whole ground [m].
+        apart, away: least distance of robots from each other, and from the middle, at the start [m].
+        thinks_when_driven: whether networks of robots go on deciding while a learner drives the robots.
+        world, settings, state: the worlds, the settings, and the arrays of this task.
+        around: the things, as `things` returned them.
+        asked: (R, 2) [m/s] what the mechanisms asked for last; 0 for nothing.
+
+    """
+
+    Settings: ClassVar[type[TaskSettings]] = TaskSettings
+    State: ClassVar[type[TaskState]] = TaskState
+    story: ClassVar[str] = ""
+    measures: ClassVar[tuple[Measure, ...]] = ()
+    baseline: ClassVar[str] = "random walk, a new direction every 2 s"
+    baseline_option: ClassVar[str] = ""
+    goal: ClassVar[str] = ""
+    mission: ClassVar[Mapping[str, Any]] = {}
+    fewest: ClassVar[int] = 1
+    start_side: ClassVar[float] = 0.0
+    apart: ClassVar[float] = 1.0
+    away: ClassVar[float] = 0.0
+    thinks_when_driven: ClassVar[bool] = True
+    handling: ClassVar[tuple[str, ...]] = ()  # behaviours that the task carries out; see `records.MindsRecord`
+    transport: ClassVar[tuple[str, ...]] = ()
+
+    settings: S
+    state: T
+
+    def __init_subclass__(cls) -> None:
+        """Take settings and state from the brackets of the base class."""
+        super().__init_subclass__()
+        for base in getattr(cls, "__orig_bases__", ()):
+            if get_origin(base) is not None and issubclass(get_origin(base), Task):
+                for given in get_args(base):
+                    if isinstance(given, type) and issubclass(given, TaskSettings):
+                        cls.Settings = given
+                    elif isinstance(given, type) and issubclass(given, TaskState):
+                        cls.State = given
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        mission = world.mission
+        if mission.robots.count < self.fewest:
+            expected = f"at least {self.fewest} with the task {mission.task.name}"
+            raise ConfigurationError(f"robots.count: expected {expected}, got {mission.robots.count}")
+        self.settings = mission.task  # type: ignore[assignment]  # of the model `Settings`, which read it
+        numbers = {name: value for name, value in mission.task if isinstance(value, int)}
+        sizes = {"W": world.worlds, "N": world.robots, "R": world.rows, **numbers, **self.sizes()}
+        self.state = self.State(sizes)  # type: ignore[assignment]
+        self.asked: Floats = np.zeros((world.rows, 2))
+        self._walk: Floats = np.zeros((world.rows, 2))
+        self.around = self.things()
+
+    # ---- what a task says; only `result` is required
+
+    def sizes(self) -> Mapping[str, int]:
+        """Return lengths of axes of the state that no setting has."""
+        return {}
+
+    def place(self, start: Start) -> None:
+        """Put robots, and things, of one world at their start; robots are anywhere unless you put them."""
+        start.put_robots(start.scattered(start.robots, self.apart, self.start_side, self.away))
+
+    def things(self) -> tuple[Thing, ...]:
+        """Return what robots can sense beside each other; called once, before any world is reset."""
+        return ()
+
+    def known(self) -> Mapping[str, Floats]:
+        """Return what robots know from the start on: name -> (R,); only names that options expect are used."""
+        return {}
+
+    def after_moving(self) -> None:
+        """Go on by a control period in all worlds at once, once all robots have moved."""
+
+    def done(self) -> Flags:
+        """Return which worlds (W,) are done before their time; none unless you say so."""
+        return np.zeros(self.world.worlds, dtype=np.bool_)
+
+    @abstractmethod
+    def result(self) -> Mapping[str, Floats]:
+        """Return the value (W,) of each measure by its name: finite at any time, at the end the result."""
+
+    def observe(self) -> Mapping[str, Floats]:
+        """Return what each robot sees of the task beside the usual terms: name -> (R,), within [-1, 1]."""
+        return {}
+
+    def reward(self) -> Floats | None:
+        """Return the rewards (R,) of the last decision period; None: what the measures have gained (`rewards`)."""
+        return None
+
+    def command(self, commands: Commands) -> None:
+        """Write the commands with which a control period begins, before behaviours write theirs; none unless you do."""
+        commands.clear()
+
+    def bend(self, commands: Commands) -> None:
+        """Change the commands of behaviours, once all are known."""
+
+    def lead(self, commands: Commands) -> None:
+        """Write the commands of the baseline in place of those of behaviours: a random walk unless you do."""
+        rows = np.flatnonzero(self.world.ticks[self.world.of_row] % round(WALK / self.world.period) == 0)
+        if len(rows):
+            self._walk[rows] = self.world.max_speed * self.world.directions(rows)
+        commands.vectors[:] = self._walk
+        commands.commanded[:] = True
+
+    # ---- what the worlds call
+
+    @classmethod
+    def robot(
+        cls, mission: MissionConfig, models: Sequence[CoordinatorModel], directories: Sequence[Path]
+    ) -> RobotNetwork:
+        """Return the network of a robot: coordinators only, all of which run that are ready."""
+        return RobotNetwork(network_of(models))
+
+    @classmethod
+    def buffers(cls, mission: MissionConfig, poses: OwnPoses, reception: Reception) -> dict[str, SoBuffer]:
+        """Return the buffers, by the names that configurations use.
+
+        In `own_pheromones` each robot finds only its own pheromones.
+        """
+        patrol, space = mission.patrol, poses.space
+        trails = BufferSettings(
+            patrol.view_distance, {"DEFAULT": "max"}, patrol.aggregation_distance, patrol.min_diffusion
+        )
+        return {
+            "gradients": SoBuffer(AROUND, space, poses),
+            "pheromones": SoBuffer(trails, space, poses, reception.delivery()),
+            "own_pheromones": SoBuffer(trails, space, poses, Delivery(reach=0.0)),
+        }
+
+    @classmethod
+    def movers(
+        cls, mission: MissionConfig, buffers: Mapping[str, SoBuffer], directions: DirectionStream
+    ) -> dict[str, MovementMechanism]:
+        """Return the mechanisms that move robots by themselves, by the behaviours of the robots' network."""
+        return {}
+
+    def reset(self, world: int, rows: slice) -> None:
+        """Show the things of a world that has just been placed."""
+        self.asked[rows] = self._walk[rows] = 0.0
+        for thing in self.around:
+            thing.show(self.world.buffers["gradients"], world, self.world.now)
+
+    def sense(self) -> None:
+        """Show things that move where they are now, before robots sense."""
+        moving = [thing for thing in self.around if thing.moves]
+        if moving:
+            buffer = self.world.buffers["gradients"]
+            for world in range(self.world.worlds):
+                buffer.clear(world)
+                for thing in self.around:
+                    thing.show(buffer, world, self.world.now)
+
+    def follow(self, vectors: Floats, working: Flags) -> None:
+        """Do what robots do that are driven by vectors (R, 2) [m/s]; working (R,): those that are at work."""
+
+    def after_deciding(self) -> None:
+        """Carry out behaviours that have just started."""
+
+    def after_acting(self, commands: Commands) -> None:
+        """Change the commands, and note them."""
+        self.bend(commands)
+        self.asked[:] = np.where(commands.commanded[:, None], commands.vectors, 0.0)
+
+    def after_leaving(self) -> None:
+        """Carry out what robots have asked for while they acted."""
+
+    def scores(self) -> Floats:
+        """Return the scores (W,) of the measures that are farthest from their targets; see `Measure.score`."""
+        values = self.result()
+        lowest: Floats = np.min([measure.score(values[measure.name]) for measure in self.measures], axis=0)
+        return lowest
+
+    def costs(self) -> Floats:
+        """Return what the missions (W,) cost [s]: their time limits times their worst measures by the targets.
+
+        A guard counts where it misses its target only. 1 time limit: the target is just met.
+        """
+        values = self.result()
+        worst: Floats = np.max([measure.ratio(values[measure.name]) for measure in self.measures], axis=0)
+        return worst * self.world.limits * self.world.period
+
+    def met(self) -> Flags:
+        """Return whether all measures (W,) meet their targets."""
+        values, met = self.result(), np.ones(self.world.worlds, dtype=np.bool_)
+        for measure in self.measures:
+            met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
+        return met
+
+    def of_rows(self) -> tuple[NDArray[Any], ...]:
+        """Return what robots hand on to the next tick: arrays (R, ...)."""
+        return (self._walk, self.asked, *self.state.of_rows())
+
+    def of_worlds(self) -> tuple[NDArray[Any], ...]:
+        """Return what worlds hand on to the next tick: arrays (W, ...)."""
+        return self.state.of_worlds()

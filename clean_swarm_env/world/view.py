@@ -1,0 +1,141 @@
+"""What a task knows of the worlds of a batch: robots, ground, time, buffers, knowledge and decisions.
+
+Shapes: W worlds of N robots, R = W * N rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.physics.clock import Clock
+from clean_swarm_env.world.floor import Floor
+from clean_swarm_env.world.ground import Ground
+from clean_swarm_env.world.minds import Minds
+from clean_swarm_env.world.mission_end import tick_limit
+from selector.configurations.running import RunningConfiguration
+from selector.coordination.coordinator import Coordinator
+from selforg.arrays import Flags, Floats, Ints
+from selforg.components.memory import RobotMemory
+from selforg.gradients.buffer import SoBuffer
+from selforg.mechanisms import DecisionMechanism
+
+V = TypeVar("V", bound=np.generic)
+
+
+class World:
+    """The worlds of a batch, as a task reads them.
+
+    Attributes:
+        mission: the mission of the batch.
+        worlds, robots, rows: W, N and R.
+        ground: the ground, with its metric.
+        period: length of a control period [s].
+        max_speed: of the robots [m/s].
+        of_row: (R,) the world of each row.
+        led: whether the baseline of the task commands the robots.
+        floor, minds: bodies, and what robots know and decide.
+
+    """
+
+    def __init__(self, missions: Sequence[MissionConfig], floor: Floor, minds: Minds, clock: Clock) -> None:
+        self.floor, self.minds, self._clock, self._missions = floor, minds, clock, missions
+        self.mission = missions[0]
+        self.worlds, self.robots, self.rows = floor.worlds, floor.robots, floor.worlds * floor.robots
+        self.ground: Ground = floor.ground
+        self.period = clock.period
+        self.max_speed = self.mission.robots.max_speed
+        self.of_row: Ints = np.repeat(np.arange(self.worlds), self.robots)
+        self.led = False
+
+    def by_world(self, values: NDArray[V]) -> NDArray[V]:
+        """Return values (R, ...) as (W, N, ...)."""
+        return values.reshape(self.worlds, self.robots, *values.shape[1:])
+
+    @property
+    def positions(self) -> Floats:
+        """Positions of the robots (W, N, 2) [m]."""
+        return self.by_world(self.floor.physics.positions)
+
+    @property
+    def headings(self) -> Floats:
+        """Headings of the robots (W, N) [rad]."""
+        return self.by_world(self.floor.physics.headings)
+
+    @property
+    def ticks(self) -> Ints:
+        """Control periods (W,) since the start of each world."""
+        return self._clock.ticks
+
+    @property
+    def seconds(self) -> Floats:
+        """Time (W,) since the start of each world [s]."""
+        seconds: Floats = self._clock.ticks.astype(np.float64) * self.period
+        return seconds
+
+    @property
+    def limits(self) -> Ints:
+        """Control periods (W,) after which the missions of the worlds end."""
+        return np.array([tick_limit(mission) for mission in self._missions])
+
+    @property
+    def robot_minutes(self) -> Floats:
+        """Minutes (W,) of all robots of a world within its whole mission."""
+        minutes: Floats = self.limits.astype(np.float64) * (self.robots * self.period / 60.0)
+        return minutes
+
+    @property
+    def now(self) -> float:
+        """Time of the buffers [s]; it goes on through resets."""
+        return self._clock.now
+
+    @property
+    def collisions(self) -> Ints:
+        """Collision events (W,) since the start: pairs that came closer than the first collision distance."""
+        return self.floor.collisions.events[:, 0]
+
+    @property
+    def buffers(self) -> Mapping[str, SoBuffer]:
+        """The buffers of the robots, by name."""
+        return self.minds.buffers
+
+    @property
+    def memory(self) -> RobotMemory:
+        """Knowledge of every robot, by name, shared by all options."""
+        return self.minds.memory
+
+    @property
+    def steers(self) -> Flags:
+        """Which robots (R,) hold an option that bends commands in place of giving some."""
+        found: Flags = self._coordinator.beside[self._coordinator.held] == 1
+        return found
+
+    def directions(self, rows: Ints) -> Floats:
+        """Return random unit vectors (K, 2), each from the stream of its row (K,)."""
+        return self.minds.directions.next_directions(rows)[:, :2]
+
+    def decisions(self) -> tuple[Floats, Ints]:
+        """Return what robots have decided: values and states (W, N) of the decision mechanism that each holds."""
+        values, states = np.zeros(self.rows), np.zeros(self.rows, dtype=np.int64)
+        for option in self._coordinator.used:
+            rows = self._coordinator.held == option
+            mechanism = deciding(self._coordinator.contents[option])
+            values[rows], states[rows] = mechanism.values[rows], mechanism.state_codes[rows]
+        return self.by_world(values), self.by_world(states)
+
+    @property
+    def _coordinator(self) -> Coordinator:
+        return self.minds.coordinators[0]
+
+
+def deciding(content: RunningConfiguration) -> DecisionMechanism:
+    """Return the first decision mechanism of a configuration."""
+    for mechanism in content.mechanisms.values():
+        if isinstance(mechanism, DecisionMechanism):
+            return mechanism
+    raise ConfigurationError("expected an option with a decision mechanism, got one that decides nothing")
