@@ -108,7 +108,7 @@ class RemoveRobot(_OfRobot):
 
 
 class FailRobot(_OfRobot):
-    """A robot fails for good."""
+    """A robot fails and does not recover."""
 
     do: Literal["fail_robot"]
 

@@ -82,7 +82,7 @@ class Worlds:
 
     @property
     def cleaned(self) -> Flags:
-        """Whether each world (W,) is clean for good: all garbage that ever comes is dumped."""
+        """(W,) whether all garbage of a world has arrived and is dumped."""
         clean: Flags = self._agendas.over & (self.garbage.done == self.garbage.arrived)
         return clean
 
@@ -118,7 +118,7 @@ class Worlds:
         self._agendas.reset(world, mission, stream)
 
     def state_of(self, world: int) -> WorldState:
-        """Return all that the further course of a world depends on, but for vectors by which it is driven.
+        """Return everything that decides how a world continues, except the vectors that a learner drives it with.
 
         Parts of it belong to the world until they are `sealed`.
         """
