@@ -48,7 +48,7 @@ class Remove(At):
 
 
 class Fail(At):
-    """Robots fail for good: their bodies stay, do nothing and can be pushed; their cargo lies there."""
+    """Robots fail and never recover: their bodies stay, do nothing and can be pushed; they drop their cargo."""
 
     do: Literal["fail"]
     """What happens."""

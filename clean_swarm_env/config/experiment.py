@@ -43,9 +43,14 @@ class ConditionConfig(Closed):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        if self.scores and isinstance(self.strategy, str):
-            raise impossible("scores", f"none beside {self.strategy}", "some")
+        if self.scores and (own := self.deciders[1]):
+            raise impossible("scores", f"none beside {own}", "some")
         return self
+
+    @property
+    def deciders(self) -> tuple[StrategySpec, str]:
+        """The strategy that decides for all goals, and the machine or policy that decides for its own goal, or ""."""
+        return (BY_SCORE, self.strategy) if isinstance(self.strategy, str) else (self.strategy, "")
 
 
 class PublishedFigures(Closed):

@@ -65,7 +65,6 @@ class GoalBatch(AnyBatch):
 
     Attributes:
         play: the episode under way.
-        took_part: (R,) bool, all robots.
 
     >>> batch = GoalBatch("Foraging", worlds=2)
     >>> batch.reset([5, 6]).shape == (24, len(batch.observer.names))
@@ -110,7 +109,8 @@ class GoalBatch(AnyBatch):
         self.observer = GoalObserver(seen if self.action.mode != "velocity" else seen.driven(), self.play)
         self.observations: Observations = np.zeros((self.rows, len(self.observer.names)), dtype=np.float32)
         self._final, self._gained = np.zeros_like(self.observations), np.zeros(self.rows)
-        self.took_part: Flags = np.ones(self.rows, dtype=np.bool_)
+        self.working = self.took_part = np.ones(self.rows, dtype=np.bool_)  # all robots, always
+        self.phases = np.zeros(self.rows, dtype=np.int64)  # one for all, in which every option can serve
         self._collisions: Ints = np.zeros(self.rows, dtype=np.int64)  # of the last period
         self._series: list[tuple[int, int] | None] = [None] * self.count  # seed and number of the next episode
         self._finished: list[GoalEnd] = []
@@ -218,11 +218,6 @@ class GoalBatch(AnyBatch):
         values = self.play.scene.measured()
         return np.stack([values[measure.name] for measure in self._kind.measures])
 
-    @property
-    def phases(self) -> Ints:
-        """(R,) phases of the robots: one for all, in which every option can serve."""
-        return np.zeros(self.rows, dtype=np.int64)
-
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the state of all worlds as sealed bytes that say their version; they cannot be taken one by one."""
         self._check_all(worlds)
@@ -262,11 +257,6 @@ class GoalBatch(AnyBatch):
     def over(self) -> Flags:
         """(W,) whether the episode is over and no other has begun."""
         return np.full(self.count, self.play.scene.over)
-
-    @property
-    def working(self) -> Flags:
-        """(R,) whether there is a robot that works: all do."""
-        return self.took_part
 
     @property
     def finished(self) -> tuple[GoalEnd, ...]:

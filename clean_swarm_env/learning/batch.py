@@ -108,13 +108,14 @@ class Batch(AnyBatch):
         self._controls = Controls(self.worlds, self.choices, self.action)
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
+        self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.rewards = Rewards(reward, self.worlds.period)
         seen = config_from(ObservationConfig, observation, "observation")
         seen = seen.beside(self.mission.terms, driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
-        self.width = self.observer.width
-        self.observations: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
-        self._final: Observations = np.zeros((self.rows, self.width), dtype=np.float32)
+        self.phases = self.observer.phases
+        self.observations: Observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
+        self._final: Observations = np.zeros_like(self.observations)
         self._gained: Floats = np.zeros(self.rows)
         self._finished: list[Finished] = []
         self._state: GlobalState | None = None
@@ -203,21 +204,6 @@ class Batch(AnyBatch):
         """(W,) whether the mission of a world is over and no other has begun."""
         over: Flags = self.progress.outcome != RUNNING
         return over
-
-    @property
-    def working(self) -> Flags:
-        """(R,) whether there is a robot that works."""
-        return self.worlds.team.working
-
-    @property
-    def took_part(self) -> Flags:
-        """(R,) whether the robot was at work in the last period."""
-        return self.progress.took_part
-
-    @property
-    def phases(self) -> Ints:
-        """(R,) phases of the robots, which decide what options can serve."""
-        return self.observer.phases
 
     def team_figures(self) -> FigureColumns:
         """Return the infos that are the same for all robots of a world, of each world; see `figures.TEAM`."""

@@ -17,7 +17,7 @@ from selforg.sealing import check_alike, sealed, unsealed
 
 
 class BatchState(NamedTuple):
-    """All that the further episodes of one world depend on, but for a source of the user's own."""
+    """Everything that decides how the episodes of one world continue, except a source that the user wrote."""
 
     likeness: dict[str, Any]  # what both batches must have in common beside their worlds
     world: WorldState

@@ -111,6 +111,9 @@ class AnyBatch(ABC):
         mission: the mission of all worlds, or what its changes have in common; None with a goal.
         observer: names and bounds of the components of an observation.
         observations: (R, F) float32, the last ones, always the same array.
+        working: (R,) bool, whether there is a robot that works.
+        took_part: (R,) bool, whether the robot was at work in the last period.
+        phases: (R,) phases of the robots, which decide what options can serve.
 
     """
 
@@ -125,16 +128,14 @@ class AnyBatch(ABC):
     mission: MissionConfig | None
     observer: ObserverFace
     observations: Observations
+    working: Flags
+    took_part: Flags
+    phases: Ints
 
     @property
     @abstractmethod
     def over(self) -> Flags:
         """(W,) whether the episode of a world is over and no other has begun."""
-
-    @property
-    @abstractmethod
-    def working(self) -> Flags:
-        """(R,) whether there is a robot that works."""
 
     @property
     @abstractmethod
@@ -169,11 +170,6 @@ class AnyBatch(ABC):
     @abstractmethod
     def end_period(self) -> BatchStep:
         """Begin the next episodes, and return what the period gave."""
-
-    @property
-    @abstractmethod
-    def phases(self) -> Ints:
-        """(R,) phases of the robots, which decide what options can serve."""
 
     def masks(self) -> Flags:
         """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.

@@ -38,7 +38,7 @@ class Joined:
         first_rows: (W,) int64, first row of each world.
 
     >>> joined = Joined([Batch(worlds=2), *family_batches("random", 1, knowledge="cleaning")])
-    >>> joined.reset([5, 6, 7]).shape == (joined.rows, joined.batches[0].width)
+    >>> joined.reset([5, 6, 7]).shape == (joined.rows, joined.batches[0].observer.width)
     True
     >>> joined.step(np.zeros(joined.rows, dtype=np.int64)).terminated.shape
     (3,)

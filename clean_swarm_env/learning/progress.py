@@ -47,7 +47,7 @@ class Period(NamedTuple):
     dumped: Annotated[Ints, "W"]  # items that the team dumped
     outcome: Annotated[Ints, "W"]  # RUNNING, COMPLETED (all garbage dumped) or TIME_OVER, at the end
     took_part: Annotated[Flags, "R"]  # robots that were at work
-    cost: Annotated[Floats, "W"]  # what the period added to the cost of the mission, but for collisions [s]
+    cost: Annotated[Floats, "W"]  # what the period added to the cost of the mission, without collisions [s]
     price: Annotated[Floats, "W"]  # what its collisions added [s]
     bumps: Annotated[Floats, "R"]  # price of the robot's collisions, one by one: its share of `price`
 
@@ -223,9 +223,9 @@ def count_tick(
 ) -> int:
     """Add one tick to the period of the worlds that run; list those that end and return their number.
 
-    entered, avoids (R,): collision events of the robot, and whether it avoids others. cleaned, ticks (W,): whether the
-    world is clean for good, and ticks since its reset. length: of a tick [s]. Cargo that is lost is not dumped. An item
-    is paid for when it is picked first, never again: else a robot could pick and put down the same item for ever.
+    entered, avoids (R,): collision events of the robot, and whether it avoids others. cleaned, ticks (W,): whether all
+    garbage has arrived and is dumped, and ticks since the reset. length: of a tick [s]. Lost cargo is not dumped. An
+    item is paid for only the first time it is picked: otherwise a robot could pick and drop the same item forever.
     """
     p, f = open_period(period), open_followed(followed)
     ended, robots = 0, f.cargo.shape[0] // ticks.shape[0]

@@ -1,7 +1,7 @@
 """The reward of a selector: the cost of the mission, and shaping terms.
 
-What the robots of a world are paid in a mission, in the mean, adds up to the mission's cost (`mission_end`) times the
-weight `cost`: exactly where the mission can be completed; where garbage keeps coming an item is worth the mean time
+In a mission, the mean payment over the robots of a world adds up to the mission's cost (`mission_end`) times the
+weight `cost`: exactly where the mission can be completed; where garbage keeps coming, an item is worth the mean time
 between two arrivals. The price of collisions is shared among the robots that took part in them.
 
 The shaping terms are plain counts, not differences of a potential. So they may change which behaviour is best: a robot

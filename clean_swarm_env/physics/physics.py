@@ -174,8 +174,8 @@ class Physics:
     ) -> None:
         """Give `drive` its commands at `now` [s], advance all worlds by `substeps` timesteps and count after each.
 
-        This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn, but for robots
-        that touch: within a tick a substep begins from the impulses of the one before.
+        This equals `DifferentialDrive.command`, then `substep` and `CollisionCounter.count` in turn, except for robots
+        that touch: within a tick, each substep starts with the impulses of the previous one.
         """
         motion, drives, counts = self._motion, drive.packed, counter.packed
         if not begin_tick(now, substeps, commands.words, drives.words, motion.words, counts.words, FUNCTIONS.words):

@@ -109,7 +109,7 @@ class RemoveRobot(_OfRobot):
 
 
 class FailRobot(_OfRobot):
-    """A robot fails for good."""
+    """A robot fails and does not recover."""
 
     do: Literal["fail_robot"]
 

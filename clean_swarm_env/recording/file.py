@@ -133,7 +133,7 @@ def blocks_in(source: IO[bytes], name: str) -> Iterator[tuple[bytes, bytes]]:
 
 
 def _read(source: IO[bytes], length: int) -> bytes:
-    """Return so many bytes, or those until the end; a damaged length asks for no more memory than there are bytes."""
+    """Return `length` bytes, or fewer at the end of the file; a damaged length takes no more memory than the file."""
     pieces = []
     while length and (piece := source.read(min(length, MOST_AT_ONCE))):
         pieces.append(piece)

@@ -195,7 +195,7 @@ class RecordedMission(RecordedStretch):
 
 
 def recordings_in(folder: Path, only: tuple[str, ...] = ("",), most: float = math.inf) -> Iterator[RecordedMission]:
-    """Yield the recordings below a directory in the order of their names, but for those without a frame.
+    """Yield the recordings below a directory, sorted by name; skip those without a frame.
 
     `only` and `most` are those of `RecordedMission`, the latter for all recordings together.
     """

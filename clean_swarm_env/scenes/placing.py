@@ -43,7 +43,7 @@ def scattered(
         free_of: other places, and the least distance from them.
 
     Raises:
-        ConfigurationError: no room for so many places.
+        ConfigurationError: there is no room for `count` places.
 
     """
     side = ground.field_side if side is None else side

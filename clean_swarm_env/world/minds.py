@@ -199,7 +199,7 @@ class Minds:
         return self.directions.generators, self._chances, self.reception.generators, self._localisation.generators
 
     def lasting(self) -> Lasting:
-        """Return what robots hand on to the next tick, but for the buffers and the random draws."""
+        """Return what robots keep for the next tick, except the buffers and the random generators."""
         own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
         inner = (part.lasting() for part in self._inner)
         return together((own, self.network.lasting(), self.memory.lasting(), *inner))

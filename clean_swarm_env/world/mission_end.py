@@ -24,7 +24,7 @@ def tick_limit(mission: MissionConfig) -> int:
 
 @part
 def mission_state(cleaned: bool, ticks: int, limit: int) -> int:
-    """Return the state of a mission after `ticks` control periods; `cleaned`: its world is clean for good."""
+    """Return the state of a mission after `ticks` control periods; `cleaned`: all garbage has come and is dumped."""
     if cleaned:
         return COMPLETED
     return TIME_OVER if ticks >= limit else RUNNING

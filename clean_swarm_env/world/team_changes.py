@@ -82,7 +82,7 @@ class Team:
         self._stop_working(rows)
 
     def fail(self, rows: Ints) -> None:
-        """Stop the robots in `rows` (K,), which are at work, for good; bodies and cargo stay where they are."""
+        """Make the robots in `rows` (K,), which are at work, fail permanently; bodies and cargo stay where they are."""
         self._drop_cargo(rows)
         if self._mission.robots.failed_pose == "unseen":
             self._minds.poses.silence(rows)

@@ -95,7 +95,7 @@ class Worlds:
 
     @property
     def done(self) -> Flags:
-        """Whether the task of each world (W,) is done, and nothing more will come."""
+        """(W,) whether the task of a world is done, and nothing more will come."""
         done: Flags = self._agendas.over & self.task.done()
         return done
 
@@ -148,7 +148,7 @@ class Worlds:
         return placing.poses
 
     def state_of(self, world: int) -> WorldState:
-        """Return all that the further course of a world depends on, but for vectors by which it is driven.
+        """Return everything that decides how a world continues, except the vectors that a learner drives it with.
 
         Parts of it belong to the world until they are `sealed`.
         """

@@ -266,6 +266,6 @@ class DecisionStrategy(ABC):
 
 
 LEARNED_LIMIT = 1e15
-"""Largest absolute value of a learned number; sums of so many rewards are still exact to a whole one."""
+"""Largest absolute value of a learned number; sums up to this value are still exact to a whole reward."""
 ROW_STATE = ("keys", "counters", "chance")
 """Names of the arrays (R,) that every strategy has besides the learned ones."""

@@ -153,7 +153,7 @@ def test_a_damaged_model_decides_or_is_refused_in_one_line(ending, tmp_path):
 
 @contextmanager
 def full_disk(most: int):
-    """Let files have at most so many bytes."""
+    """Limit files to `most` bytes, as a full disk does."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
     try:

@@ -122,7 +122,7 @@ def refused(name: str, number: int, own: bytes) -> str:
     except ValueError as error:
         text = str(error)
         wrong = "" if text and len(text.splitlines()) == 1 else f"not one line: {text!r}"
-        return wrong if made.get_state() == own else f"changed by what was refused: {text}"
+        return wrong if made.get_state() == own else f"a refused state changed it: {text}"
     except Exception as error:
         return f"{type(error).__name__}: {error}"
     return "taken without a word"

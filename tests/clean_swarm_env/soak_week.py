@@ -150,7 +150,7 @@ def soak(days: int, folder: Path) -> list[str]:
 
 
 def state_after(folder: Path, days: int) -> bytes:
-    """Return the state that was saved after so many days."""
+    """Return the state that was saved after that number of days."""
     return (folder / f"{days}").read_bytes()
 
 

@@ -46,4 +46,4 @@ ENVIRONMENTS = {
     "notebook": ("notebook", "nbclient==0.11.0", "ipykernel==7.4.0"),
 }
 """Virtual environment -> which tests run in it (pytest's -k), and its packages beside ours and torch, in the versions
-with which the examples last ran: on 23 November 2026 the newest ones, but for the TorchRL of BenchMARL."""
+with which the examples last ran: on 23 November 2026 the newest ones, except for the TorchRL of BenchMARL."""

@@ -28,7 +28,7 @@ FEWEST: Final = 6
 TOLD: Final = math.log(1.1)
 """Difference between two means, a tenth, that scenarios have to tell; as a logarithm."""
 POWER: Final = 0.8
-"""Probability with which so many scenarios tell it."""
+"""Probability that the recommended number of scenarios shows this difference."""
 NO_SPREAD: Final = 1e-9
 """Errors of means below this one are roundings only."""
 

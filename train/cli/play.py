@@ -37,7 +37,7 @@ def play_command(
     strategy: Annotated[
         str | None,
         typer.Option(
-            help="Who chooses the options, as for `evaluate --family`; MaxScore, or the best option, unless given."
+            help="Strategy of the robots, as for `evaluate --family`; MaxScore, or the best option, unless given."
         ),
     ] = None,
     scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,

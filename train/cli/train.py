@@ -1,4 +1,4 @@
-"""`clean-swarm train`: learn by PPO, by the rewards of choices, or by what missions of many members cost."""
+"""`clean-swarm train`: learn by PPO, from the rewards of choices, or from the mission costs of many members."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -123,9 +123,9 @@ def _members_command(learner: str, summary: str) -> None:
             raise typer.Exit(run_training(request, made, Console(highlight=False)))
 
 
-_members_command("es", "Train a linear policy by evolution strategies, by what whole missions cost, and export it.")
+_members_command("es", "Train a linear policy by evolution strategies on the costs of whole missions, and export it.")
 _members_command(
-    "design", "Design a finite state machine by iterated races, by what whole missions cost, and export it."
+    "design", "Design a finite state machine by iterated races on the costs of whole missions, and export it."
 )
 
 

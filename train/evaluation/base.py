@@ -74,7 +74,7 @@ class Evaluation(ABC):
 
     @property
     def learns_in_turn(self) -> bool:
-        """Whether missions run one after the other, each with options chosen by what those before have brought."""
+        """Whether missions run one after the other, and each chooses its options by the results of the earlier ones."""
         return self.memory is not None and self.memory.learns and not self.scored
 
     @property

@@ -200,9 +200,10 @@ class ExperimentEvaluation(Evaluation):
 
 def learning_strategy(condition: ConditionConfig) -> StrategySpec:
     """Return the strategy of a condition that learns in turn; ConfigurationError for a machine, policy or option."""
-    if isinstance(condition.strategy, str):
-        raise ConfigurationError(f"--learn: {condition.strategy}: expected a strategy that chooses once in a mission")
-    return condition.strategy
+    strategy, own = condition.deciders
+    if own:
+        raise ConfigurationError(f"--learn: {own}: expected a strategy that chooses once in a mission")
+    return strategy
 
 
 def with_conditions(experiment: ExperimentConfig, chosen: Sequence[str]) -> ExperimentConfig:

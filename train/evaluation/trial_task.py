@@ -183,7 +183,7 @@ def experiment_tasks(
     experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()
 ) -> list[RunTask | TrialTask]:
     """Return a task for every condition on every start; ConfigurationError for a start that does not fit."""
-    members = {each.name: each.strategy for each in experiment.conditions if isinstance(each.strategy, str)}
+    members = {each.name: own for each in experiment.conditions if (own := each.deciders[1])}
 
     def task(run: RunTask) -> RunTask | TrialTask:
         if run.condition not in members:

@@ -42,7 +42,7 @@ MOST_HEARING = 200
 
 @dataclass(frozen=True)
 class PlayedMission:
-    """What is played: one scenario, who chooses the options, and what was done by hand when it was played before."""
+    """What is played: one scenario, its strategy, and what was done by hand when it was played before."""
 
     name: str
     scenario: Scenario

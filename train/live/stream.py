@@ -40,7 +40,7 @@ class Stream:
             self._changed.notify_all()
 
     def after(self, read: int, state: Mapping[str, Any] | None, seconds: float) -> list[bytes]:
-        """Return the blocks after the first `read` ones; wait for one, for another state, or for so many seconds."""
+        """Return the blocks after the first `read` ones; wait up to `seconds` for a new block or another state."""
         with self._changed:
             self._changed.wait_for(
                 lambda: len(self._blocks) > read or self.state is not state or self.ended, timeout=seconds

@@ -83,10 +83,10 @@ def _evaluation(results: Sequence[HeldResults], links: Mapping[str, str]) -> Ite
         )
         yield paired
         yield "<h2>Performance profile</h2>"
-        yield _note("Share of scenarios on which a condition costs at most so many times the lowest cost there.")
+        yield _note("Share of scenarios on which a condition costs at most this multiple of the lowest cost there.")
         yield profile(costs, conditions)
     yield "<h2>Scenarios</h2>"
-    yield _note("Cost [s] of every run; darker: dearer than the lowest of the scenario, ten times at the darkest.")
+    yield _note("Cost [s] of every run; the darker, the further above the lowest of its scenario (darkest: ten times).")
     yield scenario_map(costs, conditions, scenarios, links)
     yield from _selection(results, "evaluate")
 

@@ -98,7 +98,7 @@ def profile(values: Floats, conditions: Sequence[str]) -> str:
 
 
 def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[str], links: Mapping[str, str]) -> str:
-    """Return a table of all runs, darker the dearer beside the best of its scenario; `links`: run -> page."""
+    """Return a table of all runs, the darker the further above the best of the scenario; `links`: run -> page."""
     heads = "".join(f"<th><span>{escape(name)}</span></th>" for name in conditions)
     rows = [f"<tr><th></th>{heads}</tr>"]
     lowest = np.nanmin(values, axis=0)
@@ -109,10 +109,10 @@ def scenario_map(values: Floats, conditions: Sequence[str], scenarios: Sequence[
             if not np.isfinite(value):
                 cells.append("<td>-</td>")
                 continue
-            dearer = min(np.log(max(value / max(lowest[k], 1e-9), 1.0)) / np.log(10.0), 1.0)
+            excess = min(np.log(max(value / max(lowest[k], 1e-9), 1.0)) / np.log(10.0), 1.0)
             link = links.get(f"{scenario}-{name}")
             text = f"{value:.4g}" if link is None else f'<a href="{escape(link, quote=True)}">{value:.4g}</a>'
-            cells.append(f'<td style="--dearer:{100 * dearer:.0f}%">{text}</td>')
+            cells.append(f'<td style="--excess:{100 * excess:.0f}%">{text}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
     return f'<div class="wide"><table class="map">{"".join(rows)}</table></div>'
 

@@ -227,7 +227,7 @@ def forcing(options: Mapping[str, str]) -> dict[str, dict[str, float]]:
 def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, ...] = ()) -> list[RunTask]:
     """Return a task for every condition on every start; ConfigurationError for a start that does not fit.
 
-    Conditions that are decided otherwise than by a strategy of all goals get that of the highest score.
+    Where a machine or policy decides for its own goal, options of the highest score serve the others.
     """
     missions = [for_start(experiment.mission, start) for start in experiment.starts]
     return [
@@ -239,7 +239,7 @@ def tasks_of(experiment: ExperimentConfig, seed: int, directories: tuple[Path, .
             mission=mission,
             start=start,
             scores=condition.scores,
-            strategy=BY_SCORE if isinstance(condition.strategy, str) else condition.strategy,
+            strategy=condition.deciders[0],
             directories=directories,
             run_mission=run_mission,
         )

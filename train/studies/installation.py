@@ -13,4 +13,5 @@ def study_versions() -> dict[str, str]:
     try:
         return versions(STUDY_PACKAGES)
     except PackageNotFoundError as error:
-        raise DocumentError(f"studies need {error.name}, which is not installed: pip install '.[tune]'") from error
+        advice = "pip install -c constraints.txt '.[tune]'"
+        raise DocumentError(f"studies need {error.name}, which is not installed: {advice}") from error

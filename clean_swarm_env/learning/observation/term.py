@@ -40,7 +40,7 @@ class Term(ABC):
     """A named group of components of an observation, each within [-1, 1].
 
     A subclass declares the name of the term, its components, its settings and how they are computed. The decorator
-    registers the subclass. Its docstring says what the components mean and by what they are divided.
+    registers the subclass. Its docstring says what the components mean and how they are scaled.
 
         @TERMS.register
         class Eastness(Term):

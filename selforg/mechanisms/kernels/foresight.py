@@ -133,7 +133,7 @@ def threat(other: int, vx: float, vy: float, foresight: Words[Foresight]) -> flo
 
 @part
 def is_stuck(row: int, now: float, foresight: Words[Foresight], poses: Words[Poses]) -> bool:
-    """Return whether a row dares more, because it has not got on for too long; note whether it gets on."""
+    """Return whether a row dares more, because it has made no progress for too long; note its progress."""
     p, f = open_poses(poses), open_foresight(foresight)
     place, times = f.places[row], f.times[row]
     dx = nearest_image(p.own[row, 0, c.X] - place[PLACE_X], p.extent[0])

@@ -34,7 +34,7 @@ class PredictiveSteering(SteeringMechanism):
     of a new velocity is still in the old heading, and beyond `turn_beyond` only half of it is driven, after a turn on
     the spot.
 
-    A robot that did not get on for some time (`patience`) dares more for 1 to 4 s, which dissolves jams.
+    A robot that made no progress for some time (`patience`) dares more for 1 to 4 s, which dissolves jams.
 
     Args:
         buffer: of the robots, or their poses.
@@ -46,8 +46,8 @@ class PredictiveSteering(SteeringMechanism):
         urgency: threat of coming 1 m nearer than `distance`, at once [1/m].
         turn_cost: cost of a turn by 180 degrees [-].
         turn_beyond: heading error from which the drive turns on the spot [rad].
-        patience: time after which a robot that did not get on dares more [s].
-        circle: radius of the circle that a robot that gets on leaves [m].
+        patience: time without progress after which a robot dares more [s].
+        circle: radius of the circle that a robot must leave to make progress [m].
         daring: factor on `caution` of a robot that dares more [-].
         **options: see `SteeringMechanism`.
 

@@ -7,7 +7,7 @@ from itertools import combinations
 from selforg.network.planning.search import Answer, Plan, Search, State, Unsolvable
 
 MOST_GOALS_COMBINED = 10
-"""Up to so many goals all subsets are tried (2^10 searches at most); of more goals one after the other is given up."""
+"""Up to this number of goals, all subsets are tried (2^10 searches at most); of more, goals are given up one by one."""
 
 
 @dataclass(frozen=True)

@@ -65,4 +65,4 @@ def test_spaces_name_what_they_hold_and_copies_do_too(copied):
     batch = Batch(family="clustered")
     assert copied(observation_space(batch)).names == batch.observer.names
     assert copied(action_space(batch)).names == dict(batch.options)
-    assert len(observation_space(batch, 2).names) == 2 * batch.width
+    assert len(observation_space(batch, 2).names) == 2 * batch.observer.width

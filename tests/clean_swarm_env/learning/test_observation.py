@@ -78,7 +78,7 @@ def _others(batch, row):
 
 
 def _heard(batch, row, spread):
-    """What a robot knows of the others by what all have `spread`: positions and headings, the latest last."""
+    """Return the terms of a robot that has heard `spread`: positions and headings of all robots, oldest first."""
     worlds = batch.worlds
     others = [other for other in worlds.rows_of(row // worlds.robots) if other != row]
     terms = {"neighbour": [1.0, 0.0, 0.0], "encounter": [0.0] * 3, "crowd": [0.0] * 3}
@@ -131,7 +131,7 @@ def test_every_term_is_what_its_name_says(name, monkeypatch):
 
     monkeypatch.setattr(batch.worlds.minds, "spread_poses", noted)
     seen = batch.reset([1, 2])
-    met = np.zeros(batch.width)
+    met = np.zeros(batch.observer.width)
     for _ in range(90):
         for row in range(10):
             np.testing.assert_allclose(seen[row], _expected(batch, row, idle[row], spread), atol=1e-6, err_msg=str(row))

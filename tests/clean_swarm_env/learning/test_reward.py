@@ -102,7 +102,7 @@ SCENARIOS = 3
 
 
 def of_option(family, option):
-    """Return what robots were paid, in the mean over them, and the costs, one for each scenario of a fixed option."""
+    """Return the mean payment of the robots, and the costs, for each scenario of a fixed option."""
     scenarios = iter([family.scenario(0, k, "test") for k in range(SCENARIOS)])
     batch = Batch(family=family, worlds=SCENARIOS, source=lambda _: next(scenarios, None), reward=RewardConfig(cost=-1))
     batch.reset()

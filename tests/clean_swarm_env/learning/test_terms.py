@@ -67,13 +67,13 @@ class TestEveryTerm:
         batch = batch_of(name)
         assert TERMS.find(name).meaning()
         assert batch.observer.names
-        assert len(set(batch.observer.names)) == batch.width == len(batch.observer.bounds)
+        assert len(set(batch.observer.names)) == batch.observer.width == len(batch.observer.bounds)
 
     def test_components_lie_within_their_bounds_and_something_is_seen(self, name):
         batch = batch_of({"name": name, "weight": -0.5})
-        most = np.zeros(batch.width)
+        most = np.zeros(batch.observer.width)
         for period, seen in enumerate(course(batch, 100)):
-            assert seen.shape == (batch.rows, batch.width)
+            assert seen.shape == (batch.rows, batch.observer.width)
             assert np.isfinite(seen).all()
             most = np.maximum(most, np.abs(seen).max(axis=0))
             if period >= 25 and most.any():

@@ -54,7 +54,7 @@ def test_every_collision_and_every_second_in_contact_costs(config, hits, touches
 
 
 @given(events, samples, st.integers(1, 200))
-def test_standing_still_is_dearer_than_anything_that_dumps_an_item(hits, touches, done):
+def test_standing_still_costs_more_than_anything_that_dumps_an_item(hits, touches, done):
     assert mission_cost(COMING, LIMIT, hits, touches, done) < mission_cost(COMING, LIMIT, 0, 0, 0)
     assert mission_cost(FINITE, LIMIT, hits, touches, min(done, ITEMS)) < mission_cost(FINITE, LIMIT, 0, 0, 0)
 

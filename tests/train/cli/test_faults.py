@@ -19,7 +19,7 @@ WORDS = ("--scenarios", "6", "--output", "r", "--workers", "2")
 
 
 def wait_for_runs(process, directory, count):
-    """Wait until so many runs are kept."""
+    """Wait until that number of runs is kept."""
     end = time.monotonic() + 600.0
     while not (directory / "runs.jsonl").exists() or (directory / "runs.jsonl").read_text().count("\n") < count:
         assert process.poll() is None

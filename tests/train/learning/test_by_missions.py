@@ -1,4 +1,4 @@
-"""Learning by what whole missions cost: who keeps to what, what is compared with what, what is found."""
+"""Learning from the costs of whole missions: what each team holds, what is compared, what is found."""
 
 import numpy as np
 import pytest

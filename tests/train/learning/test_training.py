@@ -178,7 +178,7 @@ def test_the_critic_sees_the_state_of_its_world_also_at_the_end_of_a_mission():
     from train.learning.ppo.worlds import TeamEnv
 
     batches = [Batch(mission(time_limit=3.0 + k), worlds=2 - k) for k in range(2)]
-    own, names = batches[0].width, batches[0].global_state().names
+    own, names = batches[0].observer.width, batches[0].global_state().names
     envs = TeamEnv(batches)
     envs.seed(1)
     seen, ended = envs.reset(), 0

@@ -1,4 +1,4 @@
-"""Trainings of some seconds: `missions` is one by bandit, rewarded by what whole missions cost."""
+"""Trainings of some seconds: `missions` is one by bandit, rewarded by the costs of whole missions."""
 
 from dataclasses import replace
 

@@ -230,7 +230,7 @@ def test_charts_of_known_costs():
     assert "{:.1f},{:.1f}".format(*chart.place(1.5, 1.0)) in profile(costs, names)
     table = scenario_map(costs, names, scenarios, {"s1-b": "x.html?a&b"})
     assert '<a href="x.html?a&amp;b">15</a>' in table
-    assert table.count("--dearer:0%") == 2
+    assert table.count("--excess:0%") == 2
     assert "<td>-</td>" in table
 
 

@@ -20,7 +20,7 @@ EVERY = {(str(number), name) for number in range(3) for name in "abc"}
 
 @contextmanager
 def no_hang(seconds: int) -> Iterator[None]:
-    """Fail after so many seconds."""
+    """Fail after that number of seconds."""
 
     def fail(*_: object) -> None:
         raise TimeoutError(f"nothing for {seconds} s")
@@ -35,7 +35,7 @@ def no_hang(seconds: int) -> Iterator[None]:
 
 
 def kill_first(count: int) -> None:
-    """Kill so many workers of this process as soon as they are there."""
+    """Kill this number of workers of the process as soon as they are there."""
     killed: set[str] = set()
     while len(killed) < count:
         for worker in set(children(os.getpid())) - killed:

@@ -18,7 +18,7 @@ SPANS = {"view_distance": 2.4, "presence_threshold": math.log(1000.0), "full_len
 
 
 def regret(option) -> float:
-    """Return by what share the option of a candidate costs more than the optimum."""
+    """Return how much more the option of a candidate costs than the optimum, as a share."""
     given = {**OPTIMUM, **option["parameters"]}
     distances = {
         name: (math.log(given[name] / best) if name == "presence_threshold" else given[name] - best) / SPANS[name]

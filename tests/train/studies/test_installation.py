@@ -14,7 +14,7 @@ def test_a_missing_package_is_named_with_the_extra(monkeypatch, capsys, words):
     monkeypatch.setattr(installation, "STUDY_PACKAGES", ("no-such-package",))
     assert run(*words) == 2
     error = capsys.readouterr().err
-    assert "studies need no-such-package, which is not installed: pip install '.[tune]'" in error
+    assert "studies need no-such-package, which is not installed: pip install -c constraints.txt '.[tune]'" in error
     assert error.count("\n") == 1
 
 

@@ -1,8 +1,8 @@
 """A bound by looking ahead: at each decision of the team, copies of the world try every option before one is taken.
 
 A copy holds an option for some seconds, then follows a base to the end or up to a horizon: an option, or a policy by
-which each robot chooses for itself, and may correct its movement. Further copies follow a policy at once. What cost
-least in the mean of its copies is done: a rollout (Bertsekas, Tsitsiklis & Wu 1997, doi:10.1023/A:1009635226865).
+which each robot chooses for itself, and may correct its movement. Further copies follow a policy at once. The team
+does what cost least on average over its copies: a rollout (Bertsekas et al. 1997, doi:10.1023/A:1009635226865).
 Nobody can know in a mission what copies tell; so this is what choosing for the whole team could bring, not a strategy.
 
 A copy has the random numbers of its world, and would know what is drawn. Therefore in each copy one robot drawn at

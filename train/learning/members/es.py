@@ -1,4 +1,4 @@
-"""Evolution strategies by missions: a linear policy climbs by what antithetic pairs of members cost.
+"""Evolution strategies by missions: a linear policy climbs by the costs of antithetic pairs of members.
 
 Salimans et al. 2017, "Evolution Strategies as a Scalable Alternative to Reinforcement Learning",
 doi:10.48550/arXiv.1703.03864, with Adam (Kingma & Ba 2015, doi:10.48550/arXiv.1412.6980). All members do the same

@@ -31,7 +31,7 @@ from train.learning.training import Training, TrainingJob
 from train.learning.validation import CheckpointDescription, judged
 
 Drawing = Callable[[int], list[Scenario]]
-"""Returns so many new training scenarios of each family, the families in turn."""
+"""Returns the given number of new training scenarios of each family, the families in turn."""
 
 
 class ObservationScale(Closed):

@@ -43,7 +43,7 @@ def exported(model: PPO, normal: VecNormalize, problem: Problem, training: dict[
 def _layers(model: PPO, options: int) -> list[tuple[str, Any]]:
     """Return the arrays of the layers of the policy, with their names in a policy file.
 
-    Outputs are those of so many `options`, and after them those of a vector.
+    The first `options` outputs are those of the options, the others those of a vector.
     """
     state = model.policy.state_dict()
     path = "mlp_extractor.policy_net."

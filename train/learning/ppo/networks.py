@@ -14,7 +14,7 @@ class RobotPolicy(ActorCriticPolicy):
     """An actor that sees the first `own` components of an observation, and a critic that sees all of them.
 
     If there are more, this is the agent-specific global state of MAPPO (Yu et al. 2022, doi:10.48550/arXiv.2103.01955).
-    Actions are those of their space, or one of so many `options` and a vector.
+    Actions are those of the action space, or one of `options` options together with a vector.
     """
 
     def __init__(self, *args: Any, own: int, options: int, **settings: Any) -> None:  # noqa: ANN401  (of the base class)

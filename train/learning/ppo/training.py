@@ -36,7 +36,7 @@ from train.learning.validation import CheckpointHistory
 
 POLICY_FOLDER, TENSORBOARD_FOLDER = "policy", "tensorboard"
 DAMAGE = (RuntimeError, ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, pickle.UnpicklingError)
-"""What torch raises for a checkpoint that is damaged or of another shape, by what is damaged."""
+"""What torch raises for a checkpoint that is damaged or of another shape; it depends on the damaged part."""
 LAST_RATE = 0.1
 """Share of the learning rate that is left at the end."""
 

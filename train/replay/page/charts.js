@@ -47,7 +47,7 @@ export function drawCurves(curves, frames, canvas) {
   }
 }
 
-/** Return what the chooser thinks of each option on average of the robots, each a curve of so many points. @param {Run} run @param {number} points */
+/** Return the opinion on each option, averaged over the robots, as one curve of `points` points each. @param {Run} run @param {number} points */
 export function opinionCurves(run, points) {
   const goal = Object.keys(run.head.options)[0], track = run.tracks.get(`opinion/${goal}`);
   if (!track) return [];

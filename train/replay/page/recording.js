@@ -80,7 +80,7 @@ function newRun(head) {
   return { head, frames: 0, tracks, deposits: [], byHand: [], made: 0, result: null, ahead: 0, coming: [] };
 }
 
-/** Make room for so many frames. @param {Run} run @param {number} frames */
+/** Make room for `frames` frames. @param {Run} run @param {number} frames */
 function reserve(run, frames) {
   for (const track of run.tracks.values()) {
     if (track.room.length >= frames * track.columns) continue;
@@ -192,7 +192,7 @@ export function valueAt(run, name, frame, k = 0) {
   return track ? track.room[frame * track.columns + k] / track.channel.scale : 0;
 }
 
-/** Return the title of a run at a frame, with who chooses then. @param {Run} run @param {number} frame */
+/** Return the title of a run at a frame, with the strategy at that time. @param {Run} run @param {number} frame */
 export function titleOf(run, frame) {
   const { experiment, scenario, condition } = run.head.about;
   const followed = [...run.byHand, ...run.coming].filter((change) => change.do === "follow_strategy" && change.tick <= frame).pop();

@@ -1,4 +1,4 @@
-"""The best plan of at most so many steps, by the engine Aries (MIT) of the unified-planning library.
+"""The best plan within a limit of steps, by the engine Aries (MIT) of the unified-planning library.
 
 Aries proves optimality and unsolvability only for hierarchical problems; a chain of tasks, each "one action and the
 next task, or stop", is one, and holds exactly the plans up to its length.
