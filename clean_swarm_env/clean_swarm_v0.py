@@ -34,13 +34,13 @@ from clean_swarm_env.borders.spaces import (
     CORRECTION,
     OPTION,
     action_space,
-    batch_of,
     check_render_mode,
     observation_space,
     start_of,
     state_space,
 )
 from clean_swarm_env.borders.views import PICTURE, WINDOW, View
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import GivenMission, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
 
@@ -96,7 +96,7 @@ class CleanSwarm(ParallelEnv[str, Observations, AgentAction]):
         check_render_mode(render_mode, (WINDOW, PICTURE))
         if state not in ("global", "observations"):
             raise ValueError(f"state: expected 'global' or 'observations', got {state!r}")
-        self._batch = batch_of(mission, reward=reward, begin_anew=False, **settings)
+        self._batch = Batch(mission, reward=reward, begin_anew=False, **settings)
         self._cycles, self._left = None if max_cycles is None else whole_number(max_cycles, "max_cycles", 1), 0
         self.mission, self.options = self._batch.mission, self._batch.options
         self.render_mode, self._view = render_mode, View(self._batch, render_mode)

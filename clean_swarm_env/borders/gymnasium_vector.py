@@ -29,13 +29,13 @@ from clean_swarm_env.borders.members import Member
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
 from clean_swarm_env.borders.spaces import (
     action_space,
-    batch_of,
     check_render_mode,
     observation_space,
     rows_of,
     start_of,
 )
 from clean_swarm_env.borders.views import PICTURE, View
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from, whole_number
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Floats, Ints
@@ -71,7 +71,7 @@ class BatchVectorEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         check_render_mode(render_mode, self.metadata["render_modes"])
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = render_mode
-        self.batch = batch_of(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
+        self.batch = Batch(worlds=worlds, begin_anew=self.autoreset_mode == AutoresetMode.SAME_STEP, **settings)
         self.view = View(self.batch, render_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": self.view.fps}
         self._together = together or self.batch.robots

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from clean_swarm_env.borders.spaces import masks_of
-from clean_swarm_env.learning.interface import AnyBatch, FigureColumns
+from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.interface import FigureColumns
 
 Info = dict[str, Any]
 
@@ -18,7 +19,7 @@ MASK = "action_mask"
 """Key of the options that can serve in the coming period, 1 or 0; with options as actions only."""
 
 
-def team_infos(batch: AnyBatch) -> FigureColumns:
+def team_infos(batch: Batch) -> FigureColumns:
     """Return the values of each world that are the same for all its robots."""
     columns = batch.team_figures()
     for end in batch.finished:  # such a world may have begun anew
@@ -27,7 +28,7 @@ def team_infos(batch: AnyBatch) -> FigureColumns:
     return columns
 
 
-def robot_infos(batch: AnyBatch) -> list[Info]:
+def robot_infos(batch: Batch) -> list[Info]:
     """Return the infos of each row: those of its world, its own, and the mask."""
     team, own = team_infos(batch), batch.own_figures()
     if batch.action.mode != "velocity":

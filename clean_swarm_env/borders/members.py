@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.borders.spaces import action_space, observation_space
-from clean_swarm_env.learning.interface import AnyBatch
+from clean_swarm_env.learning.batch import Batch
 
 
 class Member:
@@ -25,13 +25,13 @@ class Member:
     spec = None
     render_mode = None
 
-    def __init__(self, batch: AnyBatch, world: int, rows: slice) -> None:
+    def __init__(self, batch: Batch, world: int, rows: slice) -> None:
         """Make the environment of the `rows` of a batch that belong to one world."""
         self.world, self.robot = world, rows.start % batch.robots
         self._batch, self._rows = batch, rows
 
     @property
-    def batch(self) -> AnyBatch:
+    def batch(self) -> Batch:
         """The batch of the world."""
         return self._batch
 

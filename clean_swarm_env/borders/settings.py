@@ -6,13 +6,11 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from clean_swarm_env.goals.settings import GoalAction, GoalObservation
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.episodes import WorldSettings
 from clean_swarm_env.learning.given import GivenMission
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.reward import OwnRewards, RewardConfig
-from clean_swarm_env.scenes.ground import GroundKind
 
 Border = TypeVar("Border", bound=Callable[..., Any])
 GivenReward = RewardConfig | Mapping[str, Any] | OwnRewards | str
@@ -22,18 +20,10 @@ GivenReward = RewardConfig | Mapping[str, Any] | OwnRewards | str
 class EnvSettings(WorldSettings, total=False):
     """Settings of an environment, as keyword arguments of all borders."""
 
-    observation: ObservationConfig | GoalObservation | Mapping[str, Any] | None
+    observation: ObservationConfig | Mapping[str, Any] | None
     """Terms of the observation; the default ones, and those of the mission, unless given."""
-    action: ActionConfig | GoalAction | Mapping[str, Any] | None
+    action: ActionConfig | Mapping[str, Any] | None
     """What an action is: an option unless given."""
-    goal: str | None
-    """Goal of self-organisation in place of a mission; the three settings below change its scene."""
-    robots: int | None
-    """Number of robots."""
-    seconds: float | None
-    """Simulated time of an episode [s]."""
-    ground: GroundKind | None
-    """Kind of ground: "torus" or "open"."""
 
 
 class VectorSettings(EnvSettings, total=False):

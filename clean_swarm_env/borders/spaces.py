@@ -11,10 +11,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.given import GivenMission, config_from
-from clean_swarm_env.learning.interface import AnyBatch
+from clean_swarm_env.learning.given import config_from
 from selforg.registry import unknown
 
 Mask = NDArray[np.int8] | tuple[NDArray[np.int8], ...]
@@ -27,22 +25,7 @@ NAMES = "names"
 space, as the files of Stable-Baselines3 do, keeps the names."""
 
 
-def batch_of(
-    mission: GivenMission | None = None,
-    worlds: int = 1,
-    *,
-    goal: str | None = None,
-    **settings: Any,  # noqa: ANN401  (those of `EnvSettings`)
-) -> AnyBatch:
-    """Return a batch of worlds with a mission or a family, or with a goal of self-organisation."""
-    if goal is None:
-        return Batch(mission, worlds, **settings)
-    if mission is not None:
-        raise ValueError("goal: expected a mission or a goal, got both")
-    return GoalBatch(goal, worlds, **settings)
-
-
-def observation_space(batch: AnyBatch, robots: int = 1) -> spaces.Box:
+def observation_space(batch: Batch, robots: int = 1) -> spaces.Box:
     """Return the space of the observations of `robots` robots, one after the other."""
     bounds = np.tile(batch.observer.bounds, robots)
     space = spaces.Box(-bounds, bounds, dtype=np.float32)
@@ -50,7 +33,7 @@ def observation_space(batch: AnyBatch, robots: int = 1) -> spaces.Box:
     return space
 
 
-def action_space(batch: AnyBatch, robots: int = 1) -> spaces.Space[Any]:
+def action_space(batch: Batch, robots: int = 1) -> spaces.Space[Any]:
     """Return the space of the actions of `robots` robots, one after the other.
 
     A single option is Discrete, several options are MultiDiscrete, vectors are a Box. Both are a Dict: `option`, and
@@ -65,7 +48,7 @@ def action_space(batch: AnyBatch, robots: int = 1) -> spaces.Space[Any]:
     return options if batch.action.mode == "option" else spaces.Dict({OPTION: options, CORRECTION: vectors})
 
 
-def flat_space(batch: AnyBatch) -> spaces.Space[Any]:
+def flat_space(batch: Batch) -> spaces.Space[Any]:
     """Return the space of the actions of a robot for learners that know no dictionaries.
 
     Actions of both kinds are a Box: a number for each option, the largest of which is taken, and the correction.
@@ -96,7 +79,7 @@ def rows_of(actions: Any, space: spaces.Space[Any], rows: int) -> NDArray[Any]: 
     return given.reshape(rows, -1)
 
 
-def masks_of(batch: AnyBatch) -> Iterable[Mask]:
+def masks_of(batch: Batch) -> Iterable[Mask]:
     """Return the options that can serve next in each row, in the form that `sample` of one robot's space takes."""
     whole = batch.masks().view(np.int8)
     counts = batch.choices.counts

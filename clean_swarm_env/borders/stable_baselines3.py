@@ -36,9 +36,10 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 from clean_swarm_env.borders.infos import Info, robot_infos
 from clean_swarm_env.borders.members import Member
 from clean_swarm_env.borders.settings import VectorSettings, spelled_out
-from clean_swarm_env.borders.spaces import batch_of, flat_space, observation_space, preferred, start_of
+from clean_swarm_env.borders.spaces import flat_space, observation_space, preferred, start_of
+from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import seeds_from
-from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended
+from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.joined import Joined
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags
@@ -64,7 +65,7 @@ class RobotVecEnv(VecEnv):
         self,
         worlds: int = 1,
         *,
-        batches: Sequence[AnyBatch] = (),
+        batches: Sequence[Batch] = (),
         **settings: Unpack[VectorSettings],
     ) -> None:
         if "OMP_NUM_THREADS" not in os.environ:
@@ -73,9 +74,9 @@ class RobotVecEnv(VecEnv):
             raise ValueError(
                 f"RobotVecEnv: expected batches or settings of one, got both, {sorted(settings) or worlds}"
             )
-        self._joined = Joined(batches or [batch_of(worlds=worlds, **settings)])
+        self._joined = Joined(batches or [Batch(worlds=worlds, **settings)])
         self.batches = self._joined.batches
-        self.finished: tuple[Ended, ...] = ()
+        self.finished: tuple[Finished, ...] = ()
         own = [(batch, row) for batch in self.batches for row in range(batch.rows)]
         worlds_of = self._joined.world_of.tolist()
         self._robots = [
@@ -125,7 +126,7 @@ class RobotVecEnv(VecEnv):
         over = (step.terminated | step.truncated)[self._joined.world_of]
         return step.observations, step.rewards.astype(np.float32), over, infos
 
-    def _add_end(self, infos: list[Info], end: Ended, step: BatchStep) -> None:
+    def _add_end(self, infos: list[Info], end: Finished, step: BatchStep) -> None:
         """Add the figures of a mission to the infos, and set the sums of its world to 0."""
         elapsed, length = round(time.monotonic() - self._began, 6), int(self._lengths[end.world])
         for row in np.flatnonzero(self._joined.world_of == end.world).tolist():

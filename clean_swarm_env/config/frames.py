@@ -1,8 +1,9 @@
 """Frames: the parts of a mission that all worlds of one batch share.
 
 Worlds of one batch share the task, the ground, the bodies, the network, the patrol, the numbers of rows and of
-stations; places of stations, events, garbage, delivery, prices and, on a torus, the time limit may differ. Rows that a mission does not use are absent,
-so that missions of different sizes share a frame when they state the same `robots.capacity` and `garbage.capacity`.
+stations; places of stations, events, garbage, delivery, prices and, on a torus, the time limit may differ. Rows that a
+mission does not use are absent, so that missions of different sizes share a frame when they state the same
+`robots.capacity` and `garbage.capacity`.
 """
 
 from collections.abc import Sequence

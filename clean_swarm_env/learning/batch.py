@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
+from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
 from clean_swarm_env.learning.batch_state import BatchStates, Opened
@@ -30,11 +30,11 @@ from clean_swarm_env.learning.given import (
     whole_number,
 )
 from clean_swarm_env.learning.global_state import GlobalState
-from clean_swarm_env.learning.interface import NO_JUMPS, AnyBatch, BatchStep, FigureColumns, Finished
-from clean_swarm_env.learning.observation.config import ObservationConfig
+from clean_swarm_env.learning.interface import NO_JUMPS, BatchStep, FigureColumns, Finished
+from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TASK_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, Rewards
+from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, rewards_of
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
 from clean_swarm_env.world.cleaning_robot import coordinators_of
@@ -45,7 +45,7 @@ from selector.configurations.library import library_of
 from selforg.arrays import Flags, Floats, Ints
 
 
-class Batch(AnyBatch):
+class Batch:
     """W worlds with one frame, stepped one decision period at a time.
 
     Args:
@@ -59,7 +59,15 @@ class Batch(AnyBatch):
     Episode k of a world after `reset` with seed S is always the same: random start k of S, or scenario k of S (of those
     on the torus of `size`).
 
-    Attributes, beside those of `AnyBatch`:
+    Attributes:
+        rows, robots, count: R, N and W.
+        period, decision_period: lengths of a control period and of a decision period [s].
+        mission: the mission of all worlds, or what their missions have in common.
+        options: coordinated goal -> names of its options; `choices` are these as actions.
+        observer: names and bounds of the components of an observation.
+        observations: (R, F) float32, the last ones, always the same array.
+        working, took_part: (R,) bool, whether there is a robot that works, and whether it did in the last period.
+        phases: (R,) phases of the robots, which decide what options can serve.
         recorder: records the missions; None unless asked for.
         progress: what happened in the last period.
         doing: (W,) present or last scenario of each world; None where a source has given none yet.
@@ -71,10 +79,6 @@ class Batch(AnyBatch):
     ((10,), [False, False])
 
     """
-
-    mission: MissionConfig
-    action: ActionConfig
-    observer: Observer
 
     def __init__(
         self,
@@ -109,9 +113,10 @@ class Batch(AnyBatch):
         self._ticks_per_step = round(self.decision_period / self.period)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
-        self.rewards = Rewards(reward, self.worlds.period)
+        self.rewards = rewards_of(reward, self.worlds)
         seen = config_from(ObservationConfig, observation, "observation")
-        seen = seen.beside(self.mission.terms, driven=self.action.mode == "velocity")
+        usual = DEFAULT_TERMS if self.mission.cleans else TASK_TERMS
+        seen = seen.beside(self.mission.terms, usual, driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
         self.phases = self.observer.phases
         self.observations: Observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
@@ -174,6 +179,14 @@ class Batch(AnyBatch):
             raise ValueError(NO_JUMPS)
         return self._states.open(state, worlds)
 
+    def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
+        """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F).
+
+        The further course has the same bits. ValueError says what is damaged or does not fit, and then nothing has
+        changed.
+        """
+        return self.enter_state(self.open_state(state, worlds))
+
     def enter_state(self, opened: Opened) -> Observations:
         """Go on from what `open_state` has returned; the observations (R, F) are valid until the next call.
 
@@ -211,7 +224,7 @@ class Batch(AnyBatch):
 
     def own_figures(self) -> FigureColumns:
         """Return the infos of each row; see `figures.OWN`."""
-        return own_columns(self.progress, self.worlds.period)
+        return own_columns(self.worlds, self.progress)
 
     def global_state(self) -> GlobalState:
         """Return what tells the global state of the worlds, and keeps it at the ends of missions from now on."""
@@ -241,6 +254,23 @@ class Batch(AnyBatch):
         if self.recorder is not None:
             self.recorder.close()
 
+    def step(self, actions: NDArray[Any]) -> BatchStep:
+        """Run one decision period."""
+        for _ in self.ticks(actions):
+            pass
+        return self.end_period()
+
+    def masks(self) -> Flags:
+        """Return which options (R, O) of all goals, one goal after the other, can serve in the coming period.
+
+        Raises:
+            ValueError: actions are vectors.
+
+        """
+        if self.action.mode == "velocity":
+            raise ValueError("masks: expected options as actions, got mode 'velocity'")
+        return self.choices.masks(self.phases)
+
     def ticks(self, actions: NDArray[Any]) -> Iterator[Worlds]:
         """Run one decision period, and yield the worlds after each control period.
 
@@ -253,6 +283,7 @@ class Batch(AnyBatch):
         self._finished.clear()
         progress = self.progress
         progress.begin_period()
+        self.rewards.start_period()
         for _ in range(self._ticks_per_step):
             entered = self.worlds.tick()
             if self.recorder is not None:
@@ -282,6 +313,7 @@ class Batch(AnyBatch):
         """Keep the figures and the last observations of the missions that ended with the last tick."""
         ended, worlds = self.progress.ended, self.worlds
         self.observer.observe(self._final, ended)
+        self.rewards.note_ended(ended)
         if self._state is not None:
             self._state.keep(ended)
         for world in ended.tolist():

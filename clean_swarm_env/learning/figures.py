@@ -1,8 +1,11 @@
-"""Figures of missions for the infos of all borders: their keys, and their values as columns."""
+"""Figures of missions for the infos of all borders: their keys, and their values as columns.
+
+A task other than cleaning has its measures in place of figures of garbage.
+"""
 
 from __future__ import annotations
 
-from clean_swarm_env.learning.interface import FigureColumns
+from clean_swarm_env.learning.interface import FigureColumns, key_of
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.worlds import Worlds
@@ -32,6 +35,11 @@ TIMES = ("own_contact_s", "own_avoiding_s")
 def team_columns(worlds: Worlds, progress: MissionProgress) -> FigureColumns:
     """Return the values of `TEAM` of each world."""
     times = [ticks * worlds.period for ticks in progress.elapsed.tolist()]
+    if not worlds.mission.cleans:
+        measures = {key_of(name): values.tolist() for name, values in worlds.task.result().items()}
+        events, met = worlds.collisions.events[:, 0].tolist(), worlds.task.met().tolist()
+        common = {"time_s": times, "duration_s": times.copy()}
+        return common | {"mission_collision_events": events, "completed": met} | measures
     return {
         "time_s": times,
         "dumped": progress.dumped.tolist(),
@@ -42,9 +50,11 @@ def team_columns(worlds: Worlds, progress: MissionProgress) -> FigureColumns:
     }
 
 
-def own_columns(progress: MissionProgress, period: float) -> FigureColumns:
-    """Return the values of `OWN` of each row; `period` is the length of a tick [s]."""
+def own_columns(worlds: Worlds, progress: MissionProgress) -> FigureColumns:
+    """Return the values of `OWN` of each row; those of garbage only where robots clean."""
     columns = dict(zip(OWN, progress.events.tolist(), strict=True))
-    for name in TIMES:
-        columns[name] = [ticks * period for ticks in columns[name]]
+    if not worlds.mission.cleans:
+        columns = {name: columns[name] for name in ("own_collisions", "own_contact_s")}
+    for name in (time for time in TIMES if time in columns):
+        columns[name] = [ticks * worlds.period for ticks in columns[name]]
     return columns

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clean_swarm_env.config.cleaning import StationsConfig
+from clean_swarm_env.learning.observation.thing_terms import kinds_of
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
@@ -30,6 +31,9 @@ class GlobalState:
     was picked. `time` is the share of the time limit that has passed, `garbage_done` the share of the items dumped of
     those that arrived. The other components are flags, except cosine and sine. What is not there is 0.
 
+    A task other than cleaning has facts in place of cargo, and its things (`KIND_K_x`) in place of items and stations;
+    on open land places are offsets from the middle.
+
     Args:
         worlds: the worlds.
         progress: has the time limits of their missions.
@@ -50,16 +54,25 @@ class GlobalState:
             for c in self._coordinators
             for option in c.model.options
         ]
-        robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in (*ROBOT, *holds)]
+        self._facts = () if worlds.mission.cleans else facts_of(worlds)
+        own = (*ROBOT[:5], *(ROBOT[5:] if worlds.mission.cleans else self._facts), *holds)
+        robots = [f"robot_{k}_{name}" for k in range(worlds.robots) for name in own]
         items = [f"item_{k}_{name}" for k in range(worlds.garbage.stage.shape[1]) for name in ITEM]
-        stations = [f"{station}_{name}" for station in station_names(worlds.mission.stations) for name in STATION]
-        self.names = (*robots, *items, *stations, "time", "garbage_done")
+        if worlds.mission.cleans:
+            stations = [f"{station}_{name}" for station in station_names(worlds.mission.stations) for name in STATION]
+        else:
+            kinds = zip(kinds_of(worlds.task.around), worlds.task.around, strict=True)
+            stations = [
+                f"{kind}_{k}_{name}" for kind, at in kinds for k in range(at.places.shape[1]) for name in STATION
+            ]
+        self.names = (*robots, *items, *stations, "time", *(("garbage_done",) if worlds.mission.cleans else ()))
         self.final = np.zeros((worlds.worlds, len(self.names)), dtype=np.float32)
 
     def now(self) -> NDArray[np.float32]:
         """Return the state (W, G) of the worlds as they are."""
         worlds = self._worlds
-        parts = (self._robots(), self._items(), self._places(worlds.stations), self._course())
+        things = [self._places(thing.places) for thing in worlds.task.around]
+        parts = (self._robots(), self._items(), self._places(worlds.stations), *things, self._course())
         return np.concatenate([part.reshape(worlds.worlds, -1) for part in parts], axis=1).astype(np.float32)
 
     def keep(self, ended: Ints) -> None:
@@ -67,6 +80,9 @@ class GlobalState:
         self.final[ended] = self.now()[ended]
 
     def _places(self, points: Floats) -> Floats:
+        ground = self._worlds.floor.ground
+        if ground.kind == "open":
+            return np.clip((points - ground.centre) / ground.size, -1.0, 1.0)
         places: Floats = 2.0 * points / self._worlds.extent - 1.0
         return places
 
@@ -74,13 +90,14 @@ class GlobalState:
         """Return the components (R, ...) of the robots."""
         physics, garbage = self._worlds.physics, self._worlds.garbage
         carrying = garbage.cargo != NOTHING
+        cargo = (carrying, carrying & (garbage.recycled == 1))
+        known = [self._worlds.minds.memory[name].values for name in self._facts]
         own = np.column_stack(
             (
                 self._worlds.team.working,
                 self._places(physics.positions),
                 *unit_vectors(physics.headings),
-                carrying,
-                carrying & (garbage.recycled == 1),
+                *(cargo if self._worlds.mission.cleans else known),
                 *(_flags(c.held, len(c.model.options)) for c in self._coordinators),
             )
         )
@@ -96,9 +113,11 @@ class GlobalState:
         return items
 
     def _course(self) -> Floats:
-        """Return the share of the time that has passed and of the items that are dumped (W, 2)."""
+        """Return the share of the time that has passed, and of the items that are dumped (W, 2)."""
         garbage, progress = self._worlds.garbage, self._progress
-        time = np.minimum(self._worlds.ticks / progress.limits, 1.0)
+        time: Floats = np.minimum(self._worlds.ticks / progress.limits, 1.0)
+        if not self._worlds.mission.cleans:
+            return time
         return np.column_stack((time, garbage.done / np.maximum(garbage.arrived, 1)))
 
 
@@ -106,6 +125,11 @@ def _flags(numbers: Ints, count: int) -> Floats:
     """Return `numbers` (R,) as rows of `count` flags, one of which is set."""
     flags: Floats = np.eye(count)[numbers]
     return flags
+
+
+def facts_of(worlds: Worlds) -> tuple[str, ...]:
+    """Return the names of the facts that robots know."""
+    return tuple(name for name, kind in worlds.minds.memory.kinds.items() if kind == "fact")
 
 
 def station_names(stations: StationsConfig) -> list[str]:

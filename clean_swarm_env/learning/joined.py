@@ -20,7 +20,7 @@ from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.episodes import Size
-from clean_swarm_env.learning.interface import AnyBatch, BatchStep, Ended
+from clean_swarm_env.learning.interface import BatchStep, Finished
 from clean_swarm_env.learning.observation.observer import Observations
 from selforg.arrays import Flags, Ints
 
@@ -45,7 +45,7 @@ class Joined:
 
     """
 
-    def __init__(self, batches: Sequence[AnyBatch]) -> None:
+    def __init__(self, batches: Sequence[Batch]) -> None:
         self.batches = tuple(batches)
         _check_alike(self.batches)
         self.rows = sum(batch.rows for batch in batches)
@@ -79,7 +79,7 @@ class Joined:
         return BatchStep(*(np.concatenate(arrays) for arrays in zip(*steps, strict=True)))
 
     @property
-    def finished(self) -> tuple[Ended, ...]:
+    def finished(self) -> tuple[Finished, ...]:
         """The missions that ended in the last period."""
         return tuple(
             replace(end, world=first + end.world)
@@ -88,18 +88,14 @@ class Joined:
         )
 
     @property
-    def _missions(self) -> list[Batch]:
-        return [batch for batch in self.batches if isinstance(batch, Batch)]
-
-    @property
     def present(self) -> Flags:
-        """(R,) whether there is a robot in the row; for batches of missions."""
-        return np.concatenate([batch.worlds.physics.present for batch in self._missions])
+        """(R,) whether there is a robot in the row."""
+        return np.concatenate([batch.worlds.physics.present for batch in self.batches])
 
     @property
     def events(self) -> Ints:
-        """(E, R) counts of the events of the last period, see `Period.events`; for batches of missions."""
-        return np.concatenate([batch.progress.events for batch in self._missions], axis=1)
+        """(E, R) counts of the events of the last period, see `Period.events`."""
+        return np.concatenate([batch.progress.events for batch in self.batches], axis=1)
 
     def masks(self) -> Flags:
         """Return which options (R, O) can serve in the coming period."""
@@ -128,7 +124,7 @@ def family_batches(
     ]
 
 
-def _check_alike(batches: Sequence[AnyBatch]) -> None:
+def _check_alike(batches: Sequence[Batch]) -> None:
     """Raise an error if there are no batches, or if one learner cannot decide for all of them."""
     if not batches:
         raise ValueError("batches: expected at least one, got none")
@@ -142,7 +138,7 @@ def _check_alike(batches: Sequence[AnyBatch]) -> None:
                 raise ConfigurationError(f"batches[{number}]: {what}: expected {expected}, got {given}")
 
 
-def _compared(batch: AnyBatch) -> dict[str, Any]:
+def _compared(batch: Batch) -> dict[str, Any]:
     """Return the settings that must be equal in batches that are joined."""
     return {
         "options": dict(batch.options),

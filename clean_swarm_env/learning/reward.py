@@ -15,13 +15,16 @@ from reprlib import repr as brief
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from pydantic import create_model
 
 from clean_swarm_env.learning.given import config_from
-from clean_swarm_env.learning.progress import EVENTS, Period, open_period
+from clean_swarm_env.learning.interface import key_of
+from clean_swarm_env.learning.progress import COLLISIONS, EVENTS, Period, open_period
 from clean_swarm_env.world.mission_end import COMPLETED
+from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported
-from selforg.arrays import Floats
+from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
 
@@ -53,6 +56,8 @@ class RewardConfig(Closed):
     """Share of a robot's own terms (collisions and shaping) that goes to all robots of its world alike [-]."""
 
 
+OWN_COLLISION = "collision"
+"""Key of the weight for each collision event in which a robot took part [1/event]."""
 OwnRewards = Callable[[Any], Floats]
 """A function of a batch at the end of a period that returns the rewards (R,)."""
 
@@ -67,7 +72,7 @@ def own_rewards(chosen: object) -> OwnRewards | None:
     if not callable(function):
         return None
 
-    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (an AnyBatch, which stands above this module)
+    def rewards(batch: Any) -> Floats:  # noqa: ANN401  (a Batch, which stands above this module)
         given = function(batch)
         paid = np.asarray(given, dtype=np.float64)
         if paid.shape != (batch.rows,) or not np.isfinite(paid).all():
@@ -93,7 +98,7 @@ open_prices = PRICES_RECORD.open
 
 
 class Rewards:
-    """Rewards (R,) of a batch of worlds: by weights from what its progress counted in a period, or the user's own.
+    """Rewards (R,) of cleaning: by weights from what the progress of a batch counted in a period, or the user's own.
 
     Attributes:
         config: the weights.
@@ -118,12 +123,76 @@ class Rewards:
             Prices(weights, config.cost, config.dumped, config.time * period, config.completed, config.shared)
         )
 
+    def start_period(self) -> None:
+        """Do nothing: the progress counts."""
+
+    def note_ended(self, ended: Ints) -> None:
+        """Do nothing: the progress no longer counts in worlds that have ended."""
+
     def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
         """Fill `rewards` (R,) with those of the last period of a batch; robots that took no part get none."""
         if self._own is not None:
             rewards[:] = self._own(batch)
         else:
             pay(batch.progress.period.words, self.prices.words, rewards)
+
+
+class MeasureRewards:
+    """Rewards of a task: how much each measure has improved in a period, in units of its target, or the task's own.
+
+    So the sum over a mission is the measure at the end, less the measure at the start, by its target; the sign is that
+    of "better". All robots of a world are paid alike. Weights are 1 unless given, that of `collision` 0.
+
+    Attributes:
+        weights: key of a measure, or `collision` -> weight.
+
+    """
+
+    def __init__(self, given: Mapping[str, Any] | None, worlds: Worlds) -> None:
+        """Read the weights of the measures of the task of `worlds`."""
+        self._worlds, measures = worlds, worlds.task.measures
+        keys = [key_of(measure.name) for measure in measures]
+        fields: dict[str, Any] = dict.fromkeys(keys, (Number, 1.0)) | {OWN_COLLISION: (Number, 0.0)}
+        chosen = config_from(create_model("MeasureWeights", __base__=Closed, **fields), given, "reward")
+        self.weights: dict[str, float] = chosen.model_dump()
+        signs = [1.0 if measure.better == "higher" else -1.0 for measure in measures]
+        units = [abs(measure.target) or 1.0 for measure in measures]
+        self._prices = np.array([self.weights[key] for key in keys]) * signs / units
+        self._before, self._ended = np.zeros((2, len(keys), worlds.worlds))
+        self._over: Flags = np.zeros(worlds.worlds, dtype=np.bool_)
+
+    def start_period(self) -> None:
+        """Note the measures as they are."""
+        self._before = self._measured()
+        self._over[:] = False
+
+    def note_ended(self, ended: Ints) -> None:
+        """Note the measures of worlds (K,) whose missions have just ended."""
+        self._ended[:, ended] = self._measured()[:, ended]
+        self._over[ended] = True
+
+    def of(self, batch: Any, rewards: Floats) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
+        """Fill `rewards` (R,) with those of the last period of a batch."""
+        own = self._worlds.task.reward()
+        if own is None:
+            gained = np.where(self._over, self._ended, self._measured()) - self._before
+            own = np.repeat(self._prices @ gained, self._worlds.robots)
+        rewards[:] = own + self.weights[OWN_COLLISION] * batch.progress.events[COLLISIONS]
+
+    def _measured(self) -> Floats:
+        """Return the measures (K, W) as they stand."""
+        values = self._worlds.task.result()
+        return np.stack([values[measure.name] for measure in self._worlds.task.measures])
+
+
+def rewards_of(
+    given: RewardConfig | Mapping[str, Any] | OwnRewards | str | None, worlds: Worlds
+) -> Rewards | MeasureRewards:
+    """Return the rewards of worlds by weights, or by the user's own function."""
+    own = own_rewards(given)
+    if worlds.mission.cleans or own is not None:
+        return Rewards(given, worlds.period)
+    return MeasureRewards(given, worlds)  # type: ignore[arg-type]  # no function
 
 
 @lean_kernel

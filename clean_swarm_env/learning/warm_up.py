@@ -5,10 +5,10 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.learning.interface import AnyBatch
 from clean_swarm_env.world import tick_kernels
 from selforg.compiler.cache import cache_directory, folder_for
 from selforg.compiler.switches import COMPILED
@@ -42,7 +42,7 @@ def compile_once(work: Callable[[], object]) -> None:
             work()
 
 
-def run_through(batch: AnyBatch) -> None:
+def run_through(batch: Any) -> None:  # noqa: ANN401  (a Batch, which stands above this module)
     """Run the first mission of a batch with all options, which calls the kernels that all missions call."""
     batch.reset([0] * batch.count)
     options = np.arange(batch.rows) % batch.choices.counts[0]

@@ -98,6 +98,11 @@ class Thing:
     goal_radius: float | Floats = 0.0
     moves: bool = False
 
+    @property
+    def count(self) -> int:
+        """Number of things of a world, M."""
+        return int(self.places.shape[1])
+
     def show(self, buffer: SoBuffer, world: int, now: float) -> None:
         """Store the gradients of a world in a buffer whose teams are the worlds."""
         places = self.places[world]

@@ -18,6 +18,7 @@ from clean_swarm_env.learning.observation import find_terms as find_terms
 from clean_swarm_env.learning.observation import own_terms as own_terms
 from clean_swarm_env.learning.observation import task_terms as task_terms
 from clean_swarm_env.learning.observation import team_terms as team_terms
+from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation import true_terms as true_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from selector.documents.errors import DocumentError, validated
@@ -30,6 +31,8 @@ DEFAULT_TERMS = (
     "crowd", "avoidance", "movement", "time", "idle", "holds",
 )  # fmt: skip
 """The terms of an observation unless others are chosen: what a robot senses or has heard, all of them compiled."""
+TASK_TERMS = ("command", "things", "neighbour", "crowd", "movement", "facts", "task", "time", "holds")
+"""The terms of an observation of a task other than cleaning, unless others are chosen."""
 TRUE_TERMS = ("true_neighbour", "true_encounter", "true_crowd", "true_carriers", "true_density", "true_done")
 """Compiled terms that no robot could know; the modules of all terms are imported above."""
 
@@ -105,16 +108,18 @@ class ObservationConfig(Closed):
             raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
         return self.model_copy(update={"terms": tuple(term for term in self.terms if term.name != "holds")})
 
-    def beside(self, further: Sequence[str] = (), *, driven: bool = False) -> Self:
-        """Return the observation with `further` terms behind the default ones, or with the terms that were chosen.
+    def beside(
+        self, further: Sequence[str] = (), usual: Sequence[str] = DEFAULT_TERMS, *, driven: bool = False
+    ) -> Self:
+        """Return the observation with `further` terms behind the `usual` ones, or with the terms that were chosen.
 
         Robots that are `driven` see no options.
         """
-        seen = self.driven() if driven else self
-        if not further or "terms" in self.model_fields_set:
-            return seen
+        if "terms" in self.model_fields_set:
+            return self.driven() if driven else self
+        seen = [name for name in usual if not (driven and name == "holds")]
         given = {name: getattr(self, name) for name in self.model_fields_set}
-        return validated(type(self), {**given, "terms": (*seen.terms, *further)}, "observation", own=True)
+        return validated(type(self), {**given, "terms": (*seen, *further)}, "observation", own=True)
 
     def build(self, observed: Observed) -> tuple[Term, ...]:
         """Return the terms of what is `observed`."""

@@ -102,7 +102,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         first_options=np.cumsum([0, *sizes])[:-1],
         ranges=np.array(config.neighbour_ranges),
         sight=worlds.floor.packed.record.sight,
-        longest=0.5 * float(np.sqrt((worlds.extent * worlds.extent).sum())),
+        longest=worlds.floor.ground.longest,
         station_range=config.station_range,
         full_crowd=config.full_crowd,
         patience=max(config.patience / worlds.period, 1.0),

@@ -103,6 +103,8 @@ def find_stations(around: Words[Around], rows: Ints) -> None:
         x, y, stations = a.positions[row, 0], a.positions[row, 1], a.stations[row // a.robots]
         for kind in range(2):
             station, _ = nearest_of_kind(x, y, kind, stations, a.station_kinds, a.extent)
+            if station == NOBODY:  # another task than cleaning
+                continue
             way = a.station_ways[row, kind]
             a.station_distances[row, kind] = write_way(a, row, stations[station], a.longest, way)
 
