@@ -147,7 +147,7 @@ class Minds:
         self._pose_delivery = self.reception.of_poses(self.poses)
         self.directions = DirectionStream([np.random.default_rng(0)] * self.rows)
         self.buffers = task.buffers(mission, self.poses, self.reception)
-        self._delivered = self.buffers.values() if mission.own_contents or not mission.cleans else ()
+        self._delivered = tuple(self.buffers.values()) if mission.own_contents or not mission.cleans else ()
         self.movers = task.movers(mission, self.buffers, self.directions)
 
     def _build_network(

@@ -11,10 +11,9 @@ import sys
 
 import numpy as np
 
-from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.warm_up import run_through
-from clean_swarm_env.scenes import goals
+from clean_swarm_env.tasks import TASKS
 from selforg.arrays import Floats
 from selforg.compiler.decorators import lean_kernel
 from tests.clean_swarm_env.copies import advance, random_batch
@@ -31,11 +30,12 @@ def write(array: Floats, place: int) -> None:
     array[place] = 1.0
 
 
-def random_kind(rng: np.random.Generator) -> Batch | GoalBatch:
-    """Return a batch of missions, or now and then of a goal, that has just begun."""
+def random_kind(rng: np.random.Generator) -> Batch:
+    """Return a batch that cleans, or now and then has another task, and has just begun."""
     if rng.random() < 0.7:
         return random_batch(rng)
-    batch = GoalBatch(goals()[int(rng.integers(len(goals())))], seconds=10.0)
+    others = [name for name in TASKS.names() if name != "Cleaning"]
+    batch = Batch({"task": others[int(rng.integers(len(others)))], "time_limit": 10.0})
     batch.reset([int(rng.integers(1 << 30))])
     return batch
 

@@ -18,7 +18,6 @@ import numpy as np
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
-from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
 from tests.clean_swarm_env.copies import MISSIONS
 from tests.clean_swarm_env.courses import CROWD, worlds_at_start
@@ -74,9 +73,9 @@ BORDERS = {
     "Worlds": worlds,
     "Batch": partial(batch, Batch, MISSIONS["late and noisy"], 2),
     "Batch of a family": partial(batch, Batch, family="shifting", action={"mode": "velocity"}),
-    "GoalBatch": partial(batch, GoalBatch, "Foraging", 2),
+    "Batch of a task": partial(batch, Batch, {"task": "Foraging"}, 2),
     "parallel_env": partial(parallel, mission=MISSIONS["own contents"]),
-    "parallel_env of a goal": partial(parallel, goal="MaxValue"),
+    "parallel_env of a task": partial(parallel, mission={"task": "MaxValue"}),
     "CleanSwarmTeam": lambda: gymnasium(CleanSwarmTeam(MISSIONS["crowd"])),
     "TeamVectorEnv": lambda: gymnasium(TeamVectorEnv(2, mission=MISSIONS["pass through"])),
 }

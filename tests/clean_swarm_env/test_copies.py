@@ -17,8 +17,7 @@ from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.scenes import SCENES, Setting, goals
-from clean_swarm_env.scenes.served import ServedTeam, expertise
+from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from tests.clean_swarm_env.copies import advance, random_batch
 from tests.clean_swarm_env.courses import CROWD, long_course, mission, worlds_at_start
@@ -168,24 +167,21 @@ def test_a_batch_that_records_says_that_it_cannot_be_copied(tmp_path):
         copy.deepcopy(Batch(SHORT, record=RecordSettings(tmp_path)))
 
 
-@pytest.mark.parametrize("goal", goals())
-def test_a_team_with_a_goal_is_copied_with_its_scene(goal):
-    """The robots of a scene, the mechanism that serves them, and what they leave behind."""
-    made = SCENES.find(goal)
-    scene = made(Setting(max(made.setting.robots, made.fewest), 10.0, made.setting.ground), [3])
-    team = ServedTeam(scene, expertise(goal))
+@pytest.mark.parametrize("task", [name for name in TASKS.names() if name != "Cleaning"])
+def test_a_batch_of_any_task_is_copied_with_what_its_task_keeps(task):
+    """The robots, the mechanism that serves them, what they leave behind, and the arrays of the task."""
+    batch = Batch({"task": task, "time_limit": 10.0})
+    batch.reset([3])
 
-    def play(scene, team):
-        for _ in range(15):
-            scene.arena.announce()
-            scene.arena.move(team.command())
-        return scene.arena.positions.tobytes()
+    def course(batch):
+        steps = [batch.step(np.tile(batch.choices.default, (batch.rows, 1))) for _ in range(3)]
+        return [(step.observations.tobytes(), step.rewards.tobytes()) for step in steps], repr(batch.team_figures())
 
-    play(scene, team)
-    twins, orphans = copy.deepcopy((scene, team)), pickle.loads(pickle.dumps((scene, team)))
-    assert pointing_into(arrays_of(twins), arrays_of((scene, team))) == []
-    course = play(*twins)
-    assert play(scene, team) == course
-    del scene, team, twins
+    course(batch)
+    twin, orphan = copy.deepcopy(batch), pickle.loads(pickle.dumps(batch))
+    assert pointing_into(arrays_of(twin), arrays_of(batch)) == []
+    expected = course(twin)
+    assert course(batch) == expected
+    del batch, twin
     gc.collect()
-    assert play(*orphans) == course
+    assert course(orphan) == expected

@@ -27,7 +27,9 @@ def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
         if name not in ("inner", "held"):  # of the coordinators, of which one has one more
             assert np.array_equal(part, parts[name]), name
     assert (
-        other.worlds.minds.buffers["pheromones"].count(0, "pheromone") == one.worlds.minds.buffers["pheromones"].count(0, "pheromone") > 100
+        other.worlds.minds.buffers["pheromones"].count(0, "pheromone")
+        == one.worlds.minds.buffers["pheromones"].count(0, "pheromone")
+        > 100
     )
 
 

@@ -55,7 +55,9 @@ def test_it_runs_where_its_behaviour_runs_and_moves_the_robots(walking, tmp_path
         assert np.array_equal(nested.network.executing[:, 0] == 1, running)
         ran += running.sum()
     assert ran > 20
-    assert walking.worlds.minds.buffers["pheromones"].count(0, "pheromone") == 0  # the robots' own patrol does not run beside it
+    assert (
+        walking.worlds.minds.buffers["pheromones"].count(0, "pheromone") == 0
+    )  # the robots' own patrol does not run beside it
     assert difference(_steps(_course(tmp_path / "a", patrol=WALK), 40), _steps(_course(tmp_path / "b"), 40)) != ""
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
+from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import nearest_distance, random_start
-from clean_swarm_env.config.cleaning import DUMP, RECYCLING
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.physics.cells import nearest_of_kind
 from clean_swarm_env.world.cleaning_robot import coordinators_of

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from clean_swarm_env.goals.goal_batch import GoalBatch
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
-from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.recording.scene_recording import SceneRecorder

@@ -1,8 +1,5 @@
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
-
-from clean_swarm_env.scenes.ground import Ground
 from clean_swarm_env.scenes.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.scenes.measures.coverage import UNSEEN, Coverage
 from clean_swarm_env.scenes.measures.encounters import Bumps
@@ -15,6 +12,9 @@ from clean_swarm_env.scenes.measures.order import (
     radial_spread,
     unevenness,
 )
+from numpy.testing import assert_allclose
+
+from clean_swarm_env.scenes.ground import Ground
 
 TORUS, OPEN = Ground("torus", 10.0), Ground("open", 10.0, 5.0)
 

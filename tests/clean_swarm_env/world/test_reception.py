@@ -28,7 +28,10 @@ def _spread(worlds, ticks=1):
         worlds.minds.receive(worlds.now)
         worlds._clock.advance()
     everything = Filter(static=False, view_distance=np.inf)
-    return [len(Queries(worlds.minds.buffers["gradients"]).gradients(row, worlds.now, everything)) for row in range(worlds.rows)]
+    return [
+        len(Queries(worlds.minds.buffers["gradients"]).gradients(row, worlds.now, everything))
+        for row in range(worlds.rows)
+    ]
 
 
 def test_poses_reach_robots_within_range():
@@ -44,7 +47,9 @@ def test_a_pose_is_kept_for_its_time_and_then_forgotten():
     worlds.minds.reception.set(0, 1.0, 0.0)
     worlds.physics.positions[0, 0] += 0.5
     assert _spread(worlds) == [2, 2, 2]
-    seen = Queries(worlds.minds.buffers["gradients"]).gradients(1, worlds.now, Filter(static=False, view_distance=np.inf))
+    seen = Queries(worlds.minds.buffers["gradients"]).gradients(
+        1, worlds.now, Filter(static=False, view_distance=np.inf)
+    )
     assert sorted(gradient.position[0] for gradient in seen) == [1.0, 6.0]  # where robot 0 was when last heard
     assert _spread(worlds, 2) == [2, 2, 2]
     assert _spread(worlds) == [0, 0, 0]
@@ -124,7 +129,10 @@ def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
     assert abs(np.mean(errors)) < 0.01
     assert np.corrcoef(np.reshape(errors, (-1, 6)).T) == pytest.approx(np.eye(6), abs=0.1)
     everything = Filter(static=False, view_distance=np.inf)
-    seen = {gradient.position for gradient in Queries(worlds.minds.buffers["gradients"]).gradients(0, worlds.now, everything)}
+    seen = {
+        gradient.position
+        for gradient in Queries(worlds.minds.buffers["gradients"]).gradients(0, worlds.now, everything)
+    }
     assert seen == {tuple(place) for place in worlds.minds.poses.positions[1:].tolist()}
 
 

@@ -1,4 +1,4 @@
-"""Every goal as an environment passes the checks of the cleaning environment, at every border and with all actions."""
+"""Every task as an environment passes the checks of the cleaning environment, at every border and with all actions."""
 
 import copy
 import gc
@@ -15,14 +15,15 @@ import clean_swarm_env.registration  # noqa: F401  (the ids of the environments)
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.borders.gymnasium_team import CleanSwarmTeam
 from clean_swarm_env.borders.gymnasium_vector import RobotVectorEnv, TeamVectorEnv
-from clean_swarm_env.scenes import goals
+from clean_swarm_env.tasks import TASKS
 from clean_swarm_env.wrappers import AllRobots, MaskedObservations
 from tests.clean_swarm_env.courses import long_course
 from tests.object_graph import arrays_of, pointing_into
 
 MODES = ("option", "velocity", "both")
 SECONDS = 4.0
-every_goal = pytest.mark.parametrize("goal", goals())
+OTHERS = tuple(name for name in TASKS.names() if name != "Cleaning")
+every_task = pytest.mark.parametrize("task", OTHERS)
 every_mode = pytest.mark.parametrize("mode", MODES)
 KINDS = (
     "Foraging",
@@ -31,12 +32,16 @@ KINDS = (
     "MaxValue",
 )  # facts, an errand, holonomic drives, decisions
 each_case = pytest.mark.parametrize(
-    ("goal", "mode"), [*((goal, "option") for goal in goals()), *((goal, mode) for goal in KINDS for mode in MODES[1:])]
+    ("task", "mode"), [*((task, "option") for task in OTHERS), *((task, mode) for task in KINDS for mode in MODES[1:])]
 )
 
 
-def environment(goal, mode="option", **settings):
-    return clean_swarm_v0.parallel_env(goal=goal, action={"mode": mode}, **{"seconds": SECONDS, **settings})
+def mission_of(task, seconds=SECONDS):
+    return {"task": task, "time_limit": seconds}
+
+
+def environment(task, mode="option", seconds=SECONDS, **settings):
+    return clean_swarm_v0.parallel_env(mission_of(task, seconds), action={"mode": mode}, **settings)
 
 
 def sampled(env):
@@ -56,26 +61,26 @@ def course(env, steps):
 
 
 @each_case
-def test_pettingzoos_tests_pass(goal, mode):
-    parallel_api_test(environment(goal, mode), num_cycles=10)
-    parallel_seed_test(lambda: environment(goal, mode), num_cycles=3)
+def test_pettingzoos_tests_pass(task, mode):
+    parallel_api_test(environment(task, mode), num_cycles=10)
+    parallel_seed_test(lambda: environment(task, mode), num_cycles=3)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # remarks on observations, such as not being normalised pictures
-@every_goal
-def test_the_turn_based_environment_passes_pettingzoos_test(goal):
-    api_test(clean_swarm_v0.env(goal=goal, seconds=SECONDS), num_cycles=20)
+@every_task
+def test_the_turn_based_environment_passes_pettingzoos_test(task):
+    api_test(clean_swarm_v0.env(mission_of(task)), num_cycles=20)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@every_goal
-def test_gymnasiums_check_passes(goal):
-    check_env(gymnasium.make("CleanSwarm-v0", goal=goal, seconds=SECONDS).unwrapped, skip_render_check=True)
+@every_task
+def test_gymnasiums_check_passes(task):
+    check_env(gymnasium.make("CleanSwarm-v0", mission=mission_of(task)).unwrapped, skip_render_check=True)
 
 
 @each_case
-def test_all_components_lie_in_their_spaces_and_names_are_single(goal, mode):
-    env = environment(goal, mode)
+def test_all_components_lie_in_their_spaces_and_names_are_single(task, mode):
+    env = environment(task, mode)
     observations, _ = env.reset(seed=2)
     assert len(set(env.observation_names)) == len(env.observation_names)
     assert len(set(env.state_names)) == len(env.state_names)
@@ -86,10 +91,10 @@ def test_all_components_lie_in_their_spaces_and_names_are_single(goal, mode):
         observations, *_ = env.step(sampled(env))
 
 
-@every_goal
-def test_the_time_of_the_scene_and_max_cycles_truncate(goal):
+@every_task
+def test_the_time_limit_and_max_cycles_truncate(task):
     for settings, steps in (({}, 4), ({"max_cycles": 2}, 2), ({"seconds": 2.2}, 3)):
-        env = environment(goal, **settings)
+        env = environment(task, **settings)
         env.reset(seed=1)
         for step in range(steps):
             assert env.agents
@@ -101,8 +106,8 @@ def test_the_time_of_the_scene_and_max_cycles_truncate(goal):
 
 
 @each_case
-def test_copies_and_states_go_on_with_the_same_bits(goal, mode):
-    env = environment(goal, mode)
+def test_copies_and_states_go_on_with_the_same_bits(task, mode):
+    env = environment(task, mode)
     env.reset(seed=3)
     course(env, 2)
     state = env.get_state()
@@ -134,7 +139,7 @@ def parted(actions, work):
 
 @every_mode
 def test_all_borders_have_one_course(mode):
-    settings = {"goal": "Foraging", "seconds": SECONDS, "action": {"mode": mode}}
+    settings = {"mission": mission_of("Foraging"), "action": {"mode": mode}}
     parallel, team = clean_swarm_v0.parallel_env(**settings), CleanSwarmTeam(**settings)
     robots, teams = RobotVectorEnv(1, **settings), TeamVectorEnv(1, **settings)
     first, _ = parallel.reset(seed=4)
@@ -163,8 +168,8 @@ def test_all_borders_have_one_course(mode):
         }
 
 
-def test_ids_take_goals():
-    settings = {"goal": "CircleFormation", "seconds": 2.0}
+def test_ids_take_tasks():
+    settings = {"mission": mission_of("CircleFormation", 2.0)}
     vector = gymnasium.make_vec("CleanSwarmOneForAll-v0", num_envs=2, action={"mode": "both"}, **settings)
     vector.reset(seed=1)
     assert vector.step(vector.action_space.sample())[1].shape == (2,)
@@ -173,7 +178,7 @@ def test_ids_take_goals():
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_worlds_begin_anew_together(mode):
-    envs = RobotVectorEnv(2, goal="CircleFormation", seconds=3.0, autoreset_mode=mode)
+    envs = RobotVectorEnv(2, mission=mission_of("CircleFormation", 3.0), autoreset_mode=mode)
     envs.reset(seed=1)
     cut = [envs.step(envs.action_space.sample())[3] for _ in range(8)]
     expected = [2, 5] if mode == "SameStep" else [2, 6]
@@ -181,13 +186,24 @@ def test_worlds_begin_anew_together(mode):
     assert [step for step, flags in enumerate(cut) if flags.any()] == expected
 
 
-def test_only_some_worlds_cannot_begin():
-    envs = RobotVectorEnv(2, goal="CircleFormation", seconds=3.0, autoreset_mode="Disabled")
-    envs.reset(seed=1)
-    with pytest.raises(ValueError, match="goal CircleFormation: all 2 worlds begin together, got 1"):
-        envs.reset(options={"reset_mask": np.arange(20) < 10})
+def test_some_worlds_begin_while_others_go_on():
+    """A world begins anew without its neighbour, which goes on as it would alone."""
+    envs = RobotVectorEnv(2, mission=mission_of("Foraging", 30.0), autoreset_mode="Disabled")
+    alone = RobotVectorEnv(1, mission=mission_of("Foraging", 30.0), autoreset_mode="Disabled")
+    envs.reset(seed=[1, 2])
+    alone.reset(seed=[1])
+    for step in range(8):
+        if step == 4:
+            envs.reset(seed=[None, 7], options={"reset_mask": np.arange(24) >= 12})
+        seen = envs.step(np.zeros(24, dtype=np.int64))[0]
+        assert np.array_equal(seen[:12], alone.step(np.zeros(12, dtype=np.int64))[0])
+    fresh = RobotVectorEnv(1, mission=mission_of("Foraging", 30.0), autoreset_mode="Disabled")
+    fresh.reset(seed=[7])
+    for _ in range(4):
+        own = fresh.step(np.zeros(12, dtype=np.int64))[0]
+    assert np.array_equal(seen[12:], own)
 
 
 @long_course
-def test_wrappers_take_goals():
+def test_wrappers_take_tasks():
     parallel_api_test(MaskedObservations(AllRobots(environment("Foraging"))), num_cycles=10)
