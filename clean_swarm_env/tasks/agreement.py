@@ -8,7 +8,7 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.tasks.measures.order import barycentre
-from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.task import Measure, Task, TaskState, kept
 from selforg.arrays import Floats, Ints
 from selforg.commands import Commands
@@ -66,7 +66,7 @@ class FindBarycenter(Standing[TaskState]):
         return {self.measures[0].name: error, self.measures[1].name: count.astype(np.float64)}
 
 
-class Values(TaskState):
+class MeasuredValues(TaskState):
     """The values of the robots, and when all knew the largest one."""
 
     values: Floats = kept("R")
@@ -75,7 +75,7 @@ class Values(TaskState):
 
 
 @TASKS.register
-class MaxValue(Standing[Values]):
+class MaxValue(Standing[MeasuredValues]):
     """Each robot has measured a value; all robots have to learn the largest one."""
 
     story = "20 robots on 9 m x 9 m, each heard 3 m far, agree on the largest of their values"
@@ -91,7 +91,7 @@ class MaxValue(Standing[Values]):
     }
     fewest = 2
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots so that they form one network, and give them values."""
         for _ in range(NETWORK_TRIES):
             places = start.poses[:, :2] if start.given else start.scattered(start.robots, 0.6, 9.0)

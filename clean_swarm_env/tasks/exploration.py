@@ -7,7 +7,7 @@ import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.coverage import UNSEEN, area, idleness, mark
-from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.task import Measure, Task, TaskState, kept
 from selforg.arrays import Floats, Ints
 
@@ -35,10 +35,10 @@ class PatrolledMap(TeamMap):
     looks: Ints = kept("W")
 
 
-M = TypeVar("M", TeamMap, OwnMaps, PatrolledMap)
+Map = TypeVar("Map", TeamMap, OwnMaps, PatrolledMap)
 
 
-class Looking(Task[TaskSettings, M]):
+class Looking(Task[TaskSettings, Map]):
     """Robots look at the ground while they move; they draw on the map of their world, or on their own."""
 
     def sizes(self) -> Mapping[str, int]:
@@ -55,7 +55,7 @@ class Looking(Task[TaskSettings, M]):
         """Number (R,) of the map on which each robot draws."""
         return self.world.of_row
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Begin with empty maps."""
         super().place(start)
         self.state.seen[np.unique(self.maps[self.world.of_row == start.world])] = UNSEEN

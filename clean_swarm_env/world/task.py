@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings
-from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
@@ -79,7 +79,7 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Thing:
+class Things:
     """Things of one kind, which robots sense as gradients of a channel.
 
     Attributes:
@@ -177,6 +177,7 @@ class Task(ABC, Generic[S, T]):
     start anywhere, nothing else is there, and the mission ends with its time. You never need to loop over robots.
 
     Attributes:
+        name: that of the class, unless given.
         story: one sentence: the robots, their place and their task.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `lead`.
@@ -193,6 +194,7 @@ class Task(ABC, Generic[S, T]):
 
     """
 
+    name: ClassVar[str] = ""
     Settings: ClassVar[type[TaskSettings]] = TaskSettings
     State: ClassVar[type[TaskState]] = TaskState
     story: ClassVar[str] = ""
@@ -213,8 +215,10 @@ class Task(ABC, Generic[S, T]):
     state: T
 
     def __init_subclass__(cls) -> None:
-        """Take settings and state from the brackets of the base class."""
+        """Take the name from the class, and settings and state from the brackets of the base class."""
         super().__init_subclass__()
+        if "name" not in vars(cls):
+            cls.name = cls.__name__
         for base in getattr(cls, "__orig_bases__", ()):
             if get_origin(base) is not None and issubclass(get_origin(base), Task):
                 for given in get_args(base):
@@ -243,11 +247,11 @@ class Task(ABC, Generic[S, T]):
         """Return lengths of axes of the state that no setting has."""
         return {}
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots, and things, of one world at their start; robots are anywhere unless you put them."""
         start.put_robots(start.scattered(start.robots, self.apart, self.start_side, self.away))
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return what robots can sense beside each other; called once, before any world is reset."""
         return ()
 

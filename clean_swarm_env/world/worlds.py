@@ -20,7 +20,7 @@ from clean_swarm_env.world.cleaning import Cleaning
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import World
@@ -143,7 +143,7 @@ class Worlds:
         rows = self.rows_of(world)
         self.task.state.reset(world, slice(int(rows[0]), int(rows[-1]) + 1))
         own = np.random.SeedSequence(stream.entropy, spawn_key=(*stream.spawn_key, TASK_STREAM))
-        placing = Start(world, mission.robots.count, self.floor.ground, np.random.default_rng(own), given)
+        placing = WorldStart(world, mission.robots.count, self.floor.ground, np.random.default_rng(own), given)
         self.task.place(placing)
         return placing.poses
 
