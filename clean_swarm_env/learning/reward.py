@@ -21,7 +21,7 @@ from clean_swarm_env.learning.progress import EVENTS, Period, open_period
 from clean_swarm_env.world.mission_end import COMPLETED
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported
-from selforg.arrays import Floats
+from selforg.arrays import READ, Floats
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
 
@@ -80,7 +80,7 @@ def own_rewards(chosen: object) -> OwnRewards | None:
 class Prices(NamedTuple):
     """Weights of the reward by ticks in place of seconds; see `RewardConfig`."""
 
-    own: Annotated[Floats, "E"]  # for each event of a robot, in the order of EVENTS
+    own: Annotated[Floats, "E", READ]  # for each event of a robot, in the order of EVENTS
     cost: float  # for each second of the mission's cost
     dumped: float
     tick: float

@@ -5,10 +5,9 @@ Rows are robots, R = W * N. What robots know and decide is in `minds`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import cells_along
@@ -19,7 +18,7 @@ from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.world.consequences import Consequences
 from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.records import FLOOR, FloorRecord
-from selforg.arrays import Flags, Floats, Ints, Lasting, together
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
@@ -45,10 +44,13 @@ class Floor:
 
     """
 
+    extent: Annotated[Floats, "2", READ]
+    stations: Annotated[Floats, "W K 2", KEPT]
+
     def __init__(self, mission: MissionConfig, worlds: int) -> None:
         world, robots, garbage = mission.world, mission.robots, mission.garbage
         self.worlds, self.robots = worlds, mission.rows
-        self.extent: Floats = np.array([world.width, world.height])
+        self.extent = np.array([world.width, world.height])
         self.physics = Physics(
             PhysicsSettings(
                 worlds=worlds,
@@ -73,7 +75,7 @@ class Floor:
         self.collisions = CollisionCounter(worlds, mission.rows, world.width, world.height, mission.collision_distances)
         self.consequences = Consequences(mission, worlds * mission.rows)
         self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
-        self.stations: Floats = np.tile(mission.stations.places, (worlds, 1, 1))
+        self.stations = np.tile(mission.stations.places, (worlds, 1, 1))
         sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
         cells = cells_along(mission.item_rows, max(sight, garbage.at_distance, garbage.pick_distance), self.extent)
         self._substeps = mission.world.physics_steps_per_tick
@@ -107,23 +109,6 @@ class Floor:
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
-
-    def lasting(self) -> Lasting:
-        """Return what robots hand on to the next tick."""
-        items = self.garbage
-        own = Lasting((items.cargo, items.recycled, items.leg, items.blind))
-        parts = (self.physics, self.drive, self.collisions, self.consequences)
-        return together((own, *(part.lasting() for part in parts)))
-
-    def of_worlds(self) -> tuple[NDArray[Any], ...]:
-        """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""
-        items = self.garbage
-        own = (self.stations, items.positions, items.stage, items.leftover, items.paid, items.done, items.arrived)
-        return (*own, *self.physics.of_worlds(), *self.collisions.of_worlds())
-
-    def restore(self, world: int) -> None:
-        """Go on from what has been written to the arrays of a world."""
-        self.collisions.restore(world)
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
         """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""
