@@ -11,7 +11,6 @@ from clean_swarm_env.world.task import Measure as Measure
 from clean_swarm_env.world.task import Task as Task
 from clean_swarm_env.world.task import TaskState as TaskState
 from clean_swarm_env.world.task import Things as Things
-from clean_swarm_env.world.task import kept as kept
 from clean_swarm_env.world.view import World as World
 from selforg.registry import import_modules
 

@@ -1,6 +1,6 @@
 """FindBarycenter and MaxValue: robots stand still and decide by the messages of the others."""
 
-from typing import ClassVar, TypeVar
+from typing import Annotated, ClassVar, TypeVar
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.tasks.measures.order import barycentre
 from clean_swarm_env.world.placing import WorldStart
-from clean_swarm_env.world.task import Measure, Task, TaskState, kept
-from selforg.arrays import Floats, Ints
+from clean_swarm_env.world.task import Measure, Task, TaskState
+from selforg.arrays import KEPT, Floats, Ints
 from selforg.commands import Commands
 
 EARSHOT = 3.0
@@ -69,9 +69,9 @@ class FindBarycenter(Standing[TaskState]):
 class MeasuredValues(TaskState):
     """The values of the robots, and when all knew the largest one."""
 
-    values: Floats = kept("R")
-    agreed: Ints = kept("W")  # rounds until all agreed; 0 as long as they do not
-    lot: Ints = kept("W")  # rounds of the baseline
+    values: Annotated[Floats, "R", KEPT]
+    agreed: Annotated[Ints, "W", KEPT]  # rounds until all agreed; 0 as long as they do not
+    lot: Annotated[Ints, "W", KEPT]  # rounds of the baseline
 
 
 @TASKS.register

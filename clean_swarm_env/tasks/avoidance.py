@@ -11,8 +11,8 @@ from pydantic import Field
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.world.placing import WorldStart
-from clean_swarm_env.world.task import Measure, Task, TaskState, Things, kept
-from selforg.arrays import Flags, Floats, Ints
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.elementary import unit_vectors
 
@@ -32,17 +32,17 @@ class ObstacleSettings(TaskSettings):
 class ObstacleState(TaskState):
     """Obstacles of a world, and who touches them."""
 
-    obstacles: Floats = kept("W obstacles 2")  # [m]
-    touching: Flags = kept("R obstacles")
-    hits: Ints = kept("W")
+    obstacles: Annotated[Floats, "W obstacles 2", KEPT]  # [m]
+    touching: Annotated[Flags, "R obstacles", KEPT]
+    hits: Annotated[Ints, "W", KEPT]
 
 
 class CrossingState(TaskState):
     """The errands of robots that go straight on."""
 
-    wanted: Floats = kept("R 2")  # direction, a unit vector
-    before: Floats = kept("R 2")  # places at the end of the period before [m]
-    advance: Floats = kept("R")  # way in the wanted direction so far [m]
+    wanted: Annotated[Floats, "R 2", KEPT]  # direction, a unit vector
+    before: Annotated[Floats, "R 2", KEPT]  # places at the end of the period before [m]
+    advance: Annotated[Floats, "R", KEPT]  # way in the wanted direction so far [m]
 
 
 class CrossingObstaclesState(CrossingState, ObstacleState):

@@ -1,11 +1,13 @@
 """Foraging: robots find food, bring it to the nest, and lay a trail by which others find it."""
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.world.placing import WorldStart
-from clean_swarm_env.world.task import Measure, Task, TaskState, Things, kept
-from selforg.arrays import Flags, Floats, Ints
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Flags, Floats, Ints
 
 PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]
 AWAY = 9.0  # [m] least distance of food from the nest
@@ -18,9 +20,9 @@ CARRYING = "carrying"
 class Food(TaskState):
     """Two patches of food in each world, and what robots have brought."""
 
-    patches: Floats = kept("W 2 2")  # [m]
-    carried: Flags = kept("R")  # whether the robot carried something at the end of the period before
-    brought: Ints = kept("W")
+    patches: Annotated[Floats, "W 2 2", KEPT]  # [m]
+    carried: Annotated[Flags, "R", KEPT]  # whether the robot carried something at the end of the period before
+    brought: Annotated[Ints, "W", KEPT]
 
 
 @TASKS.register

@@ -1,12 +1,14 @@
 """FormationControl and CircleFormation: robots move as a flock, or stand in a circle."""
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
 from clean_swarm_env.world.placing import WorldStart
-from clean_swarm_env.world.task import Measure, Task, TaskState, Things, kept
-from selforg.arrays import Floats, Ints
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Floats, Ints
 from selforg.commands import Commands
 from selforg.elementary import unit_vectors
 
@@ -23,10 +25,10 @@ LAST = 10.0
 class Order(TaskState):
     """How robots set out, and sums of their order at the end of the mission."""
 
-    outset: Floats = kept("R 2")  # direction, a unit vector
-    order: Floats = kept("W")
-    error: Floats = kept("W")
-    looks: Ints = kept("W")
+    outset: Annotated[Floats, "R 2", KEPT]  # direction, a unit vector
+    order: Annotated[Floats, "W", KEPT]
+    error: Annotated[Floats, "W", KEPT]
+    looks: Annotated[Ints, "W", KEPT]
 
 
 @TASKS.register

@@ -1,12 +1,14 @@
 """FollowPotentialField and FollowMaxPotential: robots climb a field of gradients, or find the widest one."""
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.field import Field, height
 from clean_swarm_env.world.placing import WorldStart
-from clean_swarm_env.world.task import Measure, Task, TaskState, Things, kept
-from selforg.arrays import Floats
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Floats
 from selforg.commands import Commands
 
 HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
@@ -18,15 +20,15 @@ SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 class Hills(TaskState):
     """Repulsive gradients of each world, and how high its robots stood at the start."""
 
-    places: Floats = kept("W 5 2")  # [m]
-    start: Floats = kept("W")  # mean height of the robots [m]
+    places: Annotated[Floats, "W 5 2", KEPT]  # [m]
+    start: Annotated[Floats, "W", KEPT]  # mean height of the robots [m]
 
 
 class Sources(TaskState):
     """Attractive gradients of each world, and those that were nearest to its robots at the start."""
 
-    places: Floats = kept("W 3 2")  # [m]
-    nearest: Floats = kept("R 2")  # [m]
+    places: Annotated[Floats, "W 3 2", KEPT]  # [m]
+    nearest: Annotated[Floats, "R 2", KEPT]  # [m]
 
 
 @TASKS.register
