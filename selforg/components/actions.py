@@ -13,10 +13,10 @@ from selforg.compiler.records import Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.base import at_least
-from selforg.mechanisms.decision_base import DecisionMechanism
+from selforg.mechanisms.decisions.base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.mechanisms.spreading import SpreadGradient
-from selforg.mechanisms.steering import SteeringMechanism
+from selforg.mechanisms.steering.base import SteeringMechanism
 from selforg.parameters import AtLeastZero, Finite
 from selforg.registry import Registry
 

@@ -13,7 +13,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
-from selforg.mechanisms.decision_base import DecisionMechanism
+from selforg.mechanisms.decisions.base import DecisionMechanism
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6

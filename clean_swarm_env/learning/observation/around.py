@@ -62,7 +62,7 @@ class Around(NamedTuple):
     phases: Annotated[Ints, "R"]  # numbers of `PHASES`
     station_distances: Annotated[Floats, "R 2"]  # to the nearest recycling station and dump [m]
     station_ways: Annotated[Floats, "R 2 3"]  # the ways to them, see `write_way`, by `longest`
-    # as the robot has heard: see `selforg.mechanisms.kernels.others`
+    # as the robot has heard: see `selforg.mechanisms.steering.base`
     neighbour: Annotated[Ints, "R"]  # row of the nearest other robot within the largest range, -1 without one
     heard: Annotated[Floats, "R OTHER"]  # what is known of it; its velocity is relative to that of the row
     within: Annotated[Ints, "R K"]  # number of other robots within each range
