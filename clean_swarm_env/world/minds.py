@@ -45,9 +45,6 @@ STATION_CHANNELS: Final = ("recycling", "dump")
 class Inner(Protocol):
     """A coordinator or a nested network, inside a behaviour of the robots' network."""
 
-    def sense(self, now: float) -> None:
-        """Write sensors into the readings of the robots' network."""
-
     def act(self, now: float, commands: Commands) -> None:
         """Decide and act where the robots' network runs this behaviour."""
 
@@ -252,8 +249,8 @@ class Minds:
         """Write all sensors into the readings: those of coordinators and nested networks, and the robots' own."""
         self.sense_floor(floor)
         self.cargo_memory.tell(floor.record.recycled, floor.record.leg, self.network.readings)
-        for inner in self._inner:
-            inner.sense(now)
+        for coordinator in self.coordinators:
+            coordinator.sense(now)
 
     def sense_floor(self, floor: Packed[FloorRecord]) -> None:
         """Write the robots' own sensors into the readings."""

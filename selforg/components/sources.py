@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import final
 
 import numpy as np
 
@@ -23,15 +22,9 @@ CLOCK_TOLERANCE = 1e-6
 class Source(ABC):
     """Base class of sources, which are asked once in a tick before sensors read; answers are valid until the next."""
 
-    @final
-    def ask(self, now: float, rows: Ints) -> None:
-        """Renew the answers for `rows` (K,) at `now` [s]."""
-        if len(rows):
-            self._ask(now, rows)
-
     @abstractmethod
-    def _ask(self, now: float, rows: Ints) -> None:
-        """Renew the answers for `rows` (K,), of which there is at least one."""
+    def ask(self, now: float, rows: Ints) -> None:
+        """Renew the answers for `rows` (K,), of which there is at least one, at `now` [s]."""
 
     @abstractmethod
     def lasting(self) -> Lasting:
@@ -70,7 +63,7 @@ class MovementSource(Source):
         """Return movements and when they were asked for."""
         return Lasting((self.vectors, self.active, self._holds), (self._asked,))
 
-    def _ask(self, now: float, rows: Ints) -> None:
+    def ask(self, now: float, rows: Ints) -> None:
         if self.hold > 0.0:
             rows = rows[~self.active[rows] | (now - self._asked[rows] > self._holds[rows] - CLOCK_TOLERANCE)]
             if not len(rows):
@@ -106,7 +99,7 @@ class GoalSource(Source):
         """Return the gradients chosen last."""
         return Lasting((self.offsets, self.clearance, self.present))
 
-    def _ask(self, now: float, rows: Ints) -> None:
+    def ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
         clearance = pairs[:, PAIR_DISTANCE] - pairs[:, PAIR_GOAL_RADIUS] - self._poses.own[rows, 0, GOAL_RADIUS]
         self.offsets[rows] = pairs[:, PAIR_DX : PAIR_DX + self.offsets.shape[1]]
@@ -131,7 +124,7 @@ class DecisionSource(Source):
         """Return the decisions made last."""
         return Lasting((self.values, self.states, self.differs))
 
-    def _ask(self, now: float, rows: Ints) -> None:
+    def ask(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.decide(now, rows)
         self.values[rows], self.states[rows] = decision.values, decision.states
         held = (decision.values == self.mechanism.values[rows]) & (decision.states == self.mechanism.state_codes[rows])
