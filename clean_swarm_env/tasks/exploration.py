@@ -19,9 +19,7 @@ SETTLING = 0.5
 class TeamMap(TaskState):
     """A map for each world."""
 
-    seen: Annotated[
-        Floats, "W cells cells", KEPT
-    ]  # when each cell was last seen [s], or UNSEEN
+    seen: Annotated[Floats, "W cells cells", KEPT]  # when each cell was last seen [s], or UNSEEN
 
 
 class OwnMaps(TaskState):

@@ -46,7 +46,10 @@ TRUST = "--trust"
 """Option of all commands that lets files name code."""
 DECLARED = {
     "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
-    "mechanisms by name": ("selforg/mechanisms", r"@MECHANISMS\.register\nclass (\w+)"),
+    "mechanisms by name": (
+        "selforg/mechanisms",
+        r"(?m)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(\w+)",
+    ),
     "goals with a scene": ("clean_swarm_env/scenes", r"@SCENES\.register\nclass (?:.*\n)*?    goal = \"(\w+)\""),
     "terms of observations": (
         "clean_swarm_env/learning/observation",
