@@ -56,7 +56,9 @@ def coordinators_of(
     config: NetworkConfig, knowledge: Knowledge, library: Library, directories: Sequence[Path] = ()
 ) -> tuple[CoordinatorModel, ...]:
     """Return the models of the goals that the robot's document coordinates, in the order of the document."""
-    return coordinator_models(coordinated_goals(find_file("robots", config.robot, directories)), knowledge, library)
+    return coordinator_models(
+        coordinated_goals(find_file("robots", config.robot, directories, "mission.network.robot: ")), knowledge, library
+    )
 
 
 def robot_network(
@@ -68,7 +70,7 @@ def robot_network(
         DocumentError: a mistake in the file, or sensors that are not those which `read_sensors` writes.
 
     """
-    path = find_file("robots", config.robot, directories)
+    path = find_file("robots", config.robot, directories, "mission.network.robot: ")
     parameters = {"transport_full_range": config.transport_full_range}
     by_goal = {coordinator.goal: coordinator for coordinator in coordinators}
     robot = load_network(path, by_goal, parameters, config.build())

@@ -272,7 +272,7 @@ def test_the_page_is_shown_in_no_frame_of_another_page(session, watched):
 
 
 def test_frames_are_on_the_screen_as_they_are_made(tmp_path, opened):
-    """Within 50 ms on an idle machine; the bound is for one that others use, and still finds a page that asks now and then."""
+    """Within 50 ms on an idle machine; the bound is for one that others use, and still finds one that only asks."""
     session = MissionSession(play_of({**SMALL, "garbage": {"count": 8, "respawn": 5.0}}), tmp_path / "long.swarm")
     with served(session, playing=True) as server:
         page = opened(server)
