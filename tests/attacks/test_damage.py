@@ -26,17 +26,23 @@ from tests.train import fake_mission
 from tests.train.commands import told
 from tests.train.live.sessions import SMALL, play_of
 from train.deciders.models import ModelDecider
-from train.evaluation.gathering import RunShare, gathered
+from train.evaluation.gathering import gathered
 from train.evaluation.held import held_evaluation
 from train.evaluation.repeat import record_run
 from train.live.missions import MissionSession
 from train.replay.export import export
+from train.request import Request, RunShare
 from train.running import runs
 from train.running.finished_runs import JOURNAL
 from train.running.run_folder import MANIFEST
 
 COUNT = 3
 FILES = [(number, name) for number in range(1, COUNT + 1) for name in (MANIFEST, JOURNAL)]
+
+
+def held(folder):
+    """Return the evaluation of a share."""
+    return held_evaluation(Request("shares"), folder)
 
 
 @pytest.fixture
@@ -57,7 +63,7 @@ def place(root: Path, number: int, name: str) -> Path:
 def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares, tmp_path):
     """Files are cut, changed, swapped and lost; figures of a run may change in a journal, but no run comes or goes."""
     first = place(shares, 1, "")
-    expected, _ = gathered(held_evaluation(first, None), shares, COUNT)
+    expected, _ = gathered(held(first), shares, COUNT)
     whole = {record.key for record in expected}
     files = {at: place(shares, *at).read_bytes() for at in FILES}
     one = st.sampled_from(FILES)
@@ -78,7 +84,7 @@ def test_damaged_shares_are_gathered_as_they_were_or_refused_in_one_line(shares,
             else:
                 place(root, *at).write_bytes(content)
         try:
-            found, _ = gathered(held_evaluation(place(root, 1, ""), None), root, COUNT)
+            found, _ = gathered(held(place(root, 1, "")), root, COUNT)
         except DocumentError as error:
             message = str(error)
         else:

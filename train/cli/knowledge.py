@@ -1,4 +1,4 @@
-"""`clean-swarm knowledge`: list, show, import, export, merge and reset knowledge stores.
+"""`clean-swarm learn knowledge`: list, show, import, export, merge and reset knowledge stores.
 
 The commands import the store inside their functions: SQLAlchemy takes long to load, and help has to be quick.
 """

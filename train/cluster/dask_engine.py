@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from functools import partial
@@ -78,7 +78,7 @@ class DaskEngine:
             if cluster is not None:
                 cluster.close()
 
-    def _round(self, client: Any, tasks: Sequence[Work]) -> Iterator[RunRecord]:  # noqa: ANN401  (no types)
+    def _round(self, client: Any, tasks: Sequence[Work]) -> Generator[RunRecord, None, None]:  # noqa: ANN401  (no types)
         from distributed import as_completed
 
         def remote(directory: str, pickled: bytes) -> Any:  # noqa: ANN401

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -28,7 +28,7 @@ from selforg.registry import unknown
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.decider import Decider
 from train.deciders.named import FIXED, LEARNED, MACHINE, POLICY, decider_named
-from train.evaluation.repeat_trial import DIGEST
+from train.evaluation.identity import DIGEST
 from train.live.session import Session, check_files
 from train.running.provenance import fingerprints
 
@@ -183,12 +183,16 @@ class MissionSession(Session):
 
     def strategies(self) -> list[str]:
         """Return the strategies that fit this mission, for the user to choose from."""
-        fitting = [self._play.member]
-        for member in (*OFFERED, *self._filed()):
+        return self._fitting((*OFFERED, *self._filed()))
+
+    def _fitting(self, members: Iterable[str]) -> list[str]:
+        """Return the strategy of the play and those of `members` that fit this mission, each once."""
+        fitting = []
+        for member in dict.fromkeys((self._play.member, *members)):
             with suppress(DocumentError):
                 self._decided_by(member)
                 fitting.append(member)
-        return list(dict.fromkeys(fitting))
+        return fitting
 
     def _filed(self) -> list[str]:
         """Return the strategies of the files in the directories of configurations, by their names."""
@@ -244,7 +248,7 @@ class MissionSession(Session):
         fixed = (f"{FIXED}:{option}" for option in self.options)
         known = (self._play.member, *STRATEGIES.names(), *fixed, *self._filed())
         if change.strategy.partition(DIGEST)[0] not in known:
-            raise ConfigurationError(f"follow_strategy: {unknown('strategy', change.strategy, known)}")
+            raise ConfigurationError(f"follow_strategy: {unknown('strategy', change.strategy, self._fitting(known))}")
         self.strategy, self._decider = self._decided_by(change.strategy)
         self._decider.reset(self.worlds.rows_of(0), self._play.scenario.seed)
         self._by_hand[:] = -1

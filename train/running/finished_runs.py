@@ -118,6 +118,6 @@ def _data(cell: object) -> object:
 def _row(record: RunRecord) -> str:
     """Return the line of `runs.csv`, with the collisions at the first distance only."""
     cells, text = record.as_mapping(), io.StringIO()
-    firsts = [value[0] if isinstance(value, tuple) else value for value in cells.values()]
+    firsts = [value[0] if isinstance(value, tuple) else value for name, value in cells.items() if name != "taken"]
     csv.writer(text, lineterminator="\n").writerow(map(_data, firsts))
     return text.getvalue()

@@ -4,11 +4,11 @@ import json
 import os
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
@@ -48,6 +48,8 @@ class RunRecord:
     result: MissionResult
     wall_s: float
     """Time that the run took [s]."""
+    taken: Mapping[str, Annotated[int, Field(ge=0)]] = field(default_factory=dict, kw_only=True)
+    """How often a team that looked ahead took each alternative; nothing for others."""
 
     @property
     def key(self) -> RunKey:
@@ -57,12 +59,13 @@ class RunRecord:
     def as_mapping(self) -> dict[str, Any]:
         """Return the record as a flat mapping with the keys `RUN_COLUMNS`."""
         own = {name: getattr(self, name) for name in NAMING}
-        return {**own, **asdict(self.result), "wall_s": self.wall_s}
+        taken = {"taken": self.taken} if self.taken else {}
+        return {**own, **asdict(self.result), "wall_s": self.wall_s, **taken}
 
     @classmethod
     def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
         """Return the record of a mapping by `as_mapping`; ValueError for anything else."""
-        if set(given) != set(RUN_COLUMNS):
+        if set(given) - {"taken"} != set(RUN_COLUMNS):
             raise ValueError(f"expected the keys {', '.join(RUN_COLUMNS)}")
         for name, value in given.items():
             for number in value if isinstance(value, list | tuple) else [value]:
@@ -107,15 +110,15 @@ LARGEST_FIGURE = 1e15
 """Largest figure of a run; a long mission in which many items are left costs much."""
 NAMING = ("experiment", "scenario", "seed", "condition")
 """Columns that identify a run."""
-_RESULT_COLUMNS = tuple(field.name for field in fields(MissionResult))
+_RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult))
 _RECORD = TypeAdapter(RunRecord)
 RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
 """Columns of `runs.csv`."""
 
 
-def under(disturbance: str, condition: str) -> str:
-    """Return the name under which the runs of a condition are kept that have a disturbance."""
-    return f"{disturbance} - {condition}"
+def under(variant: str, condition: str) -> str:
+    """Return the name under which the runs of a condition are kept in a variant of a family; "" is the family."""
+    return f"{variant} - {condition}" if variant else condition
 
 
 class Work(Protocol):

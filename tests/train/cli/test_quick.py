@@ -47,8 +47,8 @@ MISTAKES = [
     ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
     ("train es --config ess", "did you mean 'es'"),
     ("tune keep-aprt", "did you mean 'keep-apart'"),
-    ("configure ORCA --family crowdde", "did you mean 'crowded'"),
-    ("headroom crowdde", "did you mean 'crowded'"),
+    ("study configure ORCA --family crowdde", "did you mean 'crowded'"),
+    ("study headroom crowdde", "did you mean 'crowded'"),
 ]
 
 

@@ -8,9 +8,10 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.learning.warm_up import one_process
 from clean_swarm_env.scenes import goals
 from selforg.compiler.cache import cache_directory
-from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
-from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.experiment import ExperimentEvaluation
+from train.evaluation.family import FamilyEvaluation
 from train.goals.scene_runs import GoalRequest, run_goal
+from train.request import Request
 from train.running.runs import Task
 
 EXPERIMENT, FAMILY = "table1", "crowded"
@@ -39,10 +40,12 @@ def compile_everything() -> CompiledCode:
     """
     directory, began = cache_directory(), process_time()
     if directory is None:
-        raise ConfigurationError("warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one")
+        raise ConfigurationError(
+            "machine warm: no directory can be written or has room; NUMBA_CACHE_DIR names another one"
+        )
     with one_process():
-        batches = FamilyEvaluation(FamilyRequest(FAMILY, ("fixed", "fsm:rule"), seed=0, scenarios=1)).tasks(())
-        single = ExperimentEvaluation(ExperimentRequest(EXPERIMENT, seed=0, scenarios=1)).tasks(())
+        batches = FamilyEvaluation(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
+        single = ExperimentEvaluation(Request(EXPERIMENT, scenarios=1)).tasks({})
         tasks: list[Task] = [*batches, *single]
         for task in tasks:
             task.beginning().run()
