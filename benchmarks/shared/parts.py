@@ -51,7 +51,11 @@ def borders_of(worlds: Worlds) -> Iterator[tuple[object, str, str]]:
     """Yield (owner, method, part) of every call that leads from one part of a tick into another."""
     yield worlds, "tick", "sensors and cargo"
     yield worlds.floor, "move", "physics"
-    for buffer in (worlds.minds.buffers["items"], worlds.minds.buffers["pheromones"], worlds.minds.buffers["gradients"]):
+    for buffer in (
+        worlds.minds.buffers["items"],
+        worlds.minds.buffers["pheromones"],
+        worlds.minds.buffers["gradients"],
+    ):
         for method in ("store_static", "extinguish", "deposit"):
             yield buffer, method, "buffer"
     yield worlds.minds.poses, "update", "buffer"

@@ -7,13 +7,13 @@ from textwrap import fill
 
 import matplotlib.pyplot as plt
 import numpy as np
+from clean_swarm_env.scenes.measures.agreement import in_earshot
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from clean_swarm_env.scenes import Scene, find, goals
-from clean_swarm_env.scenes.measures.agreement import in_earshot
 from clean_swarm_env.scenes.scene import Run
 from clean_swarm_env.scenes.served import ServedTeam, expertise
 from selforg.arrays import Floats

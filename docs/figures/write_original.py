@@ -7,9 +7,10 @@ seeds. Takes some minutes.
 import sys
 from pathlib import Path
 
+from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, run_goal
+
 from clean_swarm_env.scenes import goals
 from train.analysis.statistics import Summary
-from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, run_goal
 
 FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20

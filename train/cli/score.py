@@ -27,9 +27,9 @@ from train.running.exit_codes import FINISHED
 Names = Annotated[
     list[str],
     typer.Argument(
-        help="Families, experiments or goals; a name is looked for in this order, a path is that of a family or an "
+        help="Families, experiments or tasks; a name is looked for in this order, a path is that of a family or an "
         "experiment.",
-        metavar="FAMILY|EXPERIMENT|GOAL...",
+        metavar="FAMILY|EXPERIMENT|TASK...",
     ),
 ]
 
@@ -40,10 +40,9 @@ def score_command(
         str | None, typer.Option(help="URL or file of the knowledge store; the one of `knowledge` unless given.")
     ] = None,
     scenarios: Annotated[int | None, typer.Option(help="Missions of each option; as in the file unless given.")] = None,
-    runs: Annotated[int, typer.Option(help="Runs of each option of a goal in its scene.")] = 20,
     seed: Seed = 0,
     knowledge: Annotated[
-        str | None, typer.Option(help="Expert knowledge of a family or goal, in place of its own.")
+        str | None, typer.Option(help="Expert knowledge of a family or a task, in place of its own.")
     ] = None,
     workers: Workers = None,
     output: Output = None,
@@ -55,7 +54,7 @@ def score_command(
     configs: Configs = None,
 ) -> None:
     """Run every option of each goal on the same scenarios and keep its scores, with their counts and spreads."""
-    check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS), "--runs": (runs, 1, MOST_SCENARIOS)})
+    check_whole({"--scenarios": (scenarios, 1, MOST_SCENARIOS)})
     check_whole({"--workers": (workers, 1, MOST_WORKERS), "--seed": (seed, 0, MOST_SEED)})
     check_share(share, output)
     if output is not None and len(names) > 1:
@@ -64,7 +63,7 @@ def score_command(
     from train.cluster.chosen import chosen_engine
     from train.evaluation import pipeline  # imports SciPy, Numba and Matplotlib
     from train.evaluation.gathering import RunShare
-    from train.evaluation.scoring import ScoreRequest, score_scene, scored_missions
+    from train.evaluation.scoring import ScoreRequest, scored_missions
     from train.running.needs import Machine
     from train.running.runs import usable_cpus
 
@@ -73,13 +72,8 @@ def score_command(
     engine = chosen_engine(machine, bits)
     execution = pipeline.Execution(engine, output, resume, wide_console(), share=part, bits=bits)
     for name in names:
-        request = ScoreRequest(name, store, scenarios, runs, seed, knowledge, tuple(configs or ()), machine)
-        evaluations = scored_missions(request)
-        if not evaluations:
-            if share is not None or on is not None:
-                raise ConfigurationError(f"--share and --on: expected missions, got the scene of {name}, one batch")
-            score_scene(request, execution.console)
-        for evaluation in evaluations:
+        request = ScoreRequest(name, store, scenarios, seed, knowledge, tuple(configs or ()), machine)
+        for evaluation in scored_missions(request):
             code = pipeline.evaluate(evaluation, execution)
             if code != FINISHED:
                 raise typer.Exit(code)

@@ -95,7 +95,7 @@ class FamilyEvaluation(Evaluation):
         self.goal, self.options = problem.goal, problem.options
         self.entrants = entrants_of(request.strategies, problem.options)
         if not (request.scoring or request.store.learn):
-            self.entrants = with_baselines(self.entrants, problem.options)
+            self.entrants = with_baselines(self.entrants, problem.options, self.mission)
         check_fit(self.entrants, batch, problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]

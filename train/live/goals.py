@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from clean_swarm_env.goals.play import Play
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.starts import nearest_distance
-from clean_swarm_env.goals.play import Play
 from clean_swarm_env.learning.batch import compile_missions
 from clean_swarm_env.recording.by_hand import Change, FollowStrategy, HoldOption, PutRobot
 from clean_swarm_env.recording.file import RecordingFile, part_of

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from clean_swarm_env.config.tasks import own_files
+
 WordValue = str | int | Path | bool | None
 
 
@@ -13,7 +15,7 @@ def command_words(*first: str, **options: WordValue | tuple[WordValue, ...]) -> 
     >>> command_words("evaluate", "table1", seed=0, starts=None, force=True, condition=("a", "b"))[3:]
     ['--seed', '0', '--force', '--condition', 'a', '--condition', 'b']
     """
-    words = ["clean-swarm", *first]
+    words = ["clean-swarm", *(word for file in own_files() for word in ("--import", file)), *first]
     for name, given in options.items():
         for one in given if isinstance(given, tuple) else (given,):
             if one is not None and one is not False:

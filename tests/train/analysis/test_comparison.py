@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.cleaning import GarbageConfig
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.world.mission import run_mission
 from selector.documents.errors import DocumentError

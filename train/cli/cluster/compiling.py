@@ -6,17 +6,16 @@ from time import process_time
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.learning.warm_up import one_process
-from clean_swarm_env.scenes import goals
 from selforg.compiler.cache import cache_directory
 from train.evaluation.experiment import ExperimentEvaluation, ExperimentRequest
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
-from train.goals.scene_runs import GoalRequest, run_goal
+from train.evaluation.task_run import TaskRunRequest, run_task, tasks_to_run
 from train.running.runs import Task
 
 EXPERIMENT, FAMILY = "table1", "crowded"
 """What is run: the experiment without batches, and the family with all options."""
-SCENE_SECONDS = 5.0
-"""Simulated time of the scene of each goal [s]."""
+TASK_SECONDS = 5.0
+"""Simulated time of each task that is no cleaning [s]."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class CompiledCode:
 
 
 def compile_everything() -> CompiledCode:
-    """Run the beginnings of missions under every option, and of all scenes: whatever they call is compiled and kept.
+    """Run the beginnings of missions under every option, and of all tasks: whatever they call is compiled and kept.
 
     Raises:
         ConfigurationError: nothing can be kept.
@@ -44,9 +43,9 @@ def compile_everything() -> CompiledCode:
         batches = FamilyEvaluation(FamilyRequest(FAMILY, ("fixed", "fsm:rule"), seed=0, scenarios=1)).tasks(())
         single = ExperimentEvaluation(ExperimentRequest(EXPERIMENT, seed=0, scenarios=1)).tasks(())
         tasks: list[Task] = [*batches, *single]
-        for task in tasks:
-            task.beginning().run()
-        for goal in goals():
-            run_goal(GoalRequest(goal, runs=2, seconds=SCENE_SECONDS))
+        for mission in tasks:
+            mission.beginning().run()
+        for task in tasks_to_run():
+            run_task(TaskRunRequest(task, runs=2, seconds=TASK_SECONDS))
     size = sum(path.stat().st_size for path in directory.rglob("*") if path.is_file())
     return CompiledCode(directory, size, process_time() - began)

@@ -163,7 +163,7 @@ def headroom_of(request: HeadroomRequest) -> Headroom:
         SINGLE: search.results(scenarios, np.full_like(rules, single)),
         RULE_FOUND: search.results(scenarios, rules),
     }
-    for member in (entrant.label for entrant in with_baselines((), options)):
+    for member in (entrant.label for entrant in with_baselines((), options, request.family.mission)):
         results[member] = search.results_of(scenarios, member)
     tables = {label: _excess(own)[None, :, None] for label, own in results.items()}
     others = [label for label in results if label != SINGLE]

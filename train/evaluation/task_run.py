@@ -1,0 +1,191 @@
+"""`clean-swarm run`: a task by one option and by its baseline from the same starts; an evaluation without files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.known import knowledge_of, mission_context
+from clean_swarm_env.config.load import own_mission, random_starts, with_changes
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import find_task, task_names
+from clean_swarm_env.config.world import GroundKind
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.cleaning_robot import coordinators_of
+from selector.configurations.library import library_of
+from selector.documents.errors import validated
+from selector.documents.trust import BASELINE
+from selector.knowledge import Knowledge
+from selector.strategies.max_score import MaxScore
+from selforg.registry import unknown
+from train.analysis.family_report import FamilyRuns, family_report_of
+from train.analysis.task_report import MeasuredStrategy, reached
+from train.deciders.named import FIXED
+from train.evaluation.family import FamilyEvaluation, FamilyRequest
+from train.evaluation.pipeline import mission_score
+from train.knowledge_store import NO_STORE, StoreRequest, as_plain
+from train.running.engine import in_turn
+
+
+@dataclass(frozen=True)
+class TaskRunRequest:
+    """The request of the user; where a field is None, the task's own mission has the value."""
+
+    task: str
+    """Name of the task."""
+    option: str | None = None
+    """Name of the option that serves its goal; the one of the highest score unless given."""
+    robots: int | None = None
+    """Number of robots."""
+    seconds: float | None = None
+    """Simulated time [s]."""
+    ground: GroundKind | None = None
+    """Kind of ground."""
+    seed: int = 0
+    """Seed of everything random."""
+    runs: int = 20
+    """Number of runs, each from a start of its own."""
+    knowledge: str | None = None
+    """Expert knowledge with the goal and the option."""
+    directories: tuple[Path, ...] = ()
+    """The user's own directories of configurations, searched before the shipped one."""
+    store: StoreRequest = NO_STORE
+    """The knowledge store; runs give back their scores."""
+    record: Path | None = None
+    """Directory in which every run is recorded; none is unless given."""
+
+    @cached_property
+    def own_mission(self) -> MissionConfig:
+        """The mission for which the targets are stated."""
+        return own_mission(self.task)
+
+    @cached_property
+    def mission(self) -> MissionConfig:
+        """The mission with the changes of the request."""
+        given = {
+            "robots": {"count": self.robots},
+            "world": {"ground": self.ground},
+            "time_limit": self.seconds,
+            "knowledge": self.knowledge,
+        }
+        own = self.own_mission.model_dump()
+        return validated(MissionConfig, with_changes(own, _without_none(given)), self.task, own=True)
+
+
+def _without_none(given: dict[str, Any]) -> dict[str, Any]:
+    parts = {key: _without_none(value) if isinstance(value, dict) else value for key, value in given.items()}
+    return {key: value for key, value in parts.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class TaskOutcome:
+    """The result of running a task."""
+
+    request: TaskRunRequest
+    option: str
+    measured: Sequence[MeasuredStrategy]
+    """Measures of the option."""
+    known: Knowledge | None = None
+    """What a knowledge store knew of the options at the beginning."""
+
+    @property
+    def task(self) -> Any:  # noqa: ANN401  (a class of tasks)
+        """The task."""
+        return find_task(self.request.task)
+
+    @property
+    def own_setting(self) -> bool:
+        """Whether the mission is the one for which the targets are stated."""
+        return setting_of(self.request.mission) == setting_of(self.request.own_mission)
+
+    @property
+    def reached(self) -> bool:
+        """Whether every target is met and every baseline that is to be beaten is."""
+        return reached(self.measured)
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        mission = self.request.mission
+        return {
+            "task": self.request.task,
+            "option": self.option,
+            "story": self.task.story,
+            "baseline": self.task.baseline,
+            "robots": mission.robots.count,
+            "seconds": mission.time_limit,
+            "ground": mission.world.ground,
+            "seed": self.request.seed,
+            "runs": self.request.runs,
+            "targets_are_for_this_setting": self.own_setting,
+            "reached": self.reached,
+            "known": as_plain(self.known.learned) if self.known is not None else None,
+            "measures": [one.content for one in self.measured],
+        }
+
+
+def setting_of(mission: MissionConfig) -> str:
+    """Return what users choose of a mission, in words."""
+    return f"{mission.robots.count} robots, {mission.time_limit:g} s, {mission.world.ground}"
+
+
+def tasks_to_run() -> list[str]:
+    """Return the names of all tasks that have a baseline."""
+    kinds: dict[str, Any] = {name: find_task(name) for name in task_names()}
+    return [name for name, kind in kinds.items() if kind.baseline]
+
+
+def run_task(request: TaskRunRequest) -> TaskOutcome:
+    """Run a task by an option and by its baseline.
+
+    Raises:
+        ConfigurationError: task, option or setting do not exist or fit.
+
+    """
+    if request.task not in tasks_to_run():
+        raise ConfigurationError(unknown("task with a baseline", request.task, tasks_to_run()))
+    mission = request.mission
+    expert = knowledge_of(mission, request.directories)
+    changed = "" if setting_of(mission) == setting_of(request.own_mission) else f", {setting_of(mission)}"
+    context = mission_context(request.task + changed)
+    memory = request.store.memory(expert, context, f"task {request.task}, seed {request.seed}, {request.runs} runs")
+    known = expert if memory is None else memory.knowledge
+    goal, option = _taken(request, mission, known)
+    if memory is not None:
+        memory.check_new([option])
+    family, names = random_starts(mission), (f"{FIXED}:{option}", BASELINE)
+    of_family = FamilyRequest(
+        request.task, names, request.seed, request.runs, directories=request.directories, scoring=True
+    )
+    evaluation = FamilyEvaluation(of_family, family)
+    tasks = evaluation.tasks(())
+    if request.record is not None:
+        settings = RecordSettings(request.record.resolve())
+        tasks = [task.recorded(settings) for task in tasks]
+    records = list(in_turn(tasks))
+    if memory is not None:
+        if memory.learns:
+            costs = [record.result.cost_s for record in records if record.condition == names[0]]
+            memory.give((goal, option, mission_score(mission, cost)) for cost in costs)
+        memory.close()
+    conditions = {name: (name,) for name in names}
+    report = family_report_of(FamilyRuns(family, goal, request.seed, request.runs, 1, conditions, (), records))
+    measured = [one for one in report.measured if one.strategy != BASELINE]
+    return TaskOutcome(request, option, measured, None if memory is None else known)
+
+
+def _taken(request: TaskRunRequest, mission: MissionConfig, known: Knowledge) -> tuple[str, str]:
+    """Return the goal of the task, and the option that serves it: the given one, or that of the highest score."""
+    model = coordinators_of(mission, known, library_of(request.directories), request.directories)[0]
+    if request.option is None:
+        best = MaxScore(model.problem(), np.zeros(1, dtype=np.uint64)).select(np.zeros((1, 0)))[0]
+        return model.goal, model.options[best]
+    if request.option not in model.options:
+        raise ConfigurationError(f"goal {model.goal}: {unknown('option', request.option, model.options)}")
+    return model.goal, request.option
