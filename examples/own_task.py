@@ -10,8 +10,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from clean_swarm_env.tasks import TASKS, Measure, Start, Task, TaskSettings, TaskState, Thing, kept
-from selforg.arrays import Flags, Floats
+from clean_swarm_env.tasks import TASKS, Measure, Task, TaskSettings, TaskState, Things, WorldStart
+from selforg.arrays import KEPT, Flags, Floats
 
 FENCE = 4.0  # [m] robots stand around the middle
 SPEED = 0.4  # [m/s] of a sheep that flees
@@ -27,8 +27,8 @@ class Flocking(TaskSettings):
 class Flock(TaskState):
     """Arrays of W worlds and R robots; states, copies and recordings follow from this declaration."""
 
-    sheep: Floats = kept("W sheep 2")  # [m]
-    shown: Floats = kept("W")  # share of the sheep in the ring when robots were last rewarded
+    sheep: Annotated[Floats, "W sheep 2", KEPT]  # [m]
+    shown: Annotated[Floats, "W", KEPT]  # share of the sheep in the ring when robots were last rewarded
 
 
 @TASKS.register
@@ -41,16 +41,16 @@ class Shepherding(Task[Flocking, Flock]):
     mission = {"world": {"width": 20.0, "height": 20.0}, "robots": {"count": 12}, "time_limit": 60.0}
     away, ring = 7.0, 3.0
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put the robots outside, and the sheep inside."""
         super().place(start)
         self.state.sheep[start.world] = start.scattered(self.settings.sheep, 0.4, side=10.0)
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return what robots sense, by the channels that mechanisms read, and what recordings show."""
         middle = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
-        sheep = Thing("sheep", self.state.sheep, diffusion=self.settings.fear, moves=True)
-        return (Thing("centre", middle, diffusion=20.0, goal_radius=FENCE), sheep)
+        sheep = Things("sheep", self.state.sheep, diffusion=self.settings.fear, moves=True)
+        return (Things("centre", middle, diffusion=20.0, goal_radius=FENCE), sheep)
 
     def after_moving(self) -> None:
         """Let sheep flee from the nearest robot, in all worlds at once."""

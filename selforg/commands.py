@@ -8,16 +8,20 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats
+from selforg.arrays import SCRATCH, Flags, Floats
 from selforg.compiler.records import Packed, Recording
 
 
 class Commanded(NamedTuple):
     """The commands of all robots in one tick."""
 
-    vectors: Annotated[Floats, "N D"]  # direction and speed [m/s]; of a robot that turns in place, the direction only
-    commanded: Annotated[Flags, "N"]  # whether there is a command; a zero vector commands the robot to stand still
-    in_place: Annotated[Flags, "N"]  # whether the robot turns without moving
+    vectors: Annotated[
+        Floats, "N D", SCRATCH
+    ]  # direction and speed [m/s]; of a robot that turns in place, the direction only
+    commanded: Annotated[
+        Flags, "N", SCRATCH
+    ]  # whether there is a command; a zero vector commands the robot to stand still
+    in_place: Annotated[Flags, "N", SCRATCH]  # whether the robot turns without moving
 
 
 COMMANDED = Recording(Commanded)
@@ -28,9 +32,9 @@ open_commanded = COMMANDED.open
 class Commands:
     """The owner of the commands of all robots in one tick; see `Commanded`."""
 
-    vectors: Floats
-    commanded: Flags
-    in_place: Flags
+    vectors: Annotated[Floats, "N D", SCRATCH]
+    commanded: Annotated[Flags, "N", SCRATCH]
+    in_place: Annotated[Flags, "N", SCRATCH]
 
     @staticmethod
     def none(rows: int, dim: int) -> Commands:

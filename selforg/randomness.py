@@ -1,10 +1,11 @@
 """Random directions for compiled code: every row has a stream of its own."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import kernel
 from selforg.elementary import unit_vectors
 
@@ -20,9 +21,14 @@ class DirectionStream:
     Attributes:
         vectors: (N, block, 3) float64, drawn unit vectors, the third component zero in the plane.
         cursor: (N,) int64, next vector of each row.
-        low: (1,) bool, whether some row has used half of its block.
+        low: (1,) bool, whether some row may have used half of its block.
 
     """
+
+    vectors: Annotated[Floats, "N BLOCK 3", KEPT]
+    cursor: Annotated[Ints, "N", KEPT]
+    low: Annotated[Flags, "1", derived(True)]
+    _generators: Annotated[list[np.random.Generator | None], "N", KEPT]
 
     def __init__(self, generators: Sequence[np.random.Generator], dim: int = 2, block: int = 256) -> None:
         if dim not in (2, 3):
@@ -31,11 +37,11 @@ class DirectionStream:
             raise ValueError(f"DirectionStream: block must be at least 1, got {block!r}")
         self.dim = dim
         self.block = block
-        self._generators: list[np.random.Generator | None] = list(generators)
+        self._generators = list(generators)
         rows = len(self._generators)
-        self.vectors: Floats = np.zeros((rows, block, 3))
-        self.cursor: Ints = np.full(rows, block, dtype=np.int64)
-        self.low: Flags = np.ones(1, dtype=np.bool_)
+        self.vectors = np.zeros((rows, block, 3))
+        self.cursor = np.full(rows, block, dtype=np.int64)
+        self.low = np.ones(1, dtype=np.bool_)
 
     @classmethod
     def fixed(cls, rows: int, dim: int = 2) -> "DirectionStream":
@@ -55,15 +61,6 @@ class DirectionStream:
         for row, generator in zip(rows, generators, strict=True):
             self._generators[int(row)] = generator
             self.cursor[int(row)] = self.block
-        self.low[0] = True
-
-    @property
-    def generators(self) -> list[np.random.Generator | None]:
-        """The generators of the rows, None for rows that are not random."""
-        return self._generators
-
-    def restore(self) -> None:
-        """Draw what is missing, after `vectors`, `cursor` and `generators` have been written to."""
         self.low[0] = True
 
     def next_directions(self, rows: Ints) -> Floats:

@@ -11,7 +11,7 @@ import pickle
 from collections.abc import Mapping
 from typing import Any, Final
 
-STATE_VERSION: Final = 6
+STATE_VERSION: Final = 7
 SEAL: Final = 24
 """Bytes of the length and of the checksum."""
 
@@ -23,7 +23,7 @@ def sealed(kind: str, state: object) -> bytes:
     {'ticks': 7}
     >>> unsealed("batch", sealed("world", {"ticks": 7}))
     Traceback (most recent call last):
-    ValueError: state: expected b'clean-swarm state 6 batch', got b'clean-swarm state 6 world'
+    ValueError: state: expected b'clean-swarm state 7 batch', got b'clean-swarm state 7 world'
 
     """
     content = pickle.dumps(state, protocol=5)
@@ -48,8 +48,8 @@ def unsealed(kind: str, state: bytes) -> Any:  # noqa: ANN401  (whatever was a s
 
 def check_alike(expected: Mapping[str, object], got: Mapping[str, object]) -> None:
     """Raise ValueError with the first thing in which a state does not fit what is to go on from it."""
-    for what, own in expected.items():
-        found = got.get(what)
+    for what in (*expected, *sorted(got.keys() - expected.keys())):
+        own, found = expected.get(what), got.get(what)
         if isinstance(own, tuple) and isinstance(found, tuple) and len(own) == len(found):
             own, found = next(((a, b) for a, b in zip(own, found, strict=True) if a != b), (own, found))
         if found != own:

@@ -25,6 +25,8 @@ RETIRED = {
     "take": "record, apply, read, collect or the verb of what is done",
     "see": "gather, write_row or the verb of what is done",
     "told": "the verb of what is done",
+    "lasting": "nothing: classes declare what is kept, see selforg.arrays",
+    "restore": "nothing: what follows from the rest is declared as derived, see selforg.arrays",
     "steered": "driven: a learner drives, a mechanism steers",
 }
 """Names of functions, methods and fields that had too many meanings: what to say instead."""

@@ -27,7 +27,7 @@ ELEMENTARY = {
     "power",
 }
 """Functions whose last bits differ between CPUs; `selforg.elementary` has those that a course needs."""
-LOOKING = ("clean_swarm_env.drawing", "clean_swarm_env.scenes.measures")
+LOOKING = ("clean_swarm_env.drawing", "clean_swarm_env.tasks.measures")
 """Packages that look at a course and change nothing in it."""
 
 

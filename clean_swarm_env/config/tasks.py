@@ -38,6 +38,8 @@ class TaskSettings(Closed):
 class TaskKind(Protocol):
     """A class of tasks, as missions know it."""
 
+    name: str
+    """Name of the task."""
     Settings: type[TaskSettings]
     """The settings of the task."""
     mission: Mapping[str, Any]
@@ -46,8 +48,8 @@ class TaskKind(Protocol):
     """One sentence: the robots, their place and their task."""
 
 
-TASKS: Registry[TaskKind] = Registry("task")
-"""Tasks by the names of their classes."""
+TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name)
+"""Tasks by name."""
 
 
 def find_task(name: str) -> type[TaskKind]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from reprlib import repr as brief
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
 from selforg.registry import unknown
@@ -106,9 +106,11 @@ class Controls:
     of behaviours instead, and the network decides as ever.
     """
 
+    _vectors: Annotated[Floats, "R 2", SCRATCH]  # [m/s]
+
     def __init__(self, worlds: Worlds, choices: OptionActions, config: ActionConfig) -> None:
         self._worlds, self._choices, self._mode = worlds, choices, config.mode
-        self._vectors: Floats = np.zeros((worlds.rows, 2))
+        self._vectors = np.zeros((worlds.rows, 2))
         self._max_speed = worlds.mission.robots.max_speed
 
     def apply(self, actions: NDArray[Any], phases: Ints) -> None:

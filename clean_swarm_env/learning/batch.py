@@ -6,9 +6,10 @@ w*N .. (w+1)*N - 1). A world of a batch has, bit for bit, the course that it has
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Unpack
+from typing import Annotated, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, Controls, OptionActions
-from clean_swarm_env.learning.batch_state import BatchStates, Opened
 from clean_swarm_env.learning.episodes import BatchSettings, EpisodeSource, Series, episodes_of
 from clean_swarm_env.learning.figures import own_columns, team_columns
 from clean_swarm_env.learning.given import (
@@ -34,15 +34,17 @@ from clean_swarm_env.learning.interface import NO_JUMPS, BatchStep, FigureColumn
 from clean_swarm_env.learning.observation.config import DEFAULT_TERMS, TASK_TERMS, ObservationConfig
 from clean_swarm_env.learning.observation.observer import Observations, Observer
 from clean_swarm_env.learning.progress import MissionProgress
-from clean_swarm_env.learning.reward import OwnRewards, RewardConfig, rewards_of
+from clean_swarm_env.learning.reward import MeasureRewards, OwnRewards, RewardConfig, Rewards, rewards_of
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
 from clean_swarm_env.world.cleaning_robot import coordinators_of
 from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
+from clean_swarm_env.world.states import Opened
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, OUTSIDE, READ, SCRATCH, Flags, Floats, Ints
+from selforg.sealing import sealed, unsealed
 
 
 class Batch:
@@ -80,6 +82,16 @@ class Batch:
 
     """
 
+    observations: Annotated[Observations, "R F", KEPT]
+    doing: Annotated[list[Scenario | None], "W", KEPT]
+    choices: Annotated[OptionActions, READ]
+    recorder: Annotated[MissionRecorder | None, OUTSIDE]
+    rewards: Annotated[Rewards | MeasureRewards, OUTSIDE]
+    _source: Annotated[EpisodeSource, OUTSIDE]
+    _final: Annotated[Observations, "R F", SCRATCH]
+    _gained: Annotated[Floats, "R", SCRATCH]
+    _state: Annotated[GlobalState | None, OUTSIDE]
+
     def __init__(
         self,
         mission: GivenMission | None = None,
@@ -96,7 +108,7 @@ class Batch:
         episodes, directories = episodes_of(mission, settings), directories_from(settings.get("directories"))
         self.mission = next(episodes(0, 0, 1)).mission
         self._series = Series(episodes, worlds)
-        self._source: EpisodeSource = settings.get("source") or self._series
+        self._source = settings.get("source") or self._series
         self.action = config_from(ActionConfig, action, "action")
         self.begin_anew = settings.get("begin_anew", True)
         known = knowledge_of(self.mission, directories)
@@ -119,15 +131,13 @@ class Batch:
         seen = seen.beside(self.mission.terms, usual, driven=self.action.mode == "velocity")
         self.observer = Observer(self.worlds, self.progress, seen)
         self.phases = self.observer.phases
-        self.observations: Observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
-        self._final: Observations = np.zeros_like(self.observations)
-        self._gained: Floats = np.zeros(self.rows)
+        self.observations = np.zeros((self.rows, self.observer.width), dtype=np.float32)
+        self._final = np.zeros_like(self.observations)
+        self._gained = np.zeros(self.rows)
         self._finished: list[Finished] = []
-        self._state: GlobalState | None = None
-        self.doing: list[Scenario | None] = [None] * worlds
-        self._states = BatchStates(
-            self.worlds, self._series, self.doing, self.progress, self.observations, self.observer.names
-        )
+        self._state = None
+        self.doing = [None] * worlds
+        self._states = self.worlds.states_below(self, {"terms": self.observer.names})
         self._begun = False
 
     def reset(
@@ -168,7 +178,8 @@ class Batch:
 
     def get_state(self, worlds: Sequence[int] | None = None) -> bytes:
         """Return the states of `worlds` (K,), or of all, as sealed bytes that say their version."""
-        return self._states.get(worlds)
+        states = [self._states.get(world) for world in self._numbers(worlds)]
+        return sealed("batch", [pickle.dumps(state, 5) for state in states])
 
     def open_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Opened:
         """Return a state, opened, of this or another batch of the same frame, options and terms; see `set_state`.
@@ -177,7 +188,13 @@ class Batch:
         """
         if self.recorder is not None:
             raise ValueError(NO_JUMPS)
-        return self._states.open(state, worlds)
+        packed, chosen = unsealed("batch", state), self._numbers(worlds)
+        if len(packed) not in (1, len(chosen)):
+            raise ValueError(f"state: expected one world, or {len(chosen)}, got {len(packed)}")
+        states = [(world, pickle.loads(packed[number % len(packed)])) for number, world in enumerate(chosen)]
+        for _, of_world in states[: len(packed)]:
+            self._states.check(of_world)
+        return states
 
     def set_state(self, state: bytes, worlds: Sequence[int] | None = None) -> Observations:
         """Make `worlds` (K,), or all, go on from `get_state`; return the observations (R, F).
@@ -192,12 +209,21 @@ class Batch:
 
         What ended in the last period, and vectors of the last action, are no part of a state.
         """
-        self._states.put(opened)
+        for world, state in opened:
+            self._states.put(world, state)
         chosen = [world for world, _ in opened]
         self._begun = self._begun or len(set(chosen)) == self.worlds.worlds
         self._finished.clear()
         self.observer.observe(self._final, np.array(chosen))  # the phases; what is seen is in the state
         return self.observations
+
+    def _numbers(self, worlds: Sequence[int] | None) -> list[int]:
+        """Return the numbers of `worlds`, or of all; ValueError for one that does not exist."""
+        chosen = list(range(self.count)) if worlds is None else [int(world) for world in worlds]
+        for world in chosen:
+            if not 0 <= world < self.count:
+                raise ValueError(f"worlds: expected 0 to {self.count - 1}, got {world}")
+        return chosen
 
     def steps(self, world: int) -> int:
         """Return how many decision periods of its mission a world has done."""

@@ -70,13 +70,13 @@ class Series:
                 known = np.random.SeedSequence().entropy if seed is None else seed
                 self._running[world] = self._episodes(int(known), 0, 1)  # type: ignore[arg-type]
 
-    def next_of(self, world: int) -> tuple[int, int, int] | None:
+    def part_of(self, world: int) -> tuple[int, int, int] | None:
         """Return seed, number and step of the next episode of a world; None before its first."""
         running = self._running[world]
         return None if running is None else (running.seed, running.number, running.step)
 
-    def go_on(self, world: int, following: tuple[int, int, int] | None) -> None:
-        """Make a world go on with an episode as `next_of` names it."""
+    def put_part(self, world: int, following: tuple[int, int, int] | None, later: float) -> None:
+        """Make a world go on with an episode as `part_of` names it, whatever the time is."""
         self._running[world] = None if following is None else self._episodes(*following)
 
     def share(self, seed: int) -> None:

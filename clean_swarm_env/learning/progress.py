@@ -28,7 +28,7 @@ from clean_swarm_env.world.mission_end import (
     tick_limit,
 )
 from clean_swarm_env.world.worlds import Worlds
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 
@@ -42,37 +42,41 @@ PICKINGS, RECYCLINGS, DUMPINGS, COLLISIONS, CONTACTS, AVOIDINGS = range(6)
 class Period(NamedTuple):
     """The counts of a decision period."""
 
-    events: Annotated[Ints, "E R"]  # in the order of EVENTS
-    ticks: Annotated[Ints, "W"]  # ticks that counted
-    dumped: Annotated[Ints, "W"]  # items that the team dumped
-    outcome: Annotated[Ints, "W"]  # RUNNING, COMPLETED (all garbage dumped) or TIME_OVER, at the end
-    took_part: Annotated[Flags, "R"]  # robots that were at work
-    cost: Annotated[Floats, "W"]  # what the period added to the cost of the mission, without collisions [s]
-    price: Annotated[Floats, "W"]  # what its collisions added [s]
-    bumps: Annotated[Floats, "R"]  # price of the robot's collisions, one by one: its share of `price`
+    events: Annotated[Ints, "E R", SCRATCH]  # in the order of EVENTS
+    ticks: Annotated[Ints, "W", SCRATCH]  # ticks that counted
+    dumped: Annotated[Ints, "W", SCRATCH]  # items that the team dumped
+    outcome: Annotated[Ints, "W", KEPT]  # RUNNING, COMPLETED (all garbage dumped) or TIME_OVER, at the end
+    took_part: Annotated[Flags, "R", SCRATCH]  # robots that were at work
+    cost: Annotated[Floats, "W", SCRATCH]  # what the period added to the cost of the mission, without collisions [s]
+    price: Annotated[Floats, "W", SCRATCH]  # what its collisions added [s]
+    bumps: Annotated[Floats, "R", SCRATCH]  # price of the robot's collisions, one by one: its share of `price`
 
 
 class Followed(NamedTuple):
     """Arrays of the worlds, and their values at the tick before, from which events are counted."""
 
-    working: Annotated[Flags, "R"]  # robots at work
-    in_contact: Annotated[Flags, "R"]  # another robot is closer than the collision distance
-    stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
-    paid: Annotated[Ints, "W M"]  # 1 once somebody has been paid for picking the item, or has put it down for others
-    cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
-    recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
-    done: Annotated[Ints, "W"]  # items dumped
-    had: Annotated[Ints, "R"]  # cargo at the tick before
-    had_recycled: Annotated[Ints, "R"]  # recycled at the tick before
-    had_done: Annotated[Ints, "W"]  # done at the tick before
-    collisions: Annotated[Ints, "W K"]  # events at each distance since the mission began
-    samples: Annotated[Ints, "W K"]  # pairs closer than each distance, summed over all counts
-    terms: Annotated[Floats, "W 6"]  # `CostTerms` of each mission
-    had_price: Annotated[Floats, "W"]  # what collisions had cost at the tick before [s]
-    limits: Annotated[Ints, "W"]  # ticks after which each mission is over
-    elapsed: Annotated[Ints, "W"]  # ticks since the mission began, up to its end
-    idle: Annotated[Ints, "R"]  # ticks since the robot last picked, recycled or dumped, or since the mission began
-    ended: Annotated[Ints, "W"]  # the first of them: worlds whose missions ended with the last tick
+    working: Annotated[Flags, "R", READ]  # robots at work
+    in_contact: Annotated[Flags, "R", READ]  # another robot is closer than the collision distance
+    stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT
+    paid: Annotated[
+        Ints, "W M", KEPT
+    ]  # 1 once somebody has been paid for picking the item, or has put it down for others
+    cargo: Annotated[Ints, "R", READ]  # item that the robot carries, NOTHING without one
+    recycled: Annotated[Ints, "R", READ]  # 1 where the cargo has been recycled
+    done: Annotated[Ints, "W", READ]  # items dumped
+    had: Annotated[Ints, "R", KEPT]  # cargo at the tick before
+    had_recycled: Annotated[Ints, "R", KEPT]  # recycled at the tick before
+    had_done: Annotated[Ints, "W", KEPT]  # done at the tick before
+    collisions: Annotated[Ints, "W K", READ]  # events at each distance since the mission began
+    samples: Annotated[Ints, "W K", READ]  # pairs closer than each distance, summed over all counts
+    terms: Annotated[Floats, "W 6", KEPT]  # `CostTerms` of each mission
+    had_price: Annotated[Floats, "W", KEPT]  # what collisions had cost at the tick before [s]
+    limits: Annotated[Ints, "W", KEPT]  # ticks after which each mission is over
+    elapsed: Annotated[Ints, "W", KEPT]  # ticks since the mission began, up to its end
+    idle: Annotated[
+        Ints, "R", KEPT
+    ]  # ticks since the robot last picked, recycled or dumped, or since the mission began
+    ended: Annotated[Ints, "W", SCRATCH]  # the first of them: worlds whose missions ended with the last tick
 
 
 PERIOD_RECORD = Recording(Period)
@@ -93,6 +97,9 @@ class MissionProgress:
         ended: (K,) int64, worlds whose missions ended with the last tick.
 
     """
+
+    acted: Annotated[Flags, "R C", SCRATCH]
+    ended: Annotated[Ints, "K", SCRATCH]
 
     def __init__(self, worlds: Worlds) -> None:
         def numbers(*shape: int) -> Ints:
@@ -119,7 +126,7 @@ class MissionProgress:
             )
         )
         self.limits, self.elapsed, self.idle = numbers(count) + 1, numbers(count), numbers(rows)
-        self.ended: Ints = numbers(0)
+        self.ended = numbers(0)
         self._followed = FOLLOWED_RECORD.pack(
             Followed(
                 working=worlds.team.working,
@@ -154,15 +161,6 @@ class MissionProgress:
         followed.had_done[world] = followed.done[world]
         followed.terms[world] = cost_terms(mission)
         followed.had_price[world] = 0.0
-
-    def of_rows(self) -> tuple[Ints, ...]:
-        """Return what robots hand on to the next period: arrays (R,)."""
-        return self.idle, self._followed.record.had, self._followed.record.had_recycled
-
-    def of_worlds(self) -> tuple[Ints | Floats, ...]:
-        """Return what worlds hand on to the next period: arrays (W, ...)."""
-        followed = self._followed.record
-        return self.limits, self.elapsed, self.outcome, followed.had_done, followed.terms, followed.had_price
 
     def stay(self, world: int) -> None:
         """Stop counting a world without a next scenario until it is reset; its last outcome remains."""

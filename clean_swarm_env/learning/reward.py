@@ -24,7 +24,7 @@ from clean_swarm_env.world.mission_end import COMPLETED
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selector.documents.imported import imported
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
 
@@ -85,7 +85,7 @@ def own_rewards(chosen: object) -> OwnRewards | None:
 class Prices(NamedTuple):
     """Weights of the reward by ticks in place of seconds; see `RewardConfig`."""
 
-    own: Annotated[Floats, "E"]  # for each event of a robot, in the order of EVENTS
+    own: Annotated[Floats, "E", READ]  # for each event of a robot, in the order of EVENTS
     cost: float  # for each second of the mission's cost
     dumped: float
     tick: float

@@ -14,7 +14,7 @@ from numba import types
 from numba.extending import intrinsic, overload
 
 from clean_swarm_env.physics.motion import COPY_OFFSETS, RobotMotion, open_robot_motion
-from selforg.arrays import Ints
+from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import LEAN, part
 from selforg.compiler.llvm import LLVM, Compiler
 from selforg.compiler.records import Recording, Words
@@ -39,7 +39,7 @@ NAMES = (
 class Chipmunk(NamedTuple):
     """The addresses of Chipmunk's functions in the memory of this process."""
 
-    functions: Annotated[Ints, "NAMES"]  # all zero where compiled code cannot call them
+    functions: Annotated[Ints, "NAMES", READ]  # all zero where compiled code cannot call them
 
 
 CHIPMUNK = Recording(Chipmunk)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
-from selforg.arrays import Ints
+from selforg.arrays import CLOCKED, Ints
 
 CLOCK_GRID: Final = 2.0**-30
 """Times of the buffers are multiples of this [s]: exact up to 2^23 s, and too long by 5e-9 at most."""
@@ -21,13 +21,15 @@ class Clock:
 
     """
 
+    _begun: Annotated[Ints, "W", CLOCKED]  # tick at which each world was reset
+
     def __init__(self, worlds: int, period: float) -> None:
         self.period = period
         self.tick = 0
         # Floats hold times on this grid exactly, so sums of them need no rounding and an age does not depend on when
         # its world was reset. The step is rounded up, so that a period of whole ticks is over with its last tick.
         self._step = float(np.ceil(period / CLOCK_GRID) * CLOCK_GRID)
-        self._begun: Ints = np.zeros(worlds, dtype=np.int64)  # (W,) tick at which each world was reset
+        self._begun = np.zeros(worlds, dtype=np.int64)
 
     @property
     def now(self) -> float:
@@ -39,9 +41,9 @@ class Clock:
         """Control periods (W,) since the reset of each world."""
         return self.tick - self._begun
 
-    def reset(self, world: int, ticks: int = 0) -> None:
-        """Count the ticks of a world from `ticks` on."""
-        self._begun[world] = self.tick - ticks
+    def reset(self, world: int) -> None:
+        """Count the ticks of a world from now on."""
+        self._begun[world] = self.tick
 
     def advance(self) -> None:
         """Count one control period."""

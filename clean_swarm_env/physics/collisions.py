@@ -11,7 +11,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
 from selforg.space import nearest_image
@@ -24,23 +24,23 @@ PAIRS_A_ROBOT: Final = 8  # room in the list; a world with more pairs walks its 
 class Counts(NamedTuple):
     """The counts, and what the search for close pairs needs."""
 
-    samples: Annotated[Ints, "W K"]  # pairs closer than each distance, summed over the counts
-    events: Annotated[Ints, "W K"]  # pairs that came closer than each distance
-    in_contact: Annotated[Flags, "R"]  # another robot is closer than the first distance
-    entered: Annotated[Ints, "R"]  # events of the first distance at the last count
-    entered_in_tick: Annotated[Ints, "R"]  # the same, summed over a tick
-    squares: Annotated[Floats, "K"]  # of the distances [m^2]
+    samples: Annotated[Ints, "W K", KEPT]  # pairs closer than each distance, summed over the counts
+    events: Annotated[Ints, "W K", KEPT]  # pairs that came closer than each distance
+    in_contact: Annotated[Flags, "R", KEPT]  # another robot is closer than the first distance
+    entered: Annotated[Ints, "R", KEPT]  # events of the first distance at the last count
+    entered_in_tick: Annotated[Ints, "R", SCRATCH]  # the same, summed over a tick
+    squares: Annotated[Floats, "K", READ]  # of the distances [m^2]
     furthest: float  # square of the longest distance [m^2]
     width: float  # of the torus [m]
     height: float  # [m]
-    extent: Annotated[Floats, "2"]  # both, as `physics.cells` takes them
-    before: Annotated[Floats, "R 2"]  # positions at the last count [m], undefined before the first
-    counted: Annotated[Flags, "R"]  # the robot was there at the last count
-    cells: Annotated[Ints, "lines columns"]  # scratch: see `cells`; empty where all pairs are looked at
-    links: Annotated[Ints, "N"]  # scratch: see `cells`
-    listed: Annotated[Ints, "W"]  # number of listed pairs, or UNLISTED
-    pairs: Annotated[Ints, "W P 2"]  # rows of the pairs that can be close
-    origins: Annotated[Floats, "R 2"]  # positions when the pairs were listed [m]
+    extent: Annotated[Floats, "2", READ]  # both, as `physics.cells` takes them
+    before: Annotated[Floats, "R 2", KEPT]  # positions at the last count [m], undefined before the first
+    counted: Annotated[Flags, "R", KEPT]  # the robot was there at the last count
+    cells: Annotated[Ints, "lines columns", SCRATCH]  # scratch: see `cells`; empty where all pairs are looked at
+    links: Annotated[Ints, "N", SCRATCH]  # scratch: see `cells`
+    listed: Annotated[Ints, "W", derived(UNLISTED)]  # number of listed pairs, or UNLISTED
+    pairs: Annotated[Ints, "W P 2", SCRATCH]  # rows of the pairs that can be close
+    origins: Annotated[Floats, "R 2", SCRATCH]  # positions when the pairs were listed [m]
 
 
 COLLISION_COUNTS = Recording(Counts)
@@ -67,6 +67,8 @@ class CollisionCounter:
     ([[2, 3]], [[1, 1]])
     """
 
+    _everybody: Annotated[Flags, "R", READ]
+
     def __init__(
         self, worlds: int, robots: int, width: float, height: float, distances: tuple[float, ...] = (0.5, 1.0)
     ) -> None:
@@ -86,7 +88,7 @@ class CollisionCounter:
         self.entered: Ints = np.zeros(rows, np.int64)
         self.entered_in_tick: Ints = np.zeros(rows, np.int64)
         self._robots = robots
-        self._everybody: Flags = np.ones(rows, np.bool_)
+        self._everybody = np.ones(rows, np.bool_)
         # Cells are at least two reaches wide. So pairs up to two reaches apart are listed, and the list is valid until
         # a robot has moved by half a reach.
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * max(distances), extent)
@@ -114,19 +116,6 @@ class CollisionCounter:
             )
         )
 
-    def lasting(self) -> Lasting:
-        """Return what robots hand on to the next count."""
-        record = self.packed.record
-        return Lasting((self.in_contact, self.entered, record.before, record.counted))
-
-    def of_worlds(self) -> tuple[Ints, ...]:
-        """Return what worlds hand on to the next count: arrays (W, ...); then call `restore`."""
-        return self.samples, self.events
-
-    def restore(self, world: int) -> None:
-        """Go on from what has been written to the arrays of a world."""
-        self.packed.record.listed[world] = UNLISTED
-
     def reset(self, world: int) -> None:
         """Set the counts of a world to zero; a pair that is close at its next count is an event again."""
         rows = slice(world * self._robots, (world + 1) * self._robots)
@@ -135,7 +124,7 @@ class CollisionCounter:
         self.in_contact[rows] = False
         self.entered[rows] = 0
         self.packed.record.counted[rows] = False
-        self.restore(world)
+        self.packed.record.listed[world] = UNLISTED
 
     def count(self, positions: Floats, present: Flags | None = None) -> None:
         """Count all worlds once: the robots `present` (R,) or all; positions (R, 2) [m] in [0, width) x [0, height)."""

@@ -7,7 +7,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from clean_swarm_env.physics.motion import wrapped_angle
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
 from selforg.elementary import direction, length_of
@@ -34,9 +34,9 @@ class DriveSettings:
 class DriveState(NamedTuple):
     """Speeds and turn rates of the drives, and their settings."""
 
-    speed: Annotated[Floats, "R"]  # along the heading [m/s]
-    turn_rate: Annotated[Floats, "R"]  # [rad/s]
-    commanded_at: Annotated[Floats, "R"]  # time of the last command [s]; undefined for a robot at rest
+    speed: Annotated[Floats, "R", KEPT]  # along the heading [m/s]
+    turn_rate: Annotated[Floats, "R", KEPT]  # [rad/s]
+    commanded_at: Annotated[Floats, "R", CLOCKED]  # time of the last command [s]; undefined for a robot at rest
     max_speed: float  # from here on: fields of DriveSettings
     max_turn_rate: float
     turn_gain: float
@@ -63,6 +63,8 @@ class DifferentialDrive:
     ([0.5, 0.0], [0.0, 2.0])
     """
 
+    _nowhere: Annotated[Flags, "R", READ]
+
     def __init__(self, rows: int, settings: DriveSettings | None = None) -> None:
         if rows < 1:
             raise ValueError(f"rows: expected at least 1, got {rows}")
@@ -70,7 +72,7 @@ class DifferentialDrive:
         self.speed: Floats = np.zeros(rows)
         self.turn_rate: Floats = np.zeros(rows)
         self._commanded_at: Floats = np.zeros(rows)
-        self._nowhere: Flags = np.zeros(rows, np.bool_)
+        self._nowhere = np.zeros(rows, np.bool_)
         self.packed: Packed[DriveState] = DRIVE.pack(
             DriveState(self.speed, self.turn_rate, self._commanded_at, *astuple(self.settings))
         )
@@ -86,10 +88,6 @@ class DifferentialDrive:
         """
         turning = self._nowhere if in_place is None else in_place
         update_drives(vectors, has_command, turning, headings, now, self.packed.words)
-
-    def lasting(self) -> Lasting:
-        """Return what the drives hand on to the next tick."""
-        return Lasting((self.speed, self.turn_rate), (self._commanded_at,))
 
     def reset(self, rows: Ints | slice) -> None:
         """Stop the robots in `rows`, as at the beginning."""

@@ -8,7 +8,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Recording, Words
 from selforg.elementary import sine_cosine
@@ -29,16 +29,16 @@ PARTS: Final = 2 + len(COPY_OFFSETS)  # of a robot in Chipmunk: a body, its circ
 class RobotMotion(NamedTuple):
     """The bodies of all worlds, and the sizes that their motion depends on."""
 
-    positions: Annotated[Floats, "R 2"]  # in [0, width) x [0, height) [m]
-    headings: Annotated[Floats, "R"]  # in (-pi, pi] [rad]
-    bodies: Annotated[Floats, "R 4"]  # x, y where the last substep began [m], and its velocity vx, vy [m/s]
-    wanted: Annotated[Floats, "R 2"]  # velocity that each robot wants [m/s]
-    forces: Annotated[Floats, "R 2"]  # [N]
-    present: Annotated[Flags, "R"]  # robots that are not there touch nobody and do not move
-    copies: Annotated[npt.NDArray[np.uint8], "R"]  # seam copies that each body needs
-    patience: Annotated[Ints, "W"]  # substeps until a world is free of contacts
-    parts: Annotated[Ints, "N PARTS"]  # addresses in Chipmunk while a world is in contact, else 0
-    left: Annotated[Ints, "W"]  # substeps of the running tick that a world still has to do
+    positions: Annotated[Floats, "R 2", KEPT]  # in [0, width) x [0, height) [m]
+    headings: Annotated[Floats, "R", KEPT]  # in (-pi, pi] [rad]
+    bodies: Annotated[Floats, "R 4", KEPT]  # x, y where the last substep began [m], and its velocity vx, vy [m/s]
+    wanted: Annotated[Floats, "R 2", KEPT]  # velocity that each robot wants [m/s]
+    forces: Annotated[Floats, "R 2", SCRATCH]  # [N]
+    present: Annotated[Flags, "R", KEPT]  # robots that are not there touch nobody and do not move
+    copies: Annotated[npt.NDArray[np.uint8], "R", SCRATCH]  # seam copies that each body needs
+    patience: Annotated[Ints, "W", KEPT]  # substeps until a world is free of contacts
+    parts: Annotated[Ints, "N PARTS", SCRATCH]  # addresses in Chipmunk while a world is in contact, else 0
+    left: Annotated[Ints, "W", SCRATCH]  # substeps of the running tick that a world still has to do
     search: int  # NOBODY_TOUCHES, SEARCH_PAIRS or ALWAYS_TOUCHING
     width: float  # of the torus [m]
     height: float  # [m]

@@ -34,7 +34,7 @@ from clean_swarm_env.physics.motion import (
 )
 from clean_swarm_env.physics.settings import PhysicsSettings
 from clean_swarm_env.physics.tick import begin_tick, land_and_go_on, substep_worlds
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import Flags, Floats
 from selforg.commands import Commanded
 from selforg.compiler.records import Packed
 from selforg.space import wrapped
@@ -128,14 +128,6 @@ class Physics:
         self.present[rows] = True
         self._motion.record.wanted[rows] = 0.0
         self._motion.record.patience[world] = 0
-
-    def lasting(self) -> Lasting:
-        """Return what robots hand on to the next tick."""
-        return Lasting((self.positions, self.headings, self.bodies, self.present, self._motion.record.wanted))
-
-    def of_worlds(self) -> tuple[Ints, ...]:
-        """Return what worlds hand on to the next tick: arrays (W, ...)."""
-        return (self._motion.record.patience,)
 
     def add(self, row: int, x: float, y: float, heading: float) -> None:
         """Put a robot that is absent at a place [m] with a heading [rad], at rest; the others are not affected."""

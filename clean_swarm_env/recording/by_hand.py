@@ -186,7 +186,7 @@ class SetLoss(Change):
     def make(self, worlds: Worlds) -> None:
         """Set the loss; the range stays."""
         reception = worlds.minds.reception
-        reception.set(WORLD, float(reception.of_worlds()[0][WORLD]), self.loss)
+        reception.set(WORLD, float(reception.reaches[WORLD]), self.loss)
 
 
 class HoldOption(Change):

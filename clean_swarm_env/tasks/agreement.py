@@ -1,6 +1,6 @@
 """FindBarycenter and MaxValue: robots stand still and decide by the messages of the others."""
 
-from typing import ClassVar, TypeVar
+from typing import Annotated, ClassVar, TypeVar
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
 from clean_swarm_env.tasks.measures.order import barycentre
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Task, TaskState, kept
-from selforg.arrays import Floats, Ints
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Task, TaskState
+from selforg.arrays import KEPT, Floats, Ints
 from selforg.commands import Commands
 
 EARSHOT = 3.0
@@ -66,16 +66,16 @@ class FindBarycenter(Standing[TaskState]):
         return {self.measures[0].name: error, self.measures[1].name: count.astype(np.float64)}
 
 
-class Values(TaskState):
+class MeasuredValues(TaskState):
     """The values of the robots, and when all knew the largest one."""
 
-    values: Floats = kept("R")
-    agreed: Ints = kept("W")  # rounds until all agreed; 0 as long as they do not
-    lot: Ints = kept("W")  # rounds of the baseline
+    values: Annotated[Floats, "R", KEPT]
+    agreed: Annotated[Ints, "W", KEPT]  # rounds until all agreed; 0 as long as they do not
+    lot: Annotated[Ints, "W", KEPT]  # rounds of the baseline
 
 
 @TASKS.register
-class MaxValue(Standing[Values]):
+class MaxValue(Standing[MeasuredValues]):
     """Each robot has measured a value; all robots have to learn the largest one."""
 
     story = "20 robots on 9 m x 9 m, each heard 3 m far, agree on the largest of their values"
@@ -91,7 +91,7 @@ class MaxValue(Standing[Values]):
     }
     fewest = 2
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots so that they form one network, and give them values."""
         for _ in range(NETWORK_TRIES):
             places = start.poses[:, :2] if start.given else start.scattered(start.robots, 0.6, 9.0)

@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Task, TaskState, Thing, kept
-from selforg.arrays import Flags, Floats, Ints
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.elementary import unit_vectors
 
@@ -32,17 +32,17 @@ class ObstacleSettings(TaskSettings):
 class ObstacleState(TaskState):
     """Obstacles of a world, and who touches them."""
 
-    obstacles: Floats = kept("W obstacles 2")  # [m]
-    touching: Flags = kept("R obstacles")
-    hits: Ints = kept("W")
+    obstacles: Annotated[Floats, "W obstacles 2", KEPT]  # [m]
+    touching: Annotated[Flags, "R obstacles", KEPT]
+    hits: Annotated[Ints, "W", KEPT]
 
 
 class CrossingState(TaskState):
     """The errands of robots that go straight on."""
 
-    wanted: Floats = kept("R 2")  # direction, a unit vector
-    before: Floats = kept("R 2")  # places at the end of the period before [m]
-    advance: Floats = kept("R")  # way in the wanted direction so far [m]
+    wanted: Annotated[Floats, "R 2", KEPT]  # direction, a unit vector
+    before: Annotated[Floats, "R 2", KEPT]  # places at the end of the period before [m]
+    advance: Annotated[Floats, "R", KEPT]  # way in the wanted direction so far [m]
 
 
 class CrossingObstaclesState(CrossingState, ObstacleState):
@@ -52,15 +52,15 @@ class CrossingObstaclesState(CrossingState, ObstacleState):
 S = TypeVar("S", bound=TaskSettings)
 O = TypeVar("O", bound=ObstacleSettings)  # noqa: E741
 B = TypeVar("B", bound=ObstacleState)
-C = TypeVar("C", bound=CrossingState)
+E = TypeVar("E", bound=CrossingState)
 
 
 class Obstacles(Task[O, B]):
     """Obstacles lie about; a robot hits one whenever it comes to touch it."""
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the obstacles."""
-        return (Thing("obstacle", self.state.obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),)
+        return (Things("obstacle", self.state.obstacles, -1, diffusion=1.0, goal_radius=OBSTACLE_RADIUS),)
 
     def after_moving(self) -> None:
         """Count robots that have come to touch an obstacle; those that touch one at first do not count."""
@@ -72,13 +72,13 @@ class Obstacles(Task[O, B]):
         state.touching[:] = touching.reshape(state.touching.shape)
 
 
-class Crossing(Task[S, C]):
+class Crossing(Task[S, E]):
     """Robots that go straight on for ever, in their headings at the start."""
 
     baseline = "everybody goes straight on and avoids nothing"
     apart = 1.5
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots anywhere; their headings are where they want to go."""
         super().place(start)
         rows = slice(start.world * self.world.robots, start.world * self.world.robots + start.robots)
@@ -120,11 +120,12 @@ class Crossing(Task[S, C]):
 
 
 @TASKS.register
-class CollisionAvoidance(
+class CrossingObstacles(
     Crossing[ObstacleSettings, CrossingObstaclesState], Obstacles[ObstacleSettings, CrossingObstaclesState]
 ):
     """Obstacles and other robots are in the way."""
 
+    name = "CollisionAvoidance"
     story = "5 robots cross a torus of 225 m2 with 12 obstacles for 120 s"
     measures = (
         Measure(
@@ -142,7 +143,7 @@ class CollisionAvoidance(
         "time_limit": 120.0,
     }
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put obstacles where no robot starts."""
         super().place(start)
         self.state.obstacles[start.world] = start.scattered(self.settings.obstacles, 2.0, free_of=start.places, gap=1.6)

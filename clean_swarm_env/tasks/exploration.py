@@ -1,15 +1,15 @@
 """CollectiveExploration, IndividualExploration and ExplorationPatrol: robots look at as much ground as possible."""
 
 from collections.abc import Mapping
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.coverage import UNSEEN, area, idleness, mark
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Task, TaskState, kept
-from selforg.arrays import Floats, Ints
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Task, TaskState
+from selforg.arrays import KEPT, Floats, Ints
 
 ROBOT_SIGHT, PITCH = 0.5, 0.25  # [m]
 SETTLING = 0.5
@@ -19,26 +19,26 @@ SETTLING = 0.5
 class TeamMap(TaskState):
     """A map for each world."""
 
-    seen: Floats = kept("W cells cells")  # time at which each cell was last seen [s], UNSEEN where nobody has looked
+    seen: Annotated[Floats, "W cells cells", KEPT]  # when each cell was last seen [s], or UNSEEN
 
 
 class OwnMaps(TaskState):
     """A map for each robot."""
 
-    seen: Floats = kept("R cells cells")
+    seen: Annotated[Floats, "R cells cells", KEPT]
 
 
 class PatrolledMap(TeamMap):
     """A map for each world, and the idleness of its places."""
 
-    idle: Floats = kept("W")  # sum of mean idlenesses [s]
-    looks: Ints = kept("W")
+    idle: Annotated[Floats, "W", KEPT]  # sum of mean idlenesses [s]
+    looks: Annotated[Ints, "W", KEPT]
 
 
-M = TypeVar("M", TeamMap, OwnMaps, PatrolledMap)
+Map = TypeVar("Map", TeamMap, OwnMaps, PatrolledMap)
 
 
-class Looking(Task[TaskSettings, M]):
+class Looking(Task[TaskSettings, Map]):
     """Robots look at the ground while they move; they draw on the map of their world, or on their own."""
 
     def sizes(self) -> Mapping[str, int]:
@@ -55,7 +55,7 @@ class Looking(Task[TaskSettings, M]):
         """Number (R,) of the map on which each robot draws."""
         return self.world.of_row
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Begin with empty maps."""
         super().place(start)
         self.state.seen[np.unique(self.maps[self.world.of_row == start.world])] = UNSEEN

@@ -1,11 +1,13 @@
 """Foraging: robots find food, bring it to the nest, and lay a trail by which others find it."""
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Task, TaskState, Thing, kept
-from selforg.arrays import Flags, Floats, Ints
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Flags, Floats, Ints
 
 PATCH_RADIUS, NEST_RADIUS = 0.5, 1.5  # [m]
 AWAY = 9.0  # [m] least distance of food from the nest
@@ -18,9 +20,9 @@ CARRYING = "carrying"
 class Food(TaskState):
     """Two patches of food in each world, and what robots have brought."""
 
-    patches: Floats = kept("W 2 2")  # [m]
-    carried: Flags = kept("R")  # whether the robot carried something at the end of the period before
-    brought: Ints = kept("W")
+    patches: Annotated[Floats, "W 2 2", KEPT]  # [m]
+    carried: Annotated[Flags, "R", KEPT]  # whether the robot carried something at the end of the period before
+    brought: Annotated[Ints, "W", KEPT]
 
 
 @TASKS.register
@@ -42,17 +44,17 @@ class Foraging(Task[TaskSettings, Food]):
     mission = {"world": {"width": 30.0, "height": 30.0}, "robots": {"count": 12}, "time_limit": 300.0}
     apart, start_side = 0.6, 5.0
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots around the nest, and food away from it."""
         super().place(start)
         self.state.patches[start.world] = start.scattered(2, 6.0, 24.0, AWAY)
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the food and the nest."""
         nests = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
         return (
-            Thing("food", self.state.patches, diffusion=0.0, goal_radius=PATCH_RADIUS),
-            Thing("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
+            Things("food", self.state.patches, diffusion=0.0, goal_radius=PATCH_RADIUS),
+            Things("nest", nests, diffusion=0.0, goal_radius=NEST_RADIUS),
         )
 
     def after_moving(self) -> None:

@@ -1,12 +1,14 @@
 """FormationControl and CircleFormation: robots move as a flock, or stand in a circle."""
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.order import gap_spread, nearest_neighbours, polarisation, radial_spread
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Task, TaskState, Thing, kept
-from selforg.arrays import Floats, Ints
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Floats, Ints
 from selforg.commands import Commands
 from selforg.elementary import unit_vectors
 
@@ -23,10 +25,10 @@ LAST = 10.0
 class Order(TaskState):
     """How robots set out, and sums of their order at the end of the mission."""
 
-    outset: Floats = kept("R 2")  # direction, a unit vector
-    order: Floats = kept("W")
-    error: Floats = kept("W")
-    looks: Ints = kept("W")
+    outset: Annotated[Floats, "R 2", KEPT]  # direction, a unit vector
+    order: Annotated[Floats, "W", KEPT]
+    error: Annotated[Floats, "W", KEPT]
+    looks: Annotated[Ints, "W", KEPT]
 
 
 @TASKS.register
@@ -49,7 +51,7 @@ class FormationControl(Task[TaskSettings, Order]):
     }
     fewest = 2
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put the robots close together, with headings in one half."""
         headings = start.rng.uniform(-0.5 * np.pi, 0.5 * np.pi, size=start.robots)
         start.put_robots(start.scattered(start.robots, 0.8, 4.0), headings)
@@ -109,10 +111,10 @@ class CircleFormation(Task[TaskSettings, TaskState]):
     fewest = 2
     start_side = 8.0
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the beacon."""
         beacons = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
-        return (Thing("centre", beacons, diffusion=5.0, goal_radius=CIRCLE),)
+        return (Things("centre", beacons, diffusion=5.0, goal_radius=CIRCLE),)
 
     def lead(self, commands: Commands) -> None:
         """Stand still."""

@@ -1,12 +1,14 @@
 """FollowPotentialField and FollowMaxPotential: robots climb a field of gradients, or find the widest one."""
 
+from typing import Annotated
+
 import numpy as np
 
 from clean_swarm_env.config.tasks import TASKS, TaskSettings
 from clean_swarm_env.tasks.measures.field import Field, height
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Task, TaskState, Thing, kept
-from selforg.arrays import Floats
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Task, TaskState, Things
+from selforg.arrays import KEPT, Floats
 from selforg.commands import Commands
 
 HOLLOW, HILL = 15.0, 2.0  # [m] diffusion of the attractive gradient and of the repulsive ones
@@ -18,15 +20,15 @@ SOURCE_RADIUS = 1.5  # [m] goal radius of a source: room for all
 class Hills(TaskState):
     """Repulsive gradients of each world, and how high its robots stood at the start."""
 
-    places: Floats = kept("W 5 2")  # [m]
-    start: Floats = kept("W")  # mean height of the robots [m]
+    places: Annotated[Floats, "W 5 2", KEPT]  # [m]
+    start: Annotated[Floats, "W", KEPT]  # mean height of the robots [m]
 
 
 class Sources(TaskState):
     """Attractive gradients of each world, and those that were nearest to its robots at the start."""
 
-    places: Floats = kept("W 3 2")  # [m]
-    nearest: Floats = kept("R 2")  # [m]
+    places: Annotated[Floats, "W 3 2", KEPT]  # [m]
+    nearest: Annotated[Floats, "R 2", KEPT]  # [m]
 
 
 @TASKS.register
@@ -40,7 +42,7 @@ class FollowPotentialField(Task[TaskSettings, Hills]):
     mission = {"world": {"width": 16.0, "height": 16.0}, "robots": {"count": 6}, "time_limit": 90.0}
     away = 5.0
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots away from the top, and hills between."""
         super().place(start)
         self.state.places[start.world] = start.scattered(HILLS, 2.0, 12.0, 4.0)
@@ -60,12 +62,12 @@ class FollowPotentialField(Task[TaskSettings, Hills]):
         mean: Floats = height(field, positions, own, ground).mean(axis=1)
         return mean
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the gradients of the field."""
         tops = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
         return (
-            Thing("field", tops, diffusion=HOLLOW, goal_radius=SOURCE_RADIUS),
-            Thing("field", self.state.places, -1, diffusion=HILL),
+            Things("field", tops, diffusion=HOLLOW, goal_radius=SOURCE_RADIUS),
+            Things("field", self.state.places, -1, diffusion=HILL),
         )
 
     def result(self) -> dict[str, Floats]:
@@ -89,7 +91,7 @@ class FollowMaxPotential(Task[TaskSettings, Sources]):
     }
     start_side = 14.0
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots and sources anywhere."""
         super().place(start)
         sources = start.scattered(len(SOURCE_REACHES), 6.0, 14.0)
@@ -98,10 +100,10 @@ class FollowMaxPotential(Task[TaskSettings, Sources]):
         first = start.world * self.world.robots
         self.state.nearest[first : first + start.robots] = sources[away.argmin(axis=1)]
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the sources."""
         reaches = np.array(SOURCE_REACHES)
-        return (Thing("field", self.state.places, diffusion=reaches, goal_radius=SOURCE_RADIUS),)
+        return (Things("field", self.state.places, diffusion=reaches, goal_radius=SOURCE_RADIUS),)
 
     def lead(self, commands: Commands) -> None:
         """Go to the source that was nearest at the start, and stop at it."""

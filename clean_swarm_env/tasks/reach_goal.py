@@ -7,8 +7,8 @@ from pydantic import Field
 
 from clean_swarm_env.config.tasks import TASKS
 from clean_swarm_env.tasks.avoidance import Obstacles, ObstacleSettings, ObstacleState
-from clean_swarm_env.world.placing import Start
-from clean_swarm_env.world.task import Measure, Thing
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.task import Measure, Things
 from selforg.arrays import Floats
 
 GOAL_AREA_RADIUS, START_AWAY = 2.0, 8.0  # [m]; room for all around the goal
@@ -41,17 +41,17 @@ class ReachGoal(Obstacles[BetweenSettings, ObstacleState]):
     mission = {"world": {"width": FIELD, "height": FIELD}, "robots": {"count": 6}, "time_limit": 90.0}
     away = START_AWAY
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots around the goal, and obstacles between them and it."""
         super().place(start)
         taken = np.concatenate([start.ground.centre[None], start.places])
         gaps = np.array([OFF_GOAL] + [OFF_START] * start.robots)
         self.state.obstacles[start.world] = start.scattered(self.settings.obstacles, 3.0, 14.0, free_of=taken, gap=gaps)
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return the goal and the obstacles."""
         goals = np.broadcast_to(self.world.ground.centre, (self.world.worlds, 1, 2))
-        return (Thing("goal", goals, diffusion=FIELD, goal_radius=GOAL_AREA_RADIUS), *super().things())
+        return (Things("goal", goals, diffusion=FIELD, goal_radius=GOAL_AREA_RADIUS), *super().things())
 
     def result(self) -> dict[str, Floats]:
         """Return how far the robots are from the goal, and how many obstacles they have hit."""

@@ -173,5 +173,5 @@ class Cleaning(Task[TaskSettings, TaskState]):
 def cleaning_of(task: Task[Any, Any]) -> Cleaning:
     """Return the task as one of cleaning; ValueError for any other."""
     if not isinstance(task, Cleaning):
-        raise ValueError(f"expected the task Cleaning, got {type(task).__name__}")
+        raise ValueError(f"expected the task Cleaning, got {task.name}")
     return task

@@ -14,7 +14,7 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import distance
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from clean_swarm_env.world.records import FloorRecord, open_floor
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Packed, Recording, Words
@@ -24,10 +24,10 @@ from selforg.space import nearest_image
 class Consequence(NamedTuple):
     """What collisions have done to the robots, and what they do."""
 
-    standing: Annotated[Ints, "R"]  # ticks for which the robot stands, that of the collision included
-    collisions: Annotated[Ints, "R"]  # of each robot since it was last as new
-    away: Annotated[Floats, "R 2"]  # where the robot drives off [m/s]
-    lost: Annotated[Ints, "R"]  # rows whose cargo was lost in this tick, the first ones
+    standing: Annotated[Ints, "R", KEPT]  # ticks for which the robot stands, that of the collision included
+    collisions: Annotated[Ints, "R", KEPT]  # of each robot since it was last as new
+    away: Annotated[Floats, "R 2", KEPT]  # where the robot drives off [m/s]
+    lost: Annotated[Ints, "R", SCRATCH]  # rows whose cargo was lost in this tick, the first ones
     stop: int  # ticks for which a robot that collides stands
     back_off: int  # ticks for which it then drives off, the last ones of `standing`
     back_speed: float  # its speed then [m/s]
@@ -84,10 +84,6 @@ class Consequences:
         """Begin anew in `rows` (K,)."""
         self.standing[rows] = 0
         self.collisions[rows] = 0
-
-    def lasting(self) -> Lasting:
-        """Return what robots hand on to the next tick."""
-        return Lasting((self.standing, self.collisions, self._away))
 
     def start_tick(self, at_work: Ints | None) -> Ints | None:
         """Begin a tick; return those of the rows `at_work` (K,), None for all, that do not stand, in the same way."""

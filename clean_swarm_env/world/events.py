@@ -6,7 +6,7 @@ Both depend only on the seed of the world, not on what robots do: all options th
 from __future__ import annotations
 
 from math import ceil
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.garbage import NO_TICK, Arrivals
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.team_changes import Place, Team
-from selforg.arrays import Flags, Floats
+from selforg.arrays import KEPT, Flags, Floats, Ints, derived
 
 OWN_STREAMS: Final = 0xFFFFFFFF
 """Spawn key of the streams of a world; the keys of its robots' streams are their numbers."""
@@ -130,36 +130,36 @@ class Agendas:
 
     """
 
+    over: Annotated[Flags, "W", KEPT]
+    _agendas: Annotated[list[Agenda | None], "W", KEPT]
+    _due: Annotated[Ints, "1", derived(0)]  # tick of the batch at which something happens next in any world
+
     def __init__(self, affected: Affected) -> None:
         self._affected = affected
-        self._agendas: list[Agenda | None] = [None] * affected.floor.worlds
-        self._due = NO_TICK  # tick of the batch at which something happens next in any world
-        self.over: Flags = np.zeros(affected.floor.worlds, dtype=np.bool_)
+        self._agendas = [None] * affected.floor.worlds
+        self._due = np.array([NO_TICK])
+        self.over = np.zeros(affected.floor.worlds, dtype=np.bool_)
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Begin a world anew; its agenda depends on `mission` and `seed` only."""
         agenda = self._agendas[world] = Agenda(mission, seed)
         self.over[world] = agenda.over
-        self._due = 0
+        self._due[0] = 0
 
     def of(self, world: int) -> Agenda | None:
         """Return the agenda of a world, None before its first reset."""
         return self._agendas[world]
 
-    def put(self, world: int, agenda: Agenda | None) -> None:
-        """Replace the agenda of a world."""
-        self._agendas[world] = agenda
-        self._due = 0
-
     def apply_due(self) -> None:
         """Apply the events that are due at this tick in any world."""
         clock = self._affected.clock
-        if clock.tick < self._due:
+        if clock.tick < self._due[0]:
             return
-        self._due = NO_TICK
+        due = NO_TICK
         for world, agenda in enumerate(self._agendas):
             if agenda is not None:
                 if agenda.due <= clock.ticks[world]:
                     agenda.run(world, self._affected)
                     self.over[world] = agenda.over
-                self._due = min(self._due, clock.tick + agenda.due - int(clock.ticks[world]))
+                due = min(due, clock.tick + agenda.due - int(clock.ticks[world]))
+        self._due[0] = due

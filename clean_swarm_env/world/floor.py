@@ -5,10 +5,9 @@ Rows are robots, R = W * N. What robots know and decide is in `minds`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.physics.cells import cells_along
@@ -20,7 +19,7 @@ from clean_swarm_env.world.consequences import Consequences
 from clean_swarm_env.world.garbage import LYING, NOTHING, Garbage
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.records import FLOOR, FloorRecord
-from selforg.arrays import Flags, Floats, Ints, Lasting, together
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed
@@ -47,11 +46,14 @@ class Floor:
 
     """
 
+    extent: Annotated[Floats, "2", READ]
+    stations: Annotated[Floats, "W K 2", KEPT]
+
     def __init__(self, mission: MissionConfig, worlds: int) -> None:
         world, robots, garbage = mission.world, mission.robots, mission.garbage
         self.worlds, self.robots = worlds, mission.rows
         self.ground = Ground.of(mission)
-        self.extent: Floats = self.ground.extent
+        self.extent = self.ground.extent
         width, height = self.extent.tolist()
         self.physics = Physics(
             PhysicsSettings(
@@ -79,7 +81,7 @@ class Floor:
         self.garbage = Garbage(worlds, mission.item_rows, mission.rows)
         self._holonomic = robots.drive == "holonomic"
         places, kinds = (mission.stations.places, mission.stations.kinds) if mission.cleans else ((), ())
-        self.stations: Floats = np.tile(np.reshape(places, (-1, 2)), (worlds, 1, 1))
+        self.stations = np.tile(np.reshape(places, (-1, 2)), (worlds, 1, 1))
         sight = garbage.diffusion + garbage.goal_radius + garbage.view_distance
         cells = cells_along(mission.item_rows, max(sight, garbage.at_distance, garbage.pick_distance), self.extent)
         self._substeps = mission.world.physics_steps_per_tick
@@ -113,23 +115,6 @@ class Floor:
     def rows_of(self, world: int) -> Ints:
         """Return the rows (N,) of the robots of a world."""
         return np.arange(world * self.robots, (world + 1) * self.robots)
-
-    def lasting(self) -> Lasting:
-        """Return what robots hand on to the next tick."""
-        items = self.garbage
-        own = Lasting((items.cargo, items.recycled, items.leg, items.blind))
-        parts = (self.physics, self.drive, self.collisions, self.consequences)
-        return together((own, *(part.lasting() for part in parts)))
-
-    def of_worlds(self) -> tuple[NDArray[Any], ...]:
-        """Return what worlds hand on to the next tick: arrays (W, ...); then call `restore`."""
-        items = self.garbage
-        own = (self.stations, items.positions, items.stage, items.leftover, items.paid, items.done, items.arrived)
-        return (*own, *self.physics.of_worlds(), *self.collisions.of_worlds())
-
-    def restore(self, world: int) -> None:
-        """Go on from what has been written to the arrays of a world."""
-        self.collisions.restore(world)
 
     def reset(self, world: int, mission: MissionConfig, items: Floats) -> None:
         """Put stations and items (M, 2) [m] of a world in place, and set its collision counts to 0."""

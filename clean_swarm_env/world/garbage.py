@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
 from clean_swarm_env.config.starts import Places
-from selforg.arrays import Floats, Ints
+from selforg.arrays import KEPT, Floats, Ints, Within
+from selforg.declared import make_arrays
 
 LYING, CARRIED, DONE, ABSENT = range(4)
 NOTHING = -1
@@ -26,34 +27,23 @@ NO_TICK: Final = 1 << 62
 
 
 class Garbage:
-    """Items of W worlds with M items and N robots each; rows are robots, R = W * N.
+    """Items of W worlds with M items and N robots each; rows are robots, R = W * N."""
 
-    Attributes:
-        positions: (W, M, 2) float64 [m], where an item lies or was picked.
-        stage: (W, M) int64, LYING, CARRIED, DONE or ABSENT.
-        leftover: (W, M) int64, 1 where what lies has been recycled already.
-        paid: (W, M) int64, 1 once somebody has been paid for picking an item, or has put it down for others.
-        cargo: (R,) int64, the item a robot carries, or NOTHING.
-        recycled: (R,) int64, 1 once the cargo has been recycled.
-        leg: (R,) float64 [m], way to the next station from where the cargo was picked or recycled.
-        blind: (R,) int64, ticks for which the robot sees no item that lies.
-        done: (W,) int64, items dumped.
-        arrived: (W,) int64, items that have come into the world.
-
-    """
+    positions: Annotated[Floats, "W M 2", KEPT]  # where an item lies or was picked [m]
+    stage: Annotated[Ints, "W M", KEPT]  # LYING, CARRIED, DONE or ABSENT
+    leftover: Annotated[Ints, "W M", KEPT]  # 1 where what lies has been recycled already
+    paid: Annotated[Ints, "W M", KEPT]  # 1 once somebody was paid for picking an item, or has put it down for others
+    cargo: Annotated[Ints, "R", KEPT, Within(NOTHING, "M")]  # the item a robot carries, or NOTHING
+    recycled: Annotated[Ints, "R", KEPT]  # 1 once the cargo has been recycled
+    leg: Annotated[Floats, "R", KEPT]  # way to the next station from where the cargo was picked or recycled [m]
+    blind: Annotated[Ints, "R", KEPT]  # ticks for which the robot sees no item that lies
+    done: Annotated[Ints, "W", KEPT]  # items dumped
+    arrived: Annotated[Ints, "W", KEPT]  # items that have come into the world
 
     def __init__(self, worlds: int, items: int, robots: int) -> None:
         self.robots = robots
-        self.positions: Floats = np.zeros((worlds, items, 2))
-        self.stage: Ints = np.zeros((worlds, items), dtype=np.int64)
-        self.leftover: Ints = np.zeros((worlds, items), dtype=np.int64)
-        self.paid: Ints = np.zeros((worlds, items), dtype=np.int64)
-        self.cargo: Ints = np.full(worlds * robots, NOTHING, dtype=np.int64)
-        self.recycled: Ints = np.zeros(worlds * robots, dtype=np.int64)
-        self.leg: Floats = np.zeros(worlds * robots)
-        self.blind: Ints = np.zeros(worlds * robots, dtype=np.int64)
-        self.done: Ints = np.zeros(worlds, dtype=np.int64)
-        self.arrived: Ints = np.zeros(worlds, dtype=np.int64)
+        make_arrays(self, W=worlds, M=items, R=worlds * robots)
+        self.cargo[:] = NOTHING
 
     def place(self, world: int, positions: Floats) -> None:
         """Put the items of a world at `positions` (up to M, 2) [m], in the first rows; no robot carries anything."""

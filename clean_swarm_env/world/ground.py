@@ -5,12 +5,13 @@ and measures use Euclidean offsets.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.world import GroundKind
-from selforg.arrays import Floats
+from selforg.arrays import READ, Floats
 from selforg.space import Euclidean, Space, Torus
 
 
@@ -27,8 +28,8 @@ class Ground:
     """
 
     kind: GroundKind
-    size: Floats
-    extent: Floats
+    size: Annotated[Floats, "2", READ]
+    extent: Annotated[Floats, "2", READ]
     space: Space = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

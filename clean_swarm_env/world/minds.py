@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Annotated, Final, Protocol
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from selector.coordination.coordinator import Coordinator
 from selector.coordination.inner_network import inner_networks
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import Flags, Floats, Ints, Lasting, together
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.commands import Commands
 from selforg.compiler.records import Packed
 from selforg.components.memory import RobotMemory
@@ -76,12 +76,6 @@ class Inner(Protocol):
     def reset(self, rows: Ints) -> None:
         """Begin anew in `rows` (K,)."""
 
-    def lasting(self) -> Lasting:
-        """Return what it hands on to the next tick."""
-
-    def restore(self) -> None:
-        """Go on from what has been written to those arrays."""
-
 
 class Minds:
     """The owner of all arrays of poses, buffers, networks and knowledge.
@@ -101,6 +95,9 @@ class Minds:
 
     """
 
+    _chances: Annotated[list[np.random.Generator], "R", KEPT]  # of mechanisms
+    _station_kinds: Annotated[Ints, "K", READ]
+
     def __init__(
         self,
         mission: MissionConfig,
@@ -113,7 +110,7 @@ class Minds:
         self.rows, self._alone = worlds * mission.rows, not task.handling
         self.known: Callable[[], Mapping[str, Floats]] = dict
         self._garbage = mission.garbage
-        self._station_kinds: Ints = np.array(mission.stations.kinds, dtype=np.int64)
+        self._station_kinds = np.array(mission.stations.kinds, dtype=np.int64)
         self._build_buffers(mission, worlds, task)
         self._build_network(mission, models, task, directories, explained)
         self.commands = Commands.none(self.rows, 2)
@@ -192,23 +189,6 @@ class Minds:
         self._chances[rows[0] : rows[-1] + 1] = streams[len(rows) :]
         self.reception.reset(world, mission, seed)
         self._localisation.reset(rows, seed)
-
-    @property
-    def generators(self) -> tuple[list[Any], ...]:
-        """The random draws of the rows (R,): directions, chances of mechanisms, losses of messages, errors of poses."""
-        return self.directions.generators, self._chances, self.reception.generators, self._localisation.generators
-
-    def lasting(self) -> Lasting:
-        """Return what robots keep for the next tick, except the buffers and the random generators."""
-        own = Lasting((self.poses.own, self.poses.row_table, self.directions.vectors, self.directions.cursor))
-        inner = (part.lasting() for part in self._inner)
-        return together((own, self.network.lasting(), self.memory.lasting(), *inner))
-
-    def restore(self) -> None:
-        """Go on from what has been written to those arrays."""
-        self.directions.restore()
-        for inner in self._inner:
-            inner.restore()
 
     def reset_rows(self, rows: Ints) -> None:
         """Clear the networks and the knowledge of `rows` (K,), and what they alone have received."""

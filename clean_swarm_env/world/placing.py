@@ -12,7 +12,7 @@ PLACE_TRIES = 10_000
 """Draws for one place before the placement fails."""
 
 
-class Start:
+class WorldStart:
     """One world at its start, into which a task puts robots and things.
 
     Attributes:

@@ -11,11 +11,12 @@ stations by themselves. What the mechanisms of coordinators spread always arrive
 from __future__ import annotations
 
 from math import ceil
+from typing import Annotated
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from selforg.arrays import Floats, Ints
+from selforg.arrays import KEPT, SCRATCH, Floats, Ints
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.pose_delivery import PoseDelivery
 from selforg.gradients.poses import OwnPoses
@@ -31,7 +32,17 @@ def pose_history(mission: MissionConfig) -> int:
 
 
 class Reception:
-    """Range, losses and delay of the messages in W worlds of R robots together."""
+    """Range, losses and delay of the messages in W worlds of R robots together.
+
+    Attributes:
+        reaches: (W,) range [m]; read only.
+        losses: (W,) probability that a message gets lost; read only.
+
+    """
+
+    reaches: Annotated[Floats, "W", KEPT]
+    losses: Annotated[Floats, "W", KEPT]
+    _generators: Annotated[list[np.random.Generator], "R", KEPT]  # which messages get lost
 
     def __init__(self, mission: MissionConfig, worlds: int, rows: int) -> None:
         self.own_contents, self.delay_ticks, self._delay = (
@@ -39,26 +50,26 @@ class Reception:
             mission.delay_ticks,
             mission.delivery.delay,
         )
-        self._reaches: Floats = np.full(worlds, np.inf)
-        self._losses: Floats = np.zeros(worlds)
+        self.reaches = np.full(worlds, np.inf)
+        self.losses = np.zeros(worlds)
         self._generators = [np.random.default_rng(0)] * rows
 
     def delivery(self) -> Delivery:
         """Return the delivery of what robots leave behind."""
         if not self.own_contents:
             return Delivery()
-        return Delivery(self._reaches, self._losses, self._delay, self._generators)
+        return Delivery(self.reaches, self.losses, self._delay, self._generators)
 
     def of_poses(self, poses: OwnPoses) -> PoseDelivery | None:
         """Return the delivery of `poses`; None if robots share one content."""
         if not self.own_contents:
             return None
-        return PoseDelivery(poses, self._reaches, self._losses, self._generators, self.delay_ticks)
+        return PoseDelivery(poses, self.reaches, self.losses, self._generators, self.delay_ticks)
 
     def reset(self, world: int, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         """Set range, losses and random draws of a world that begins anew."""
         if self.own_contents:
-            robots = len(self._generators) // len(self._losses)
+            robots = len(self._generators) // len(self.losses)
             self._generators[world * robots : (world + 1) * robots] = generators_of(seed, LOSSES, robots)
             self.set(world, mission.delivery.reach, mission.delivery.loss)
 
@@ -69,41 +80,30 @@ class Reception:
         """
         if not self.own_contents:
             raise ValueError("delivery: expected a mission with delivery.own_contents, got one whose robots share all")
-        self._reaches[world], self._losses[world] = reach, loss
-
-    @property
-    def generators(self) -> list[np.random.Generator]:
-        """The random draws of the rows (R,): which messages get lost."""
-        return self._generators
-
-    def of_worlds(self) -> tuple[Floats, ...]:
-        """Return range and losses: arrays (W,)."""
-        return self._reaches, self._losses
+        self.reaches[world], self.losses[world] = reach, loss
 
 
 class Localisation:
-    """Errors of the positions at which R robots take themselves to be, drawn anew in each control period.
+    """Errors of the positions at which R robots take themselves to be, drawn anew in each control period."""
 
-    Attributes:
-        generators: one for each row (R,).
-
-    """
+    _generators: Annotated[list[np.random.Generator], "R", KEPT]
+    _errors: Annotated[Floats, "R 2", SCRATCH]
 
     def __init__(self, mission: MissionConfig, rows: int) -> None:
         self._deviation = mission.robots.pose_noise
-        self.generators = [np.random.default_rng(0)] * rows
-        self._errors: Floats = np.zeros((rows, 2))
+        self._generators = [np.random.default_rng(0)] * rows
+        self._errors = np.zeros((rows, 2))
 
     def reset(self, rows: Ints, seed: np.random.SeedSequence) -> None:
         """Begin the draws of `rows` (N,) anew."""
         if self._deviation > 0.0:
-            self.generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
+            self._generators[rows[0] : rows[-1] + 1] = generators_of(seed, ERRORS, len(rows))
 
     def believed(self, positions: Floats) -> Floats:
         """Return where robots that are at `positions` (R, 2) [m] take themselves to be, not wrapped."""
         if self._deviation == 0.0:
             return positions
-        for row, generator in enumerate(self.generators):
+        for row, generator in enumerate(self._generators):
             generator.standard_normal(out=self._errors[row])
         return positions + self._deviation * self._errors
 

@@ -6,31 +6,31 @@ robots' network.
 
 from typing import Annotated, NamedTuple
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.records import Recording
 
 
 class FloorRecord(NamedTuple):
     """Bodies, items and stations on the floor; owned by `Floor`."""
 
-    robots: Annotated[Floats, "R 2"]  # positions [m]
-    extent: Annotated[Floats, "2"]  # of the torus [m]
-    stations: Annotated[Floats, "W K 2"]  # [m]
-    kinds: Annotated[Ints, "K"]  # RECYCLING or DUMP
-    items: Annotated[Floats, "W M 2"]  # where each item lies or was picked [m]
-    stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
-    leftover: Annotated[Ints, "W M"]  # 1 where what lies has been recycled already
-    cargo: Annotated[Ints, "R"]  # the item that a robot carries, or NOTHING
-    recycled: Annotated[Ints, "R"]  # 1 once the cargo has been recycled
-    leg: Annotated[Floats, "R"]  # way to the next station from where the cargo was picked or recycled [m]
-    blind: Annotated[Ints, "R"]  # ticks for which a robot sees no item that lies
-    done: Annotated[Ints, "W"]  # items dumped
-    nearest: Annotated[Ints, "R"]  # the nearest item when the robot last sensed; NOTHING where none is near
-    picked: Annotated[Ints, "R 2"]  # row and item of what was picked in this tick, the first ones
-    standing: Annotated[Ints, "R"]  # ticks for which a robot stands after a collision; see `consequences`
-    lying: Annotated[Flags, "M"]  # scratch: items of one world that lie
-    cells: Annotated[Ints, "lines columns"]  # scratch: see `physics.cells`
-    links: Annotated[Ints, "M"]  # scratch: see `physics.cells`
+    robots: Annotated[Floats, "R 2", READ]  # positions [m]
+    extent: Annotated[Floats, "2", READ]  # of the torus [m]
+    stations: Annotated[Floats, "W K 2", READ]  # [m]
+    kinds: Annotated[Ints, "K", READ]  # RECYCLING or DUMP
+    items: Annotated[Floats, "W M 2", KEPT]  # where each item lies or was picked [m]
+    stage: Annotated[Ints, "W M", KEPT]  # LYING, CARRIED, DONE or ABSENT
+    leftover: Annotated[Ints, "W M", KEPT]  # 1 where what lies has been recycled already
+    cargo: Annotated[Ints, "R", KEPT]  # the item that a robot carries, or NOTHING
+    recycled: Annotated[Ints, "R", KEPT]  # 1 once the cargo has been recycled
+    leg: Annotated[Floats, "R", KEPT]  # way to the next station from where the cargo was picked or recycled [m]
+    blind: Annotated[Ints, "R", KEPT]  # ticks for which a robot sees no item that lies
+    done: Annotated[Ints, "W", KEPT]  # items dumped
+    nearest: Annotated[Ints, "R", SCRATCH]  # the nearest item when the robot last sensed; NOTHING where none is near
+    picked: Annotated[Ints, "R 2", SCRATCH]  # row and item of what was picked in this tick, the first ones
+    standing: Annotated[Ints, "R", READ]  # ticks for which a robot stands after a collision; see `consequences`
+    lying: Annotated[Flags, "M", SCRATCH]  # scratch: items of one world that lie
+    cells: Annotated[Ints, "lines columns", SCRATCH]  # scratch: see `physics.cells`
+    links: Annotated[Ints, "M", SCRATCH]  # scratch: see `physics.cells`
     sight: float  # distance up to which an item is seen [m]
     at_item: float  # distance up to which a robot is at an item [m]
     at_station: float  # distance up to which a robot is at a station [m]
@@ -40,14 +40,14 @@ class FloorRecord(NamedTuple):
 class MindsRecord(NamedTuple):
     """What robots read and decide, and which behaviours move them; owned by `Minds`."""
 
-    readings: Annotated[Floats, "R S"]  # of the network
-    marks: Annotated[Ints, "R LAYERS B"]  # of the network
-    handling: Annotated[Ints, "3"]  # behaviours that pick, recycle and dump
-    transport: Annotated[Ints, "2"]  # behaviours that go to stations of kind RECYCLING and DUMP
-    movers: Annotated[Ints, "L"]  # behaviours that follow a mechanism by themselves
-    starting: Annotated[Flags, "R 3"]  # robots that pick, recycle and dump in this tick
-    running: Annotated[Ints, "L R"]  # rows in which each mover runs, the first `counts` of them
-    counts: Annotated[Ints, "L"]
+    readings: Annotated[Floats, "R S", KEPT]  # of the network
+    marks: Annotated[Ints, "R LAYERS B", READ]  # of the network
+    handling: Annotated[Ints, "3", READ]  # behaviours that pick, recycle and dump
+    transport: Annotated[Ints, "2", READ]  # behaviours that go to stations of kind RECYCLING and DUMP
+    movers: Annotated[Ints, "L", READ]  # behaviours that follow a mechanism by themselves
+    starting: Annotated[Flags, "R 3", SCRATCH]  # robots that pick, recycle and dump in this tick
+    running: Annotated[Ints, "L R", SCRATCH]  # rows in which each mover runs, the first `counts` of them
+    counts: Annotated[Ints, "L", SCRATCH]
 
 
 FLOOR = Recording(FloorRecord)

@@ -9,22 +9,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Final, Generic, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Final, Generic, Literal, TypeVar, get_args, get_origin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
-from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.view import World
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_network import RobotNetwork
 from selector.coordination.robots import network_of
-from selforg.arrays import Flags, Floats
+from selforg.arrays import KEPT, READ, Flags, Floats
 from selforg.commands import Commands
+from selforg.declared import fields_of, make_arrays
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.delivery import Delivery
 from selforg.gradients.poses import OwnPoses
@@ -79,7 +79,7 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Thing:
+class Things:
     """Things of one kind, which robots sense as gradients of a channel.
 
     Attributes:
@@ -92,10 +92,10 @@ class Thing:
     """
 
     channel: str
-    places: Floats
+    places: Annotated[Floats, "W M 2", READ]
     attraction: int = 1
-    diffusion: float | Floats = 1.0
-    goal_radius: float | Floats = 0.0
+    diffusion: Annotated[float | Floats, "M", READ] = 1.0
+    goal_radius: Annotated[float | Floats, "M", READ] = 0.0
     moves: bool = False
 
     @property
@@ -117,52 +117,31 @@ class Thing:
         )
 
 
-def kept(axes: str) -> Any:  # noqa: ANN401  (stands for an array in the body of a class)
-    """Declare an array of a `TaskState` by its axes: W or R, then numbers, N, settings or names in `Task.sizes`."""
-    return axes
-
-
 class TaskState:
-    """Arrays of all worlds, declared with `kept`; zero at each reset. States, copies and recordings follow from it.
+    """Arrays of all worlds, each with its axes and a mark; zero at each reset. States and copies follow from it.
+
+    Axes are W or R first, then numbers, N, settings of the task or names in `Task.sizes`. `KEPT` arrays go on from one
+    tick to the next, `CLOCKED` ones hold times of the clock, `SCRATCH` is overwritten in each tick.
 
     >>> class Flock(TaskState):
-    ...     places: Floats = kept("W sheep 2")
+    ...     places: Annotated[Floats, "W sheep 2", KEPT]
     >>> Flock({"W": 3, "sheep": 5}).places.shape
     (3, 5, 2)
 
     """
 
     def __init__(self, sizes: Mapping[str, int]) -> None:
-        self._of_rows: list[str] = []
-        for name, kind in self._declared().items():
-            axes = str(getattr(type(self), name)).split()
-            unknown = [axis for axis in axes if axis not in sizes and not axis.isdigit()]
-            if unknown or axes[:1] not in (["W"], ["R"]):
+        for name, field in fields_of(type(self)).items():
+            unknown = [axis for axis in field.axes if axis not in sizes and not axis.isdigit()]
+            if unknown or field.axes[:1] not in (("W",), ("R",)):
                 expected = f"W or R, then any of {', '.join(sizes)} and numbers"
-                raise ConfigurationError(f"{type(self).__name__}.{name}: expected axes {expected}, got {axes}")
-            shape = [sizes[axis] if axis in sizes else int(axis) for axis in axes]
-            setattr(self, name, np.zeros(shape, dtype=get_args(get_args(kind)[1])[0]))
-            if axes[0] == "R":
-                self._of_rows.append(name)
-
-    @classmethod
-    def _declared(cls) -> dict[str, Any]:
-        return {name: kind for name, kind in get_type_hints(cls).items() if not name.startswith("_")}
-
-    def of_rows(self) -> tuple[NDArray[Any], ...]:
-        """Return the arrays (R, ...)."""
-        return tuple(getattr(self, name) for name in self._of_rows)
-
-    def of_worlds(self) -> tuple[NDArray[Any], ...]:
-        """Return the arrays (W, ...)."""
-        return tuple(getattr(self, name) for name in self._declared() if name not in self._of_rows)
+                raise ConfigurationError(f"{type(self).__name__}.{name}: expected axes {expected}, got {field.axes}")
+        make_arrays(self, **sizes)
 
     def reset(self, world: int, rows: slice) -> None:
         """Set the arrays of a world to zero."""
-        for array in self.of_worlds():
-            array[world] = 0
-        for array in self.of_rows():
-            array[rows] = 0
+        for name, field in fields_of(type(self)).items():
+            getattr(self, name)[rows if field.axes[0] == "R" else world] = 0
 
 
 S = TypeVar("S", bound=TaskSettings)
@@ -177,6 +156,7 @@ class Task(ABC, Generic[S, T]):
     start anywhere, nothing else is there, and the mission ends with its time. You never need to loop over robots.
 
     Attributes:
+        name: that of the class, unless given.
         story: one sentence: the robots, their place and their task.
         measures: figures of success; the first one that is no guard is the one that counts.
         baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
@@ -193,6 +173,7 @@ class Task(ABC, Generic[S, T]):
 
     """
 
+    name: ClassVar[str] = ""
     Settings: ClassVar[type[TaskSettings]] = TaskSettings
     State: ClassVar[type[TaskState]] = TaskState
     story: ClassVar[str] = ""
@@ -211,10 +192,14 @@ class Task(ABC, Generic[S, T]):
 
     settings: S
     state: T
+    asked: Annotated[Floats, "R 2", KEPT]
+    _walk: Annotated[Floats, "R 2", KEPT]
 
     def __init_subclass__(cls) -> None:
-        """Take settings and state from the brackets of the base class."""
+        """Take the name from the class, and settings and state from the brackets of the base class."""
         super().__init_subclass__()
+        if "name" not in vars(cls):
+            cls.name = cls.__name__
         for base in getattr(cls, "__orig_bases__", ()):
             if get_origin(base) is not None and issubclass(get_origin(base), Task):
                 for given in get_args(base):
@@ -233,8 +218,7 @@ class Task(ABC, Generic[S, T]):
         numbers = {name: value for name, value in mission.task if isinstance(value, int)}
         sizes = {"W": world.worlds, "N": world.robots, "R": world.rows, **numbers, **self.sizes()}
         self.state = self.State(sizes)  # type: ignore[assignment]
-        self.asked: Floats = np.zeros((world.rows, 2))
-        self._walk: Floats = np.zeros((world.rows, 2))
+        self.asked, self._walk = np.zeros((world.rows, 2)), np.zeros((world.rows, 2))
         self.around = self.things()
 
     # ---- what a task says; only `result` is required
@@ -243,11 +227,11 @@ class Task(ABC, Generic[S, T]):
         """Return lengths of axes of the state that no setting has."""
         return {}
 
-    def place(self, start: Start) -> None:
+    def place(self, start: WorldStart) -> None:
         """Put robots, and things, of one world at their start; robots are anywhere unless you put them."""
         start.put_robots(start.scattered(start.robots, self.apart, self.start_side, self.away))
 
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[Things, ...]:
         """Return what robots can sense beside each other; called once, before any world is reset."""
         return ()
 
@@ -372,14 +356,6 @@ class Task(ABC, Generic[S, T]):
         for measure in self.measures:
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
-
-    def of_rows(self) -> tuple[NDArray[Any], ...]:
-        """Return what robots hand on to the next tick: arrays (R, ...)."""
-        return (self._walk, self.asked, *self.state.of_rows())
-
-    def of_worlds(self) -> tuple[NDArray[Any], ...]:
-        """Return what worlds hand on to the next tick: arrays (W, ...)."""
-        return self.state.of_worlds()
 
 
 def measures_of(mission: MissionConfig) -> tuple[Measure, ...]:

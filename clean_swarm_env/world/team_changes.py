@@ -7,7 +7,7 @@ the mission says so, still carries its pose gradient. No robot comes back: robot
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from clean_swarm_env.config.starts import START_GAP, nearest_distance
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import KEPT, SCRATCH, Flags, Floats, Ints, derived
+from selforg.declared import make_arrays
 from selforg.registry import unknown
 
 Place = tuple[float, float, float]
@@ -30,16 +31,25 @@ class Team:
     Attributes:
         working: (R,) bool, robots that sense, decide and act; read only.
         joined: (W,) int64, rows of each world that have been used since its reset; read only.
-        at_work: (K,) the rows that work, or None if all do.
 
     """
+
+    working: Annotated[Flags, "R", KEPT]
+    joined: Annotated[Ints, "W", KEPT]
+    _listed: Annotated[Flags, "1", derived(False)]  # whether `_at_work` is what follows from `working`
+    _at_work: Annotated[Ints, "K", SCRATCH]
 
     def __init__(self, mission: MissionConfig, floor: Floor, minds: Minds, clock: Clock) -> None:
         self._mission = mission
         self._floor, self._minds, self._clock = floor, minds, clock
-        self.working: Flags = np.zeros(minds.rows, dtype=np.bool_)
-        self.joined: Ints = np.zeros(floor.worlds, dtype=np.int64)
-        self.at_work: Ints | None = None
+        make_arrays(self, R=minds.rows, W=floor.worlds, K=0)
+
+    @property
+    def at_work(self) -> Ints | None:
+        """The rows (K,) that work, or None if all do."""
+        if not self._listed[0]:
+            self._at_work, self._listed[0] = np.flatnonzero(self.working), True
+        return None if len(self._at_work) == len(self.working) else self._at_work
 
     def reset(self, world: int, places: Floats) -> None:
         """Put the first robots of a world at `places` (K, 3), x [m], y [m], heading [rad]; the others are absent."""
@@ -133,12 +143,4 @@ class Team:
         self._floor.consequences.reset(rows)
         self._minds.reset_rows(rows)
         self._minds.poses.deafen(rows, ~self.working[rows])
-        self.restore()
-
-    def lasting(self) -> Lasting:
-        """Return which robots work; then call `restore`."""
-        return Lasting((self.working,))
-
-    def restore(self) -> None:
-        """List the robots that work from `working`, which has been written to."""
-        self.at_work = None if self.working.all() else np.flatnonzero(self.working)
+        self._listed[0] = False

@@ -6,7 +6,7 @@ Shapes: W worlds of N robots, R = W * N rows.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.coordinator import Coordinator
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms import DecisionMechanism
@@ -43,6 +43,8 @@ class World:
 
     """
 
+    of_row: Annotated[Ints, "R", READ]
+
     def __init__(self, missions: Sequence[MissionConfig], floor: Floor, minds: Minds, clock: Clock) -> None:
         self.floor, self.minds, self._clock, self._missions = floor, minds, clock, missions
         self.mission = missions[0]
@@ -50,7 +52,7 @@ class World:
         self.ground: Ground = floor.ground
         self.period = clock.period
         self.max_speed = self.mission.robots.max_speed
-        self.of_row: Ints = np.repeat(np.arange(self.worlds), self.robots)
+        self.of_row = np.repeat(np.arange(self.worlds), self.robots)
         self.led = False
 
     def by_world(self, values: NDArray[V]) -> NDArray[V]:

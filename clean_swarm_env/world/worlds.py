@@ -6,9 +6,9 @@ batch.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 
@@ -20,14 +20,14 @@ from clean_swarm_env.world.cleaning import Cleaning
 from clean_swarm_env.world.events import Affected, Agendas
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
-from clean_swarm_env.world.placing import Start
+from clean_swarm_env.world.placing import WorldStart
+from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task
 from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import World
-from clean_swarm_env.world.world_state import WorldState, WorldStates
 from selector.coordination.coordinator import hold_options
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import OUTSIDE, Flags, Floats, Ints
 from selforg.sealing import sealed, unsealed
 
 TASK_STREAM: Final = 0xFFFFFFFB
@@ -53,6 +53,9 @@ class Worlds:
 
     """
 
+    _driven: Annotated[Floats | None, "R 2", OUTSIDE]  # [m/s]
+    _correction: Annotated[Floats | None, "R 2", OUTSIDE]  # [m/s]
+
     def __init__(
         self,
         mission: MissionConfig,
@@ -76,12 +79,11 @@ class Worlds:
         self.minds.known = self.task.known
         self.team = Team(mission, self.floor, self.minds, self._clock)
         self._agendas = Agendas(Affected(self.floor, self.minds, self.team, self._clock))
-        self._states = WorldStates(self.floor, self.minds, self.team, self.task, self._agendas, self._clock)
-        self._driven: Floats | None = None
-        self._correction: Floats | None = None
+        self._driven = self._correction = None
         self.extent, self.stations, self.garbage = self.floor.extent, self.floor.stations, self.floor.garbage
         self.physics, self.collisions = self.floor.physics, self.floor.collisions
         self.network, self.coordinators = self.minds.network, self.minds.coordinators
+        self._states = self.states_below(self, {})
 
     @property
     def ticks(self) -> Ints:
@@ -143,29 +145,24 @@ class Worlds:
         rows = self.rows_of(world)
         self.task.state.reset(world, slice(int(rows[0]), int(rows[-1]) + 1))
         own = np.random.SeedSequence(stream.entropy, spawn_key=(*stream.spawn_key, TASK_STREAM))
-        placing = Start(world, mission.robots.count, self.floor.ground, np.random.default_rng(own), given)
+        placing = WorldStart(world, mission.robots.count, self.floor.ground, np.random.default_rng(own), given)
         self.task.place(placing)
         return placing.poses
 
-    def state_of(self, world: int) -> WorldState:
-        """Return everything that decides how a world continues, except the vectors that a learner drives it with.
-
-        Parts of it belong to the world until they are `sealed`.
-        """
-        return self._states.get(world, self.missions[world])
-
-    def check_state(self, state: WorldState) -> None:
-        """Raise ValueError unless a world can go on from a state, of this or another batch of one frame."""
-        self._states.check(state, self.mission)
-
-    def put_state(self, world: int, state: WorldState) -> None:
-        """Make a world go on from a state that `check_state` has let pass, and which it then owns."""
-        self._states.put(world, state)
-        self.missions[world] = state.mission
+    def states_below(self, root: object, alike: Mapping[str, object]) -> KeptStates:
+        """Return the states of these worlds and of all below `root`; `alike` is what they must have in common, too."""
+        fits = {
+            "options": tuple((one.model.goal, one.model.options) for one in self.coordinators),
+            "behaviours": tuple(behaviour.name for behaviour in self.network.model.behaviours),
+        }
+        return KeptStates(root, self.mission, self.missions, self._clock, {**fits, **alike})
 
     def get_state(self, world: int = 0) -> bytes:
-        """Return the state of a world as sealed bytes that say their version."""
-        return sealed("world", self.state_of(world))
+        """Return all that the further course of a world depends on, but for vectors by which it is driven.
+
+        The bytes say their version, and are sealed.
+        """
+        return sealed("world", self._states.get(world))
 
     def set_state(self, state: bytes, world: int = 0) -> None:
         """Make a world go on from the bytes of `get_state`; ValueError says what is damaged or does not fit.
@@ -173,8 +170,8 @@ class Worlds:
         A state that is refused changes nothing.
         """
         whole: WorldState = unsealed("world", state)
-        self.check_state(whole)
-        self.put_state(world, whole)
+        self._states.check(whole)
+        self._states.put(world, whole)
 
     def hold(self, options: Ints, rows: Ints | None = None) -> None:
         """Give the `options` (K, C), or (K,) for one coordinator, to the robots in `rows` (K,) or all."""

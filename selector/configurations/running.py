@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from selector.configurations.host import Host
 from selector.documents.errors import DocumentError
 from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec
 from selector.vocabulary.constructors import Reference, checked_parameters
-from selforg.arrays import Ints, Lasting, together
+from selforg.arrays import READ, Ints
 from selforg.components import DecisionSource, GoalSource, MovementSource, OrganisedRobots, Remembered, RobotMemory
 from selforg.gradients.queries import Filter
 from selforg.mechanisms import MECHANISMS, DecisionMechanism, MovementMechanism, SteeringMechanism
@@ -33,6 +33,8 @@ class RunningConfiguration:
         DocumentError: a component cannot be built; the text names its key.
 
     """
+
+    spec: Annotated[ActingNetworkSpec[Any, Any, Any], READ]
 
     def __init__(
         self, spec: ActingNetworkSpec[Any, Any, Any], host: Host, where: str, *, explained: bool = False
@@ -65,12 +67,6 @@ class RunningConfiguration:
     def network(self) -> BehaviourNetwork:
         """The network of the configuration."""
         return self.robots.network
-
-    def lasting(self) -> Lasting:
-        """Return what network, memory, mechanisms and sources know of each row."""
-        sources = (*self._movements.values(), *self._decisions.values(), *self._targets.values())
-        asked = (*(mechanism.lasting() for mechanism in self.mechanisms.values()), *(s.lasting() for s in sources))
-        return together((self.network.lasting(), self._memory.lasting(), *asked))
 
     @property
     def view_distance(self) -> float:

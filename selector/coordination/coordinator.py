@@ -8,6 +8,7 @@ number of options in use, not with the number of robots.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
@@ -15,9 +16,10 @@ from selector.configurations.configuration import PoseSpec
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.model import CoordinatorModel
-from selforg.arrays import Ints, Lasting, together
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Ints, Within, derived
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
+from selforg.declared import make_arrays
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import state as st
 
@@ -36,6 +38,20 @@ class Coordinator:
 
     """
 
+    held: Annotated[Ints, "R", KEPT, Within(0, "O")]
+    beside: Annotated[Ints, "O", READ]
+    _turn_of: Annotated[list[Ints], "O", READ]  # the behaviours of the parent with which each acts, none: always
+    _all_columns: Annotated[Ints, "S", READ]  # of the sensors in the parent's readings
+    _members: Annotated[Ints, "O R", SCRATCH]  # rows that hold each option, the first `_counts`
+    _counts: Annotated[Ints, "O", SCRATCH]
+    _grouped: Annotated[Flags, "1", derived(False)]  # whether both, and `used`, are those of `held`
+    _new: Annotated[Ints, "O R", SCRATCH]  # rows that begin to hold each option, the first `_new_counts`
+    _new_counts: Annotated[Ints, "O", SCRATCH]
+    _stale: Annotated[Ints, "R", KEPT]  # 1: the network inside has to be reset
+    _turns: Annotated[Ints, "2 R", SCRATCH]  # rows that act, and those to reset
+
+    model: Annotated[CoordinatorModel, READ]
+
     def __init__(
         self,
         model: CoordinatorModel,
@@ -48,7 +64,7 @@ class Coordinator:
         self.model = model
         self.parent = parent
         self.index = parent.model.behaviour_index[model.goal]
-        self.held: Ints = np.zeros(parent.rows, dtype=np.int64)
+        make_arrays(self, O=len(model.options), R=parent.rows)
         self.contents = tuple(
             RunningConfiguration(configuration, host, f"goal {model.goal}: option {name}", explained=explained)
             for name, configuration in zip(model.options, model.configurations, strict=True)
@@ -59,23 +75,16 @@ class Coordinator:
                 parent.readings,
                 np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
             )
-        self.beside: Ints = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
+        self.beside = np.array([spec.steers for spec in model.configurations], dtype=np.int64)
         self._some_beside = bool(self.beside.any())
         beside = [parent.model.behaviour_index[name] for name in during]
-        self._turn_of: list[Ints] = [
+        self._turn_of = [
             np.array(beside if spec.steers else [self.index], dtype=np.int64) for spec in model.configurations
-        ]  # (O,) the behaviours of the parent with which each option acts, none: always
+        ]
         self._poses = host.poses
         own = host.poses.radii[0].tolist()
         self._radii = [own_radii(spec.pose, own) for spec in model.configurations] if model.sets_pose else []
         self._all_columns = np.array([parent.model.sensor_index[sensor.name] for sensor in model.sensors], dtype=int)
-        shape = (len(self.contents), parent.rows)
-        self._members: Ints = np.zeros(shape, dtype=np.int64)  # rows that hold each option, the first `_counts`
-        self._counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
-        self._new: Ints = np.zeros(shape, dtype=np.int64)  # rows that begin to hold it, the first `_new_counts`
-        self._new_counts: Ints = np.zeros(len(self.contents), dtype=np.int64)
-        self._stale: Ints = np.zeros(parent.rows, dtype=np.int64)  # 1: the network inside has to be reset
-        self._turns: Ints = np.zeros((2, parent.rows), dtype=np.int64)  # rows that act, and those to reset
         self._in_use: list[tuple[int, int]] = []  # options that any row holds, and by how many
         self.used: tuple[int, ...] = ()
         self._acted: list[RunningConfiguration] = []
@@ -89,17 +98,7 @@ class Coordinator:
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
         self._take_turns(rows)
-        self.restore()
-
-    def lasting(self) -> Lasting:
-        """Return the options held, and what their configurations know of each row; then call `restore`."""
-        own = Lasting((self.held, self._stale))
-        return together((own, *(content.lasting() for content in self.contents)))
-
-    def restore(self) -> None:
-        """Take the options that are held from `held`, which has been written to."""
-        group(self.held, self._members, self._counts)
-        self._list_in_use()
+        self._group()
 
     def hold(self, rows: Ints, options: Ints) -> None:
         """Give `options` (K,) to `rows` (K,); nothing else of these robots changes.
@@ -129,7 +128,13 @@ class Coordinator:
             for wanted in (False, True):  # only rows that change: to switch a behaviour makes a robot plan anew
                 self.parent.enable(rows[changed & (competes == wanted)], self.index, wanted)
 
+    def _group(self) -> None:
+        """List the rows that hold each option."""
+        group(self.held, self._members, self._counts)
+        self._list_in_use()
+
     def _list_in_use(self) -> None:
+        self._grouped[0] = True
         self._in_use = [(k, count) for k, count in enumerate(self._counts.tolist()) if count]
         self.used = tuple(k for k, _ in self._in_use)
         if self._radii:
@@ -138,6 +143,8 @@ class Coordinator:
 
     def sense(self, now: float) -> None:
         """Write the sensors of all options in use, at `now` [s], into the parent's readings."""
+        if not self._grouped[0]:
+            self._group()
         for k, count in self._in_use:
             self.contents[k].robots.sense(now, self._members[k, :count])
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Annotated
 
 import numpy as np
 
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import Ints, Lasting, together
+from selforg.arrays import READ, Ints
 from selforg.commands import Commands
 from selforg.network.nesting import rows_inside, shared_columns
 from selforg.network.network import BehaviourNetwork
@@ -37,6 +38,8 @@ class InnerNetwork:
 
     """
 
+    _all: Annotated[Ints, "R", READ]
+
     def __init__(
         self,
         held: RobotNetwork,
@@ -53,20 +56,13 @@ class InnerNetwork:
         assert held.spec is not None  # only the root has none
         self.configuration = RunningConfiguration(held.spec, host, f"network in {self.name}", explained=explained)
         self._outside, self._inside = shared_columns(parent.model, held)
-        self._all: Ints = np.arange(parent.rows)
+        self._all = np.arange(parent.rows)
         self.inner = inner_networks(held, self.network, host, (*path, holder), explained=explained)
 
     @property
     def network(self) -> BehaviourNetwork:
         """The network itself, without the networks inside."""
         return self.configuration.network
-
-    def lasting(self) -> Lasting:
-        """Return what the network knows of each row, and the networks inside."""
-        return together((self.configuration.lasting(), *(inner.lasting() for inner in self.inner)))
-
-    def restore(self) -> None:
-        """Do nothing: all that the network knows lies in `lasting`."""
 
     def reset(self, rows: Ints) -> None:
         """Clear network and memory of `rows` (K,), and those of the networks inside."""

@@ -3,11 +3,12 @@
 Passing one array to a kernel costs about 0.06 us, and a tick passes some two hundred. A record is passed as one array
 of words: the addresses, shapes and numbers, laid out as compiled code wants them. Opening it there costs nothing.
 
-A record is a NamedTuple whose fields say what they hold:
+A record is a NamedTuple whose fields say what they hold, and what compiled code that opens it does with them: READ
+only, write what is KEPT or CLOCKED, or overwrite SCRATCH (`selforg.arrays`):
 
     class Grid(NamedTuple):
-        cells: Annotated[Floats, "L 6"]  # number and width [m] of cells along x, y, z, for each level
-        links: Annotated[Links, "M"]  # next gradient in the same cell
+        cells: Annotated[Floats, "L 6", READ]  # number and width [m] of cells along x, y, z, for each level
+        links: Annotated[Links, "M", KEPT]  # next gradient in the same cell
         extent: float  # [m]
 
     GRID = Recording(Grid)
@@ -34,7 +35,7 @@ import numpy as np
 from numba import types
 from numba.extending import intrinsic, register_jitable
 
-from selforg.arrays import Ints
+from selforg.arrays import Ints, Mark, scalar_of
 from selforg.compiler.llvm import LLVM, Compiler
 from selforg.compiler.switches import CHECKED, COMPILED, PLAIN
 
@@ -77,8 +78,8 @@ class Recording(Generic[Record]):
     """How records of one class are packed, and opened in compiled code.
 
     Attributes:
-        kind: the class, a NamedTuple; fields are float, int, or `Annotated[ARRAY, SHAPE]` with an array type of
-            `selforg.arrays` and a name for each axis, by spaces.
+        kind: the class, a NamedTuple; fields are float, int, or `Annotated[ARRAY, SHAPE, MARK]` with an array type and
+            a mark of `selforg.arrays`, and a name for each axis, by spaces.
         open: returns, in compiled code, the record whose words it is given.
 
     """
@@ -88,6 +89,9 @@ class Recording(Generic[Record]):
     def __init__(self, kind: type[Record]) -> None:
         self.kind = kind
         hints = get_type_hints(kind, include_extras=True)
+        for name, hint in hints.items():
+            if hint not in NUMBERS and not any(isinstance(given, Mark) for given in get_args(hint)):
+                raise TypeError(f"{kind.__name__}.{name}: expected Annotated[ARRAY, 'AXES', MARK], got {hint}")
         self._fields = {name: numba_type(hint, f"{kind.__name__}.{name}") for name, hint in hints.items()}
         self._shapes = {name: get_args(hint)[1] for name, hint in hints.items() if get_origin(hint) is Annotated}
         self._tag = int.from_bytes(
@@ -143,11 +147,10 @@ def numba_type(hint: Any, where: str) -> Compiler:  # noqa: ANN401  (a type hint
     """Return Numba's type for the type hint of a field."""
     if hint in NUMBERS:
         return NUMBERS[hint]
-    scalar, axes = get_args(hint)
-    while inner := get_args(scalar):  # numpy.ndarray[shape, dtype[scalar]], or NDArray[scalar] since NumPy 2.5
-        scalar = inner[-1]
+    _, axes, *_ = get_args(hint)
+    scalar = scalar_of(hint)
     if not isinstance(axes, str):
-        raise TypeError(f"{where}: expected Annotated[ARRAY, 'AXIS AXIS ...'], got {hint!r}")
+        raise TypeError(f"{where}: expected Annotated[ARRAY, 'AXIS AXIS ...', MARK], got {hint!r}")
     kind = types.bool_ if scalar is np.bool_ else getattr(types, np.dtype(scalar).name)
     return types.Array(kind, len(axes.split()), "C")
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Floats, Lasting
+from selforg.arrays import KEPT, Floats
 from selforg.network.model.behaviours import Sensor, SensorKind
 from selforg.network.step.readings import reading_of
 
@@ -40,10 +41,6 @@ class RobotMemory:
         for remembered in self._remembered.values():
             remembered.reset(rows)
 
-    def lasting(self) -> Lasting:
-        """Return all values."""
-        return Lasting(tuple(remembered.values for remembered in self._remembered.values()))
-
 
 class Remembered:
     """The values of N robots under one name.
@@ -57,11 +54,13 @@ class Remembered:
 
     """
 
+    values: Annotated[Floats, "N", KEPT]
+
     def __init__(self, name: str, rows: int, first: bool | float) -> None:
         self.name = name
         self.kind: SensorKind = "fact" if isinstance(first, bool | np.bool_) else "number"
         self._first = reading_of(Sensor(name, self.kind), first)
-        self.values: Floats = np.full(rows, self._first)
+        self.values = np.full(rows, self._first)
 
     def write(self, rows: npt.ArrayLike, value: npt.ArrayLike) -> None:
         """Set the values of `rows` (K,) to one value or to (K,) values; ValueError for a value of another kind."""

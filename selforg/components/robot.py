@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Annotated
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import READ, Floats, Ints
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
 from selforg.components.actions import Action
@@ -34,6 +35,9 @@ class OrganisedRobots:
 
     """
 
+    _all: Annotated[Ints, "N", READ]
+    _shown: Annotated[tuple[Floats, Ints, Ints] | None, READ]
+
     def __init__(
         self, network: BehaviourNetwork, sensors: Mapping[str, SensorComponent], actions: Actions, dim: int = 2
     ) -> None:
@@ -53,7 +57,7 @@ class OrganisedRobots:
         self._asked_late = [_each_once(self._sensed, [action]) for _, action in self._actions]
         self._vector_readings = _by_source(self._sensors, self.network.readings)
         self._others = [(column, one) for column, one in self._sensors if not isinstance(one, VectorSensor)]
-        self._shown: tuple[Floats, Ints, Ints] | None = None
+        self._shown = None
         self._acted: list[tuple[Action, Ints]] = []
         self._all, self._dim = np.arange(network.rows), dim
 

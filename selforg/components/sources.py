@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import CLOCKED, KEPT, Flags, Floats, Ints
 from selforg.elementary import directions, exponentials, logarithms
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
@@ -33,10 +33,6 @@ class Source(ABC):
     def _ask(self, now: float, rows: Ints) -> None:
         """Renew the answers for `rows` (K,), of which there is at least one."""
 
-    @abstractmethod
-    def lasting(self) -> Lasting:
-        """Return the answers, and what decides when they are renewed."""
-
 
 class MovementSource(Source):
     """Answers of a movement mechanism.
@@ -48,6 +44,11 @@ class MovementSource(Source):
     active: (N,) whether there is a movement.
     """
 
+    vectors: Annotated[Floats, "N D", KEPT]
+    active: Annotated[Flags, "N", KEPT]
+    _asked: Annotated[Floats, "N", CLOCKED]  # time of the last question [s]
+    _holds: Annotated[Floats, "N", KEPT]  # times for which the answers are kept [s]
+
     def __init__(
         self, mechanism: MovementMechanism, hold: float = 0.0, exponent: float = 0.0, longest: float = np.inf
     ) -> None:
@@ -57,18 +58,14 @@ class MovementSource(Source):
             raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
         self.mechanism, self.hold, self.exponent, self.longest = mechanism, float(hold), exponent, longest
         rows, dim = mechanism.poses.rows, mechanism.poses.space.dim
-        self.vectors: Floats = np.zeros((rows, dim))
-        self.active: Flags = np.zeros(rows, dtype=np.bool_)
-        self._asked: Floats = np.full(rows, -np.inf)  # time of the last question [s]
-        self._holds: Floats = np.full(rows, self.hold)  # times for which the answers are kept [s]
+        self.vectors = np.zeros((rows, dim))
+        self.active = np.zeros(rows, dtype=np.bool_)
+        self._asked = np.full(rows, -np.inf)
+        self._holds = np.full(rows, self.hold)
 
     def forget(self, rows: Ints) -> None:
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
         self._asked[rows] = -np.inf
-
-    def lasting(self) -> Lasting:
-        """Return movements and when they were asked for."""
-        return Lasting((self.vectors, self.active, self._holds), (self._asked,))
 
     def _ask(self, now: float, rows: Ints) -> None:
         if self.hold > 0.0:
@@ -94,17 +91,17 @@ class GoalSource(Source):
     present: (N,) whether there is a goal.
     """
 
+    offsets: Annotated[Floats, "N D", KEPT]
+    clearance: Annotated[Floats, "N", KEPT]
+    present: Annotated[Flags, "N", KEPT]
+
     def __init__(self, buffer: SoBuffer, rule: str = "nearest_attractive", look: Filter = EVERYTHING_IN_VIEW) -> None:
         self._queries, self._poses = Queries(buffer), buffer.poses
         self.rule, self.look = rule, look
         rows, dim = self._poses.rows, self._poses.space.dim
-        self.offsets: Floats = np.zeros((rows, dim))
-        self.clearance: Floats = np.zeros(rows)
-        self.present: Flags = np.zeros(rows, dtype=np.bool_)
-
-    def lasting(self) -> Lasting:
-        """Return the gradients chosen last."""
-        return Lasting((self.offsets, self.clearance, self.present))
+        self.offsets = np.zeros((rows, dim))
+        self.clearance = np.zeros(rows)
+        self.present = np.zeros(rows, dtype=np.bool_)
 
     def _ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
@@ -121,15 +118,15 @@ class DecisionSource(Source):
     differs: (N,) whether value or state differ from those that the mechanism holds.
     """
 
+    values: Annotated[Floats, "N", KEPT]
+    states: Annotated[Ints, "N", KEPT]
+    differs: Annotated[Flags, "N", KEPT]
+
     def __init__(self, mechanism: DecisionMechanism) -> None:
         self.mechanism = mechanism
-        self.values: Floats = mechanism.values.copy()
-        self.states: Ints = mechanism.state_codes.copy()
-        self.differs: Flags = np.zeros(len(self.values), dtype=np.bool_)
-
-    def lasting(self) -> Lasting:
-        """Return the decisions made last."""
-        return Lasting((self.values, self.states, self.differs))
+        self.values = mechanism.values.copy()
+        self.states = mechanism.state_codes.copy()
+        self.differs = np.zeros(len(self.values), dtype=np.bool_)
 
     def _ask(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.decide(now, rows)

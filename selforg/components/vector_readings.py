@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Recording, Words
 from selforg.components.sources import MovementSource
@@ -16,13 +16,13 @@ from selforg.components.sources import MovementSource
 class ReadingTables(NamedTuple):
     """What `read_vectors` reads and writes, of N rows and C sensors."""
 
-    vectors: Annotated[Floats, "N D"]  # of the source [m/s]
-    active: Annotated[Flags, "N"]  # whether there is a vector
-    longest_absent: Annotated[Floats, "C"]  # of each sensor [m/s]
-    readings: Annotated[Floats, "N S"]  # of the network that has the sensors
-    columns: Annotated[Ints, "C"]  # column of each sensor in `readings`
-    other_readings: Annotated[Floats, "N T"]  # of a network that gets the readings too
-    other_columns: Annotated[Ints, "C"]
+    vectors: Annotated[Floats, "N D", READ]  # of the source [m/s]
+    active: Annotated[Flags, "N", READ]  # whether there is a vector
+    longest_absent: Annotated[Floats, "C", READ]  # of each sensor [m/s]
+    readings: Annotated[Floats, "N S", KEPT]  # of the network that has the sensors
+    columns: Annotated[Ints, "C", READ]  # column of each sensor in `readings`
+    other_readings: Annotated[Floats, "N T", KEPT]  # of a network that gets the readings too
+    other_columns: Annotated[Ints, "C", READ]
 
 
 READING_TABLES = Recording(ReadingTables)

@@ -7,15 +7,14 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.gradients.delivery import Delivery, Mail, address
+from selforg.gradients.contents import Contents
+from selforg.gradients.delivery import Delivery, address
 from selforg.gradients.gradient import Gradient, check_fields, check_gradient, check_position, require
-from selforg.gradients.names import Codes
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.rows import read_gradient, set_times, write_gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, store_rows
-from selforg.gradients.store.tables import Tables
+from selforg.gradients.store.storing import deposit_rows, evaporate_space, store_rows
 from selforg.space import Space
 
 MOST_STALE_PAYLOADS = 1024
@@ -23,7 +22,7 @@ MOST_IN_A_CALL = 1 << 16
 """Messages that are stored in one call: some tenths of a second, because compiled code does not hear of Ctrl-C."""
 
 
-class SoBuffer:
+class SoBuffer(Contents):
     """Static and moving gradients of all teams; a team sees only its own.
 
     Example:
@@ -37,19 +36,7 @@ class SoBuffer:
     def __init__(
         self, settings: BufferSettings, space: Space, poses: OwnPoses, delivery: Delivery | None = None
     ) -> None:
-        if space is not poses.space:
-            raise ValueError("SoBuffer: the poses live in another space object than the buffer")
-        self.settings = settings
-        self.space = space
-        self.poses = poses
-        self.delivery = delivery or Delivery()
-        self.shared = self.delivery.ideal  # rows of a team share one content
-        self.mail = Mail()
-        self.channels = Codes()
-        self.sources = Codes(poses.rows, poses.names)
-        self.keys = Codes()
-        self.payloads: dict[int, Mapping[str, Any]] = {}  # by serial number
-        self.table = Tables(settings, space, poses.team_count if self.shared else poses.rows, not self.shared)
+        super().__init__(settings, space, poses, delivery or Delivery())
         self.on_deposit: Callable[[Ints, Floats, Ints], None] | None = None  # is told who leaves what
 
     def __len__(self) -> int:
@@ -152,10 +139,6 @@ class SoBuffer:
         for messages, tags in self.mail.collect(now):
             self.store_tables(messages, tags, now)
 
-    def clear(self, team: int) -> None:
-        """Delete everything that one team has stored, and its messages under way."""
-        self._clear_spaces(self._spaces(team))
-
     def clear_rows(self, rows: Ints) -> None:
         """Delete what `rows` (R,) have stored, and messages under way to them; what a team shares stays."""
         if not self.shared:
@@ -173,12 +156,6 @@ class SoBuffer:
     def keeps(self, channel: str) -> bool:
         """Return whether gradients of `channel` are stored at all."""
         return self.settings.store_all or channel in self.settings.channels
-
-    def channel_code(self, channel: str) -> int:
-        """Return the number of `channel`, a new one if it was never used."""
-        if channel not in self.channels:
-            self.table.add_channel(self.settings.rule_of(channel))
-        return self.channels.code(channel)
 
     def source_code(self, source: int | str) -> int:
         """Return the number of `source`: a row is its own number, names are numbered after the rows."""
@@ -223,11 +200,6 @@ class SoBuffer:
             self.table.reserve(len(messages[part]))
             store_rows(messages[part], tags[part], float(now), self.table.packed.words)
 
-    def _clear_spaces(self, spaces: Ints) -> None:
-        for space in spaces.tolist():
-            clear_space(space, self.table.packed.words)
-        self.mail.forget(spaces)
-
     def _check_places(self, caller: str, positions: npt.ArrayLike) -> Floats:
         """Return `positions` as (M, D), or raise ValueError."""
         places = np.atleast_2d(np.asarray(positions, dtype=np.float64))
@@ -264,11 +236,6 @@ class SoBuffer:
         first = self.table.next_serial
         self.payloads.update((serial % c.SERIALS, payload) for serial in range(first, first + copies))
 
-    def _spaces(self, team: int) -> Ints:
-        """Return the information spaces of a team."""
-        self._check_teams(team)
-        return np.array([team]) if self.shared else self.poses.members(team)
-
     def _for_all(self, messages: Floats, tags: Ints) -> tuple[Floats, Ints]:
         """Return messages and tags, TAG_SPACE a team, once for every information space of that team."""
         if self.shared:
@@ -278,9 +245,3 @@ class SoBuffer:
         messages, tags = messages[copies], tags[copies]
         tags[:, c.TAG_SPACE] = np.concatenate(rows)
         return messages, tags
-
-    def _check_teams(self, teams: npt.ArrayLike) -> Ints:
-        codes: Ints = np.asarray(teams, dtype=np.int64)
-        if ((codes < 0) | (codes >= self.poses.team_count)).any():
-            raise ValueError(f"SoBuffer: teams must lie in 0..{self.poses.team_count - 1}, got {teams!r}")
-        return codes

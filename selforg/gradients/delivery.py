@@ -136,7 +136,7 @@ def find_receivers(
     found = 0
     for message in range(len(messages)):
         source = tags[message, c.TAG_SOURCE]
-        team = p.rows[source, c.ROW_TEAM]
+        team = p.teams[source]
         for index in range(p.first[team + 1] - p.first[team]):
             row = p.members[p.first[team] + index]
             dx = p.own[row, 0, c.X] - messages[message, c.X]

@@ -6,10 +6,11 @@ received before that. A row that looks at poses begins with the first of them.
 """
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
-from selforg.arrays import Floats
+from selforg.arrays import SCRATCH, Floats
 from selforg.compiler.decorators import kernel
 from selforg.compiler.records import Words
 from selforg.gradients.poses import OwnPoses
@@ -32,6 +33,8 @@ class PoseDelivery:
 
     """
 
+    _draws: Annotated[Floats, "N MEMBERS", SCRATCH]
+
     def __init__(
         self,
         poses: OwnPoses,
@@ -46,7 +49,7 @@ class PoseDelivery:
             raise ValueError(f"PoseDelivery: delay must lie in the history of {poses.history} poses, got {delay!r}")
         self.poses, self.delay = poses, delay
         self.reaches, self.losses, self.generators = reaches, losses, generators
-        self._draws: Floats = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
+        self._draws = np.zeros((poses.rows, (poses.row_table.shape[1] - c.ROW_HEARD) // 2))
 
     def deliver(self) -> None:
         """Deliver the pose of each row that arrives now to the other rows in range, unless it gets lost.

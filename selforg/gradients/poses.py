@@ -1,11 +1,12 @@
 """Own poses: every row's moving pose gradient, its own history, and who shares it with whom."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Words
 from selforg.elementary import sine_cosine
@@ -30,10 +31,15 @@ class OwnPoses:
     Attributes:
         own: (N, K, POSE_COLUMNS) float64, poses of each row, the newest first.
         row_table: (N, ROW_COLUMNS or more) int64.
+        teams: (N,) int64, team of each row; read only.
         radii: (N, 2) float64, diffusion and goal radius [m] of the poses that each row spreads; a host may change them.
         packed: all of them and more as compiled code takes them.
 
     """
+
+    _no_headings: Annotated[Floats, "N", READ]  # zero [rad]
+
+    space: Annotated[Space, READ]
 
     def __init__(
         self,
@@ -74,14 +80,15 @@ class OwnPoses:
         sizes = np.bincount(codes)
         heard = int(sizes.max()) if hearing else 0
         self.row_table: Ints = np.zeros((rows, c.ROW_COLUMNS + 2 * heard), dtype=np.int64)
-        self.row_table[:, c.ROW_TEAM] = codes
         self.row_table[:, c.ROW_COLUMNS :] = -1
-        self._no_headings: Floats = np.zeros(rows)
+        self.teams = codes.copy()
+        self._no_headings = np.zeros(rows)
         self.radii: Floats = np.tile([diffusion, goal_radius], (rows, 1))
         self.packed = POSES.pack(
             Poses(
                 own=self.own,
                 rows=self.row_table,
+                teams=self.teams,
                 first=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
                 members=np.argsort(codes, kind="stable").astype(np.int64),
                 reach=np.zeros(self.team_count),
@@ -171,12 +178,6 @@ class OwnPoses:
     def deafen(self, rows: Ints, deaf: Flags) -> None:
         """Say which of `rows` (R,) are `deaf` (R,): they store nothing that others spread."""
         self.row_table[rows, c.ROW_DEAF] = deaf
-
-    @property
-    def teams(self) -> Ints:
-        """Team of each row, (N,) int64, read only."""
-        teams: Ints = self.row_table[:, c.ROW_TEAM]
-        return teams
 
     def members(self, team: int) -> Ints:
         """Return the rows of a team, in their order."""

@@ -7,12 +7,12 @@ that deposits gradients does so in `deposit`, called after all movements of the 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, ClassVar, Unpack, final
+from typing import Annotated, Any, ClassVar, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair_room import PairRoom
@@ -50,10 +50,6 @@ class Mechanism(ABC):  # noqa: B024  (each kind of mechanism has an abstract met
     example: ClassVar[Mapping[str, Any]] = {}
     """Keyword arguments with which the contract tests build the class."""
 
-    def lasting(self) -> Lasting:
-        """Return what the mechanism remembers of each row, for states of worlds; most remember nothing."""
-        return Lasting()
-
 
 class MovementMechanism(Mechanism):
     """Blueprint of a mechanism that says in which direction to move, how fast, and whether there is a reason to.
@@ -66,6 +62,10 @@ class MovementMechanism(Mechanism):
 
     """
 
+    _all_rows: Annotated[Ints, "N", READ]
+    _vectors: Annotated[Floats, "N D", SCRATCH]
+    _active: Annotated[Flags, "N", SCRATCH]
+
     def __init__(
         self, buffer: SoBuffer | OwnPoses, *, directions: DirectionStream | None = None, **options: Unpack[LookOptions]
     ) -> None:
@@ -76,9 +76,9 @@ class MovementMechanism(Mechanism):
             raise ValueError(
                 f"{type(self).__name__}: directions must have {rows} rows, got {len(self.directions.cursor)}"
             )
-        self._all_rows: Ints = np.arange(rows, dtype=np.int64)
-        self._vectors: Floats = np.zeros((rows, dim))
-        self._active: Flags = np.zeros(rows, dtype=np.bool_)
+        self._all_rows = np.arange(rows, dtype=np.int64)
+        self._vectors = np.zeros((rows, dim))
+        self._active = np.zeros(rows, dtype=np.bool_)
 
     @final
     def move(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> tuple[Floats, Flags]:

@@ -2,12 +2,12 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Unpack, final
+from typing import Annotated, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Flags, Floats, Ints, Lasting
+from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms.base import Mechanism
 from selforg.mechanisms.options import LookOptions
@@ -38,6 +38,11 @@ class DecisionMechanism(Mechanism):
 
     states: tuple[str, ...] = ("None",)
 
+    values: Annotated[Floats, "N", KEPT]
+    state_codes: Annotated[Ints, "N", KEPT]
+    _first_values: Annotated[Floats, "N", READ]
+    _all_rows: Annotated[Ints, "N", READ]
+
     def __init__(
         self,
         buffer: SoBuffer,
@@ -52,13 +57,13 @@ class DecisionMechanism(Mechanism):
         state = self.states[0] if state is None else state
         if state not in self.states:
             raise ValueError(f"{type(self).__name__}: state must be one of {', '.join(self.states)}, got {state!r}")
-        self.values: Floats = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (rows,)))
+        self.values = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (rows,)))
         if not np.isfinite(self.values).all():
             raise ValueError(f"{type(self).__name__}: value must be finite, got {value!r}")
-        self.state_codes: Ints = np.full(rows, self.states.index(state), dtype=np.int64)
+        self.state_codes = np.full(rows, self.states.index(state), dtype=np.int64)
         self._first_values, self._first_state = self.values.copy(), self.states.index(state)
         self._spreader = Spreader(self.buffer, carried) if carried else None
-        self._all_rows: Ints = np.arange(rows, dtype=np.int64)
+        self._all_rows = np.arange(rows, dtype=np.int64)
 
     @final
     def decide(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> Decision:
@@ -85,10 +90,6 @@ class DecisionMechanism(Mechanism):
         """Give `rows` (R,) their first value and state back."""
         chosen = np.asarray(rows, dtype=np.int64)
         self.values[chosen], self.state_codes[chosen] = self._first_values[chosen], self._first_state
-
-    def lasting(self) -> Lasting:
-        """Return what the rows have decided."""
-        return Lasting((self.values, self.state_codes))
 
     def state_names(self, decision: Decision) -> list[str]:
         """Return the names of the decided states, (R,)."""

@@ -1,12 +1,12 @@
 """Mechanisms that deposit: they leave a static gradient at the own pose while they move by another rule."""
 
 from dataclasses import dataclass
-from typing import Unpack, final
+from typing import Annotated, Unpack, final
 
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import READ, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.store import columns as c
@@ -37,14 +37,17 @@ class Pheromone:
 class DepositingMechanism(RuleMechanism):
     """A movement mechanism that also deposits: call `deposit` after `move`, which must not see it in the same tick."""
 
+    _message: Annotated[Floats, "MESSAGE", READ]
+    _tag: Annotated[Ints, "TAG", READ]
+
     def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
         super().__init__(buffer, **options)
         self.pheromone = pheromone
-        self._message: Floats = np.zeros(c.MESSAGE_COLUMNS)
+        self._message = np.zeros(c.MESSAGE_COLUMNS)
         self._message[c.DIFFUSION] = pheromone.diffusion
         self._message[c.MESSAGE_FAR + c.FAR_FACTOR] = pheromone.evaporation_factor
         self._message[c.MESSAGE_FAR + c.FAR_PERIOD] = pheromone.evaporation_period
-        self._tag: Ints = np.zeros(c.TAG_COLUMNS, dtype=np.int64)
+        self._tag = np.zeros(c.TAG_COLUMNS, dtype=np.int64)
         self._tag[c.TAG_CHANNEL] = self.buffer.channel_code(pheromone.channel)
         self._tag[c.TAG_SIGN] = pheromone.attraction
         self._tag[c.TAG_KEY] = -1

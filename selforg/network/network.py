@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Annotated
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints, Lasting
+from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Words
 from selforg.network.model.model import NetworkModel
@@ -30,6 +31,13 @@ class BehaviourNetwork:
     `explained` network also notes why each behaviour runs or does not (`recording`, `explanation`).
     """
 
+    model: Annotated[NetworkModel, READ]
+    planner: Annotated[Planner | None, READ]
+    _memory: Annotated[PlanMemory, READ]
+    _all: Annotated[Ints, "R", READ]
+    _none: Annotated[Ints, "0", READ]
+    _runs: Annotated[Ints, "B 2 R", SCRATCH]
+
     def __init__(self, model: NetworkModel, rows: int, planner: Planner | None = None, explained: bool = False) -> None:
         self.model = model
         self.rows = rows
@@ -40,7 +48,7 @@ class BehaviourNetwork:
         self.plans = PlanState(rows, len(model.sensors), planner is not None, self._memory.key_words)
         self._scratch = scratch_for(arrays)
         self._all, self._none = np.arange(rows), np.zeros(0, dtype=np.int64)
-        self._runs: Ints = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
+        self._runs = np.zeros((len(model.behaviours), 2, rows), dtype=np.int64)
         self.reset()
 
     @property
@@ -87,11 +95,6 @@ class BehaviourNetwork:
         chosen = self._all if rows is None else rows
         self.restart(chosen)
         self.readings[chosen] = 0.0
-
-    def lasting(self) -> Lasting:
-        """Return states and plans."""
-        fields = (*self.state.packed.record, *self.plans.packed.record)
-        return Lasting(tuple(field for field in fields if isinstance(field, np.ndarray)))
 
     def restart(self, rows: Ints) -> None:
         """Return to the first step in `rows` (K,), with the readings that they have."""

@@ -23,7 +23,7 @@ KINDS = {
     "avoidance": {"mission": mission(garbage={"count": 2}, time_limit=20.0)},
     "events": {"family": "shifting"},
     "own contents": {"mission": MISSIONS["own contents"]},
-    "goal": {"goal": "MaxValue"},
+    "task": {"mission": {"task": "MaxValue"}},
 }
 
 

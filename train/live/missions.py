@@ -170,7 +170,7 @@ class MissionSession(Session):
 
     def facts(self) -> dict[str, Any]:
         """Return strategy and loss."""
-        loss = self.worlds.minds.reception.of_worlds()[1][0]
+        loss = self.worlds.minds.reception.losses[0]
         return {"strategy": self.strategy.partition(DIGEST)[0], "loss": float(loss)}
 
     def present(self) -> bytes:

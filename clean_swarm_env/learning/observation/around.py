@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Recording
 from selforg.elementary import sine_cosine
@@ -21,28 +21,28 @@ class Around(NamedTuple):
     """Arrays of the worlds, settings, and arrays that are filled for every observation. Terms only read them."""
 
     robots: int  # N
-    extent: Annotated[Floats, "2"]  # of the torus [m]
-    positions: Annotated[Floats, "R 2"]  # of the robots [m]
-    headings: Annotated[Floats, "R"]  # [rad]
-    bodies: Annotated[Floats, "R 4"]  # see `Physics.bodies`
-    present: Annotated[Flags, "R"]  # whether there is a robot in the row
-    speed: Annotated[Floats, "R"]  # of the drive [m/s]
-    turn_rate: Annotated[Floats, "R"]  # of the drive [rad/s]
-    cargo: Annotated[Ints, "R"]  # item that the robot carries, NOTHING without one
-    recycled: Annotated[Ints, "R"]  # 1 where the cargo has been recycled
-    items: Annotated[Floats, "W M 2"]  # places of the items [m]
-    stage: Annotated[Ints, "W M"]  # LYING, CARRIED, DONE or ABSENT
-    done: Annotated[Ints, "W"]  # items dumped
-    arrived: Annotated[Ints, "W"]  # items that have come into the world
-    stations: Annotated[Floats, "W L 2"]  # [m]
-    station_kinds: Annotated[Ints, "L"]  # RECYCLING or DUMP
-    readings: Annotated[Floats, "R S"]  # of the robots' network
-    marks: Annotated[Ints, "R LAYERS B"]  # of the robots' network, see `network.state`
-    limits: Annotated[Ints, "W"]  # ticks after which each mission is over
-    idle: Annotated[Ints, "R"]  # ticks since the robot last picked, recycled or dumped something
+    extent: Annotated[Floats, "2", READ]  # of the torus [m]
+    positions: Annotated[Floats, "R 2", READ]  # of the robots [m]
+    headings: Annotated[Floats, "R", READ]  # [rad]
+    bodies: Annotated[Floats, "R 4", READ]  # see `Physics.bodies`
+    present: Annotated[Flags, "R", READ]  # whether there is a robot in the row
+    speed: Annotated[Floats, "R", READ]  # of the drive [m/s]
+    turn_rate: Annotated[Floats, "R", READ]  # of the drive [rad/s]
+    cargo: Annotated[Ints, "R", READ]  # item that the robot carries, NOTHING without one
+    recycled: Annotated[Ints, "R", READ]  # 1 where the cargo has been recycled
+    items: Annotated[Floats, "W M 2", READ]  # places of the items [m]
+    stage: Annotated[Ints, "W M", READ]  # LYING, CARRIED, DONE or ABSENT
+    done: Annotated[Ints, "W", READ]  # items dumped
+    arrived: Annotated[Ints, "W", READ]  # items that have come into the world
+    stations: Annotated[Floats, "W L 2", READ]  # [m]
+    station_kinds: Annotated[Ints, "L", READ]  # RECYCLING or DUMP
+    readings: Annotated[Floats, "R S", READ]  # of the robots' network
+    marks: Annotated[Ints, "R LAYERS B", READ]  # of the robots' network, see `network.state`
+    limits: Annotated[Ints, "W", READ]  # ticks after which each mission is over
+    idle: Annotated[Ints, "R", READ]  # ticks since the robot last picked, recycled or dumped something
     # settings
-    first_options: Annotated[Ints, "C"]  # number of options of the goals before each goal
-    ranges: Annotated[Floats, "K"]  # neighbour ranges, growing [m]
+    first_options: Annotated[Ints, "C", READ]  # number of options of the goals before each goal
+    ranges: Annotated[Floats, "K", READ]  # neighbour ranges, growing [m]
     sight: float  # distance within which an item is seen [m]
     longest: float  # half the diagonal of the torus [m]
     station_range: float  # distance to a station within which a robot is near it [m]
@@ -55,21 +55,21 @@ class Around(NamedTuple):
     avoidance: int  # column of the sensor of the avoidance vector's length, -1 without one
     avoiding: int  # number of the behaviour that avoids others, -1 without one
     # filled for every observation
-    ticks: Annotated[Ints, "W"]  # since the reset of each world
-    held: Annotated[Ints, "C R"]  # option that serves each goal
-    team: Annotated[Ints, "W"]  # number of robots present
-    item: Annotated[Ints, "R"]  # nearest item in sight, -1 without one
-    phases: Annotated[Ints, "R"]  # numbers of `PHASES`
-    station_distances: Annotated[Floats, "R 2"]  # to the nearest recycling station and dump [m]
-    station_ways: Annotated[Floats, "R 2 3"]  # the ways to them, see `write_way`, by `longest`
+    ticks: Annotated[Ints, "W", READ]  # since the reset of each world
+    held: Annotated[Ints, "C R", SCRATCH]  # option that serves each goal
+    team: Annotated[Ints, "W", SCRATCH]  # number of robots present
+    item: Annotated[Ints, "R", SCRATCH]  # nearest item in sight, -1 without one
+    phases: Annotated[Ints, "R", SCRATCH]  # numbers of `PHASES`
+    station_distances: Annotated[Floats, "R 2", SCRATCH]  # to the nearest recycling station and dump [m]
+    station_ways: Annotated[Floats, "R 2 3", SCRATCH]  # the ways to them, see `write_way`, by `longest`
     # as the robot has heard: see `selforg.mechanisms.kernels.others`
-    neighbour: Annotated[Ints, "R"]  # row of the nearest other robot within the largest range, -1 without one
-    heard: Annotated[Floats, "R OTHER"]  # what is known of it; its velocity is relative to that of the row
-    within: Annotated[Ints, "R K"]  # number of other robots within each range
+    neighbour: Annotated[Ints, "R", SCRATCH]  # row of the nearest other robot within the largest range, -1 without one
+    heard: Annotated[Floats, "R OTHER", SCRATCH]  # what is known of it; its velocity is relative to that of the row
+    within: Annotated[Ints, "R K", SCRATCH]  # number of other robots within each range
     # as it is
-    true_neighbour: Annotated[Ints, "R"]
-    true_within: Annotated[Ints, "R K"]
-    true_carriers: Annotated[Ints, "R"]  # number of other robots with cargo within the largest range
+    true_neighbour: Annotated[Ints, "R", SCRATCH]
+    true_within: Annotated[Ints, "R K", SCRATCH]
+    true_carriers: Annotated[Ints, "R", SCRATCH]  # number of other robots with cargo within the largest range
 
 
 AROUND_RECORD = Recording(Around)

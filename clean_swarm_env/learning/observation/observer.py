@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import accumulate
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Observed, Term
 from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
-from selforg.arrays import Floats, Ints
+from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
 from selforg.mechanisms.kernels.others import OTHER_COLUMNS
@@ -34,6 +35,13 @@ class Observer:
 
     """
 
+    bounds: Annotated[Observations, "F", READ]
+    _weights: Annotated[Observations, "F", READ]
+    _rows: Annotated[Ints, "R", SCRATCH]
+    _seen: Annotated[Floats, "R F", SCRATCH]
+    _all: Annotated[Ints, "W", READ]
+    _first: Annotated[Ints, "TERMS", READ]  # first component of each compiled term, -1: not chosen
+
     def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = config or ObservationConfig()
         self._worlds = worlds
@@ -43,13 +51,13 @@ class Observer:
         self.names = tuple(name for term in terms for name in term.components)
         self.width = len(self.names)
         sizes = [len(term.components) for term in terms]
-        self._weights: Observations = np.repeat([np.float32(term.weight) for term in self.config.terms], sizes)
-        self.bounds: Observations = np.abs(self._weights)
+        self._weights = np.repeat([np.float32(term.weight) for term in self.config.terms], sizes)
+        self.bounds = np.abs(self._weights)
         self.phases = self._around.record.phases
-        self._rows: Ints = np.zeros(worlds.rows, dtype=np.int64)
-        self._seen: Floats = np.zeros((worlds.rows, self.width))
+        self._rows = np.zeros(worlds.rows, dtype=np.int64)
+        self._seen = np.zeros((worlds.rows, self.width))
         self._all = np.arange(worlds.worlds)
-        self._first: Ints = np.full(len(COMPILED_TERMS), -1)  # first component of each compiled term, -1: not chosen
+        self._first = np.full(len(COMPILED_TERMS), -1)  # first component of each compiled term, -1: not chosen
         self._own: list[tuple[Term, slice]] = []  # terms of the user's own, and their components
         for term, first, last in zip(terms, accumulate(sizes, initial=0), accumulate(sizes), strict=False):
             if isinstance(term, CompiledTerm):

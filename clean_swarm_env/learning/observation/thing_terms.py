@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
-from clean_swarm_env.world.task import Thing
+from clean_swarm_env.world.task import Things
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 
@@ -96,7 +96,7 @@ def parts_of(name: str, values: Floats) -> Sequence[str]:
     return (name,) if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])]
 
 
-def kinds_of(things: Sequence[Thing]) -> Sequence[str]:
+def kinds_of(things: Sequence[Things]) -> Sequence[str]:
     """Return the names of kinds of things: their channels, with `_repulsive` where one is there twice."""
     names: list[str] = []
     for thing in things:

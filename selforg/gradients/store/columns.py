@@ -83,12 +83,11 @@ POSE_SIGN = 9  # attraction: +1, 0, -1
 POSE_COLUMNS = 10
 
 # Rows, int64 (N, ROW_COLUMNS or more)
-ROW_TEAM = 0  # team of the row
-ROW_POSES = 1  # number of poses known
-ROW_SILENT = 2  # 1 if the row spreads none
-ROW_DEAF = 3  # 1 if the row stores nothing that others spread
-ROW_COLUMNS = 4
-ROW_HEARD = 4  # from here on, if rows hear each other: age of the last pose received from each of the team, -1: none;
+ROW_POSES = 0  # number of poses known
+ROW_SILENT = 1  # 1 if the row spreads none
+ROW_DEAF = 2  # 1 if the row stores nothing that others spread
+ROW_COLUMNS = 3
+ROW_HEARD = 3  # from here on, if rows hear each other: age of the last pose received from each of the team, -1: none;
 # after these, in the same order, the age of the one received before it
 
 # Pairs, float64 (P, PAIR_COLUMNS): what a row sees of one gradient

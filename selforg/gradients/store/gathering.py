@@ -55,7 +55,7 @@ def gather(look: Look, sight: Words[Sight], poses: Words[Poses], store: Words[St
     if s.counters[c.COUNTER_USED] == 0:
         return found
     radius = max(look.margins[0], look.margins[1], look.margins[2])
-    space = space_of(look.row, open_poses(poses).rows, store)
+    space = space_of(look.row, open_poses(poses).teams, store)
     for index in range(1, len(channels)):
         first = first_layer(int(channels[index]), space, store)
         for level in range(c.LEVELS):
@@ -154,7 +154,7 @@ def index_poses(poses: Words[Poses]) -> None:
         return
     p.buckets[:] = -1
     for row in range(len(p.rows) - 1, -1, -1):  # backwards: a bucket then lists its rows in their order
-        team = int(p.rows[row, c.ROW_TEAM])
+        team = int(p.teams[row])
         if p.rows[row, c.ROW_POSES] == 0 or p.first[team + 1] - p.first[team] <= CROWD:
             continue
         cell = cell_of(p.own[row, 0, c.X], p.own[row, 0, c.Y], p.own[row, 0, c.Z], p.cells, 0)
@@ -169,7 +169,7 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
     """Gather the shared poses of the other rows of the team: the newest, or all that are remembered."""
     p, window, pairs = open_poses(poses), open_store(store).window, open_sight(sight).pairs
     row, history = look.row, look.see_bits & c.SEE_HISTORY
-    team = int(p.rows[row, c.ROW_TEAM])
+    team = int(p.teams[row])
     begin, end = int(p.first[team]), int(p.first[team + 1])
     ex, ey, ez = p.extent[0], p.extent[1], p.extent[2]
     half_x, half_y, half_z = half_of(ex), half_of(ey), half_of(ez)
@@ -183,7 +183,7 @@ def gather_poses(look: Look, sight: Words[Sight], poses: Words[Poses], store: Wo
         other = int(p.members[begin + index]) if cells < 0 else p.buckets[bucket_of(team, cell, p.buckets)]
         while other >= 0 and found < look.limit:
             here, other = other, (-1 if cells < 0 else p.links[other, 0])
-            if here == row or (cells >= 0 and (p.links[here, 1] != cell or p.rows[here, c.ROW_TEAM] != team)):
+            if here == row or (cells >= 0 and (p.links[here, 1] != cell or p.teams[here] != team)):
                 continue
             newest = int(p.rows[row, c.ROW_HEARD + index]) if hearing else 0
             if newest < 0:

@@ -50,9 +50,9 @@ def first_layer(channel: int, space: int, store: Words[Store]) -> int:
 
 
 @part
-def space_of(row: int, rows: Ints, store: Words[Store]) -> int:
+def space_of(row: int, teams: Ints, store: Words[Store]) -> int:
     """Return the information space that `row` reads: its own, or its team's under ideal delivery."""
-    return row if open_store(store).per_row else int(rows[row, c.ROW_TEAM])
+    return row if open_store(store).per_row else int(teams[row])
 
 
 @part

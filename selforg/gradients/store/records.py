@@ -6,8 +6,9 @@ buckets (a power of two), P pairs, L levels.
 
 from typing import Annotated, NamedTuple
 
-from selforg.arrays import Floats, Ints, Links
+from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Links, clocked
 from selforg.compiler.records import Recording
+from selforg.gradients.store.columns import POSE_STAMP
 
 MOST_CANDIDATES = 512  # gradients that are looked at together
 
@@ -18,16 +19,17 @@ Margins = tuple[float, float, float]
 class Poses(NamedTuple):
     """The poses that rows share, and cells by which those of large teams are found."""
 
-    own: Annotated[Floats, "N K POSE"]  # poses of each row, the newest first; columns POSE_
-    rows: Annotated[Ints, "N ROW"]  # columns ROW_
-    first: Annotated[Ints, "T+1"]  # where each team begins in `members`
-    members: Annotated[Ints, "N"]  # rows, team by team
-    reach: Annotated[Floats, "T"]  # largest reach of a pose in each team [m]
-    extent: Annotated[Floats, "3"]  # of the space [m], 0 for an open axis
-    cells: Annotated[Floats, "1 CELL"]  # one grid for all teams; columns of `selforg.grid`
-    buckets: Annotated[Links, "B"]  # first row in each bucket, -1 for none
-    links: Annotated[Links, "N 2"]  # next row in the bucket, -1 for none; cell of the row
-    radii: Annotated[Floats, "N 2"]  # diffusion and goal radius of the poses that rows spread from now on [m]
+    own: Annotated[Floats, "N K POSE", clocked(POSE_STAMP)]  # poses of each row, the newest first; columns POSE_
+    rows: Annotated[Ints, "N ROW", KEPT]  # columns ROW_
+    teams: Annotated[Ints, "N", READ]  # of each row
+    first: Annotated[Ints, "T+1", READ]  # where each team begins in `members`
+    members: Annotated[Ints, "N", READ]  # rows, team by team
+    reach: Annotated[Floats, "T", SCRATCH]  # largest reach of a pose in each team [m]
+    extent: Annotated[Floats, "3", READ]  # of the space [m], 0 for an open axis
+    cells: Annotated[Floats, "1 CELL", SCRATCH]  # one grid for all teams; columns of `selforg.grid`
+    buckets: Annotated[Links, "B", SCRATCH]  # first row in each bucket, -1 for none
+    links: Annotated[Links, "N 2", SCRATCH]  # next row in the bucket, -1 for none; cell of the row
+    radii: Annotated[Floats, "N 2", KEPT]  # diffusion and goal radius of the poses that rows spread from now on [m]
     attraction: float  # of these, -1, 0 or +1
     history: int  # poses remembered of each row
 
@@ -35,25 +37,25 @@ class Poses(NamedTuple):
 class Store(NamedTuple):
     """The gradients of a buffer, and memory for what searches find."""
 
-    near: Annotated[Floats, "M NEAR"]  # columns X .. GOAL_RADIUS and NEAR_
-    links: Annotated[Links, "M LINK"]  # columns LINK_
-    far: Annotated[Floats, "M FAR"]  # columns FAR_
-    marks: Annotated[Links, "M MARK"]  # columns MARK_
-    layers: Annotated[Links, "C*S*L LAYER"]  # columns LAYER_
-    buckets: Annotated[Links, "B"]  # first slot in each bucket of cells, -1 for none
-    rules: Annotated[Ints, "C"]  # aggregation rule of each channel, AGGREGATE_
-    bounds: Annotated[Floats, "L"]  # largest reach in each level [m]
-    cells: Annotated[Floats, "L CELL"]  # grid of each level; columns of `selforg.grid`
-    counters: Annotated[Ints, "COUNTERS"]  # entries COUNTER_
-    extent: Annotated[Floats, "3"]  # of the space [m], 0 for an open axis
-    window: Annotated[Ints, "MOST_CELLS"]  # room for the cells around a place
-    candidates: Annotated[Ints, "MOST_CANDIDATES"]  # room for the slots that lie there
-    chosen: Annotated[Ints, "MOST_CANDIDATES"]  # room for the indices of some candidates
-    offsets_x: Annotated[Floats, "MOST_CANDIDATES"]  # room for the offset to each candidate [m]
-    offsets_y: Annotated[Floats, "MOST_CANDIDATES"]
-    offsets_z: Annotated[Floats, "MOST_CANDIDATES"]
-    reaches: Annotated[Floats, "MOST_CANDIDATES"]  # room for how far each candidate is seen [m]
-    distances: Annotated[Floats, "MOST_CANDIDATES"]  # room for the distance of each candidate [m]
+    near: Annotated[Floats, "M NEAR", KEPT]  # columns X .. GOAL_RADIUS and NEAR_
+    links: Annotated[Links, "M LINK", KEPT]  # columns LINK_
+    far: Annotated[Floats, "M FAR", KEPT]  # columns FAR_
+    marks: Annotated[Links, "M MARK", KEPT]  # columns MARK_
+    layers: Annotated[Links, "C*S*L LAYER", KEPT]  # columns LAYER_
+    buckets: Annotated[Links, "B", KEPT]  # first slot in each bucket of cells, -1 for none
+    rules: Annotated[Ints, "C", KEPT]  # aggregation rule of each channel, AGGREGATE_
+    bounds: Annotated[Floats, "L", KEPT]  # largest reach in each level [m]
+    cells: Annotated[Floats, "L CELL", KEPT]  # grid of each level; columns of `selforg.grid`
+    counters: Annotated[Ints, "COUNTERS", KEPT]  # entries COUNTER_
+    extent: Annotated[Floats, "3", READ]  # of the space [m], 0 for an open axis
+    window: Annotated[Ints, "MOST_CELLS", SCRATCH]  # room for the cells around a place
+    candidates: Annotated[Ints, "MOST_CANDIDATES", SCRATCH]  # room for the slots that lie there
+    chosen: Annotated[Ints, "MOST_CANDIDATES", SCRATCH]  # room for the indices of some candidates
+    offsets_x: Annotated[Floats, "MOST_CANDIDATES", SCRATCH]  # room for the offset to each candidate [m]
+    offsets_y: Annotated[Floats, "MOST_CANDIDATES", SCRATCH]
+    offsets_z: Annotated[Floats, "MOST_CANDIDATES", SCRATCH]
+    reaches: Annotated[Floats, "MOST_CANDIDATES", SCRATCH]  # room for how far each candidate is seen [m]
+    distances: Annotated[Floats, "MOST_CANDIDATES", SCRATCH]  # room for the distance of each candidate [m]
     spaces: int  # S: information spaces, of a team or of a row each
     per_row: int  # 1 if every row has a space of its own
     aggregation_distance: float  # static gradients closer than this aggregate [m]
@@ -65,8 +67,8 @@ class Store(NamedTuple):
 class Sight(NamedTuple):
     """The channels at which rows look, and room for what they see there."""
 
-    channels: Annotated[Ints, "C+1"]  # first 1 if the shared poses are looked at, then codes of channels
-    pairs: Annotated[Floats, "P PAIR"]  # columns PAIR_
+    channels: Annotated[Ints, "C+1", READ]  # first 1 if the shared poses are looked at, then codes of channels
+    pairs: Annotated[Floats, "P PAIR", SCRATCH]  # columns PAIR_
 
 
 class Look(NamedTuple):

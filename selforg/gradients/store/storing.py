@@ -40,7 +40,7 @@ def deposit_rows(rows: Ints, message: Floats, tag: Ints, now: float, poses: Word
         for axis in range(3):
             message[c.X + axis] = p.own[row, 0, c.X + axis]
         message[c.MESSAGE_FAR + c.FAR_STAMP] = message[c.MESSAGE_FAR + c.FAR_CLOCK] = now
-        tag[c.TAG_SPACE], tag[c.TAG_SOURCE] = space_of(row, p.rows, store), row
+        tag[c.TAG_SPACE], tag[c.TAG_SOURCE] = space_of(row, p.teams, store), row
         store_one(message, tag, now, store)
     return True
 

@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
 from selforg.compiler.records import Recording, Words
@@ -23,9 +23,9 @@ SAME_GOAL = 1e-6
 class Approaching(NamedTuple):
     """The parameters of `ApproachLeastBusy`, what rows remember, and room for the others of one row."""
 
-    others: Annotated[Floats, "N OTHER"]  # columns OTHER_
-    places: Annotated[Floats, "N 2"]  # of the goal that each row chose last [m]
-    times: Annotated[Floats, "N TIME"]  # columns CHOSEN_AT and WAITING_SINCE [s], -inf: never
+    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
+    places: Annotated[Floats, "N 2", KEPT]  # of the goal that each row chose last [m]
+    times: Annotated[Floats, "N TIME", CLOCKED]  # columns CHOSEN_AT and WAITING_SINCE [s], -inf: never
     view_distance: float  # from here on: see `ApproachLeastBusy`
     weight: float
     crowd: float

@@ -2,7 +2,7 @@
 
 from typing import Annotated, NamedTuple
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
@@ -20,10 +20,10 @@ class DecisionRule(NamedTuple):
     view_distance: float  # [m]
     threshold: float  # of a quorum: number of neighbours
     key: int  # code of the payload entry that is compared
-    before: Annotated[Floats, "N"]  # values up to now
-    values: Annotated[Floats, "N"]  # room for values
-    states: Annotated[Ints, "N"]  # room for states; they come in as they are up to now
-    decided: Annotated[Flags, "N"]  # room for whether there is a decision
+    before: Annotated[Floats, "N", READ]  # values up to now
+    values: Annotated[Floats, "N", SCRATCH]  # room for values
+    states: Annotated[Ints, "N", SCRATCH]  # room for states; they come in as they are up to now
+    decided: Annotated[Flags, "N", SCRATCH]  # room for whether there is a decision
 
 
 DECISION_RULE = Recording(DecisionRule)

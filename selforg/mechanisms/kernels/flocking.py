@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import kernel, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
@@ -38,11 +38,11 @@ class Flock(NamedTuple):
     b: float
     h: float  # where the bump begins to fall
     max_acceleration: float  # [m/s2]
-    directions: Annotated[Floats, "N BLOCK 3"]  # unit vectors drawn ahead
-    cursor: Annotated[Ints, "N"]  # next direction of each row
-    low: Annotated[Flags, "1"]  # set when a row has used half of its directions
-    boids: Annotated[Floats, "P BOID"]  # room for as many boids as pairs; columns BOID_
-    total: Annotated[Floats, "3"]  # room for a sum
+    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
+    boids: Annotated[Floats, "P BOID", SCRATCH]  # room for as many boids as pairs; columns BOID_
+    total: Annotated[Floats, "3", SCRATCH]  # room for a sum
 
 
 FLOCK = Recording(Flock)

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Recording, Words
@@ -34,13 +34,15 @@ OFF_WISH, OF_SPEED, AHEAD, ASIDE = 0, 1, 2, 3  # columns of `Foresight.candidate
 class Foresight(NamedTuple):
     """The parameters of `PredictiveSteering`, what rows remember, and room for the others of one row."""
 
-    candidates: Annotated[Floats, "K 4"]  # direction beside the wanted one [rad], share of its speed; cosine and sine
-    others: Annotated[Floats, "N OTHER"]  # columns OTHER_
-    places: Annotated[Floats, "N PLACE"]  # where each row was when it last got on; columns PLACE_
-    times: Annotated[Floats, "N TIME"]  # columns SINCE and DARING_UNTIL [s]
-    directions: Annotated[Floats, "N BLOCK 3"]  # unit vectors drawn ahead
-    cursor: Annotated[Ints, "N"]  # next direction of each row
-    low: Annotated[Flags, "1"]  # set when a row has used half of its directions
+    candidates: Annotated[
+        Floats, "K 4", READ
+    ]  # direction beside the wanted one [rad], share of its speed; cosine and sine
+    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
+    places: Annotated[Floats, "N PLACE", KEPT]  # where each row was when it last got on; columns PLACE_
+    times: Annotated[Floats, "N TIME", CLOCKED]  # columns SINCE and DARING_UNTIL [s]
+    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
     view_distance: float  # from here on: see `PredictiveSteering`
     distance: float
     margin: float

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import kernel, lean_kernel, part
 from selforg.compiler.records import Recording, Words
@@ -33,10 +33,10 @@ NEARLY = 1e-9
 class HalfPlanes(NamedTuple):
     """The parameters of `Orca`, and room for the others and the half-planes of one row."""
 
-    others: Annotated[Floats, "N OTHER"]  # columns OTHER_
-    lines: Annotated[Floats, "N LINE"]  # columns POINT_ and NORMAL_
-    projected: Annotated[Floats, "N LINE"]  # the half-planes of the three-dimensional program
-    found: Annotated[Floats, "2"]  # the velocity found [m/s]
+    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
+    lines: Annotated[Floats, "N LINE", SCRATCH]  # columns POINT_ and NORMAL_
+    projected: Annotated[Floats, "N LINE", SCRATCH]  # the half-planes of the three-dimensional program
+    found: Annotated[Floats, "2", SCRATCH]  # the velocity found [m/s]
     view_distance: float  # from here on: see `Orca`
     distance: float
     horizon: float

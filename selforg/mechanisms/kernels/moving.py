@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Recording, Words
 from selforg.gradients.store import columns as c
@@ -27,8 +27,8 @@ VIEW_DISTANCE = 2
 class Movements(NamedTuple):
     """The arrays to which a mechanism writes its answers."""
 
-    vectors: Annotated[Floats, "K D"]  # [m/s], zero without a movement
-    active: Annotated[Flags, "K"]  # whether there is a movement
+    vectors: Annotated[Floats, "K D", SCRATCH]  # [m/s], zero without a movement
+    active: Annotated[Flags, "K", SCRATCH]  # whether there is a movement
 
 
 class Steering(NamedTuple):
@@ -52,10 +52,10 @@ class Steering(NamedTuple):
     max_speed: float  # [m/s]
     angle_xy: float  # view angle to either side of the heading in the x-y plane [rad]
     angle_yz: float  # likewise in the y-z plane
-    directions: Annotated[Floats, "N BLOCK 3"]  # unit vectors drawn ahead
-    cursor: Annotated[Ints, "N"]  # next direction of each row
-    low: Annotated[Flags, "1"]  # set when a row has used half of its directions
-    total: Annotated[Floats, "3"]  # room for a sum
+    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
+    total: Annotated[Floats, "3", SCRATCH]  # room for a sum
 
 
 MOVEMENTS, STEERING = Recording(Movements), Recording(Steering)

@@ -37,7 +37,7 @@ def note_others(row: int, now: float, view: float, others: Floats, poses: Words[
     What never reached the row, or is forgotten, is not known to it.
     """
     p = open_poses(poses)
-    team = p.rows[row, c.ROW_TEAM]
+    team = p.teams[row]
     begin, members = p.first[team], p.first[team + 1] - p.first[team]
     hearing, room = p.rows.shape[1] > c.ROW_HEARD, (p.rows.shape[1] - c.ROW_HEARD) // 2
     x, y, count = p.own[row, 0, c.X], p.own[row, 0, c.Y], 0

@@ -4,7 +4,7 @@ from typing import Unpack
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints, Lasting
+from selforg.arrays import Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
@@ -80,7 +80,3 @@ class ApproachLeastBusy(SteeringMechanism):
     def reset(self, rows: Ints) -> None:
         """Forget what `rows` (K,) chose, and that they wait."""
         self._times[rows] = -np.inf
-
-    def lasting(self) -> Lasting:
-        """Return what rows chose, and the times of that and of waiting."""
-        return Lasting((self._places,), (self._times,))

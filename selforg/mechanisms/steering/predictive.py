@@ -4,7 +4,7 @@ from typing import Unpack
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints, Lasting
+from selforg.arrays import Floats, Ints
 from selforg.commands import Commanded
 from selforg.compiler.records import Words
 from selforg.elementary import unit_vectors
@@ -110,7 +110,3 @@ class PredictiveSteering(SteeringMechanism):
         """Forget where `rows` (K,) were, and that they dare more."""
         self._places[rows, PLACE_KNOWN] = 0.0
         self._times[rows] = 0.0
-
-    def lasting(self) -> Lasting:
-        """Return where rows were when they last got on, and the times of that and of daring."""
-        return Lasting((self._places,), (self._times,))

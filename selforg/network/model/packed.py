@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.records import Recording
 
 LEAF, NEGATION, CONJUNCTION, DISJUNCTION = range(4)
@@ -20,60 +20,62 @@ LEAF, NEGATION, CONJUNCTION, DISJUNCTION = range(4)
 class PackedModel(NamedTuple):
     """What compiled code knows about a network; `packer` fills it."""
 
-    is_fact: Annotated[Ints, "S"]  # 1 for a fact, 0 for a number
+    is_fact: Annotated[Ints, "S", READ]  # 1 for a fact, 0 for a number
 
-    leaf_sensor: Annotated[Ints, "L"]
-    leaf_kind: Annotated[Ints, "L"]  # of its activator
-    leaf_a: Annotated[Floats, "L"]  # the activator's two parameters, in the sensor's unit
-    leaf_b: Annotated[Floats, "L"]
-    leaf_low: Annotated[Floats, "L"]  # satisfaction when it is not fulfilled, and when it is
-    leaf_high: Annotated[Floats, "L"]
-    leaf_direction: Annotated[Floats, "L"]  # sign of the wanted change
+    leaf_sensor: Annotated[Ints, "L", READ]
+    leaf_kind: Annotated[Ints, "L", READ]  # of its activator
+    leaf_a: Annotated[Floats, "L", READ]  # the activator's two parameters, in the sensor's unit
+    leaf_b: Annotated[Floats, "L", READ]
+    leaf_low: Annotated[Floats, "L", READ]  # satisfaction when it is not fulfilled, and when it is
+    leaf_high: Annotated[Floats, "L", READ]
+    leaf_direction: Annotated[Floats, "L", READ]  # sign of the wanted change
 
-    node_kind: Annotated[Ints, "C"]  # LEAF, NEGATION, CONJUNCTION or DISJUNCTION; children come before parents
-    node_first: Annotated[Ints, "C+1"]  # into node_child
-    node_child: Annotated[Ints, "CHILD"]  # node; of a LEAF node the leaf
+    node_kind: Annotated[Ints, "C", READ]  # LEAF, NEGATION, CONJUNCTION or DISJUNCTION; children come before parents
+    node_first: Annotated[Ints, "C+1", READ]  # into node_child
+    node_child: Annotated[Ints, "CHILD", READ]  # node; of a LEAF node the leaf
 
-    precondition_first: Annotated[Ints, "B+1"]  # into the next two; optional preconditions are left out
-    precondition_node: Annotated[Ints, "PRECONDITION"]
-    precondition_tag: Annotated[Ints, "PRECONDITION"]
-    ready_threshold: Annotated[Floats, "B"]
-    priority: Annotated[Ints, "B"]  # at the start
-    interruptable: Annotated[Ints, "B"]  # 1 if it may be stopped
-    timeout: Annotated[Ints, "B"]  # [steps], -1: never
-    independent: Annotated[Ints, "B"]  # 1 if it is left out of planning
+    precondition_first: Annotated[Ints, "B+1", READ]  # into the next two; optional preconditions are left out
+    precondition_node: Annotated[Ints, "PRECONDITION", READ]
+    precondition_tag: Annotated[Ints, "PRECONDITION", READ]
+    ready_threshold: Annotated[Floats, "B", READ]
+    priority: Annotated[Ints, "B", READ]  # at the start
+    interruptable: Annotated[Ints, "B", READ]  # 1 if it may be stopped
+    timeout: Annotated[Ints, "B", READ]  # [steps], -1: never
+    independent: Annotated[Ints, "B", READ]  # 1 if it is left out of planning
 
-    effect_first: Annotated[Ints, "B+1"]  # into the next four
-    effect_owner: Annotated[Ints, "E"]  # behaviour
-    effect_sensor: Annotated[Ints, "E"]
-    effect_tag: Annotated[Ints, "E"]
-    effect_change: Annotated[Floats, "E"]
+    effect_first: Annotated[Ints, "B+1", READ]  # into the next four
+    effect_owner: Annotated[Ints, "E", READ]  # behaviour
+    effect_sensor: Annotated[Ints, "E", READ]
+    effect_tag: Annotated[Ints, "E", READ]
+    effect_change: Annotated[Floats, "E", READ]
 
-    goal_first: Annotated[Ints, "G+1"]  # into goal_node
-    goal_node: Annotated[Ints, "CONDITION"]
-    goal_permanent: Annotated[Ints, "G"]  # 0: it switches off when it is satisfied
-    goal_threshold: Annotated[Floats, "G"]  # satisfaction from which it is satisfied
-    goal_priority: Annotated[Floats, "G"]
+    goal_first: Annotated[Ints, "G+1", READ]  # into goal_node
+    goal_node: Annotated[Ints, "CONDITION", READ]
+    goal_permanent: Annotated[Ints, "G", READ]  # 0: it switches off when it is satisfied
+    goal_threshold: Annotated[Floats, "G", READ]  # satisfaction from which it is satisfied
+    goal_priority: Annotated[Floats, "G", READ]
 
-    wish_first: Annotated[Ints, "B+G+1"]  # into the next four; behaviours, then goals
-    wish_owner: Annotated[Ints, "U"]  # behaviour, or B + goal
-    wish_sensor: Annotated[Ints, "U"]
-    wish_leaf: Annotated[Ints, "U"]
-    wish_tag: Annotated[Ints, "U"]
-    wish_optional: Annotated[Ints, "U"]  # 1 for a wish of an optional precondition
-    turn_first: Annotated[Ints, "U+1"]  # into turn_direction
-    turn_direction: Annotated[Floats, "TURN"]  # wish of a satisfied leaf after each negation above it, innermost first
+    wish_first: Annotated[Ints, "B+G+1", READ]  # into the next four; behaviours, then goals
+    wish_owner: Annotated[Ints, "U", READ]  # behaviour, or B + goal
+    wish_sensor: Annotated[Ints, "U", READ]
+    wish_leaf: Annotated[Ints, "U", READ]
+    wish_tag: Annotated[Ints, "U", READ]
+    wish_optional: Annotated[Ints, "U", READ]  # 1 for a wish of an optional precondition
+    turn_first: Annotated[Ints, "U+1", READ]  # into turn_direction
+    turn_direction: Annotated[
+        Floats, "TURN", READ
+    ]  # wish of a satisfied leaf after each negation above it, innermost first
 
-    sensor_effect_first: Annotated[Ints, "S+1"]  # into sensor_effect
-    sensor_effect: Annotated[Ints, "E"]  # effects by sensor
-    sensor_wish_first: Annotated[Ints, "S+1"]
-    sensor_wish: Annotated[Ints, "WISH"]  # wishes of behaviours by sensor
-    sensor_goal_wish_first: Annotated[Ints, "S+1"]
-    sensor_goal_wish: Annotated[Ints, "WISH"]  # wishes of goals by sensor
-    pair_effect: Annotated[Ints, "PAIR"]  # an effect and a wish of another behaviour about one sensor, by sensor
-    pair_wish: Annotated[Ints, "PAIR"]
-    goal_pair_effect: Annotated[Ints, "PAIR"]  # an effect and a wish of a goal about one sensor, by sensor
-    goal_pair_wish: Annotated[Ints, "PAIR"]
+    sensor_effect_first: Annotated[Ints, "S+1", READ]  # into sensor_effect
+    sensor_effect: Annotated[Ints, "E", READ]  # effects by sensor
+    sensor_wish_first: Annotated[Ints, "S+1", READ]
+    sensor_wish: Annotated[Ints, "WISH", READ]  # wishes of behaviours by sensor
+    sensor_goal_wish_first: Annotated[Ints, "S+1", READ]
+    sensor_goal_wish: Annotated[Ints, "WISH", READ]  # wishes of goals by sensor
+    pair_effect: Annotated[Ints, "PAIR", READ]  # an effect and a wish of another behaviour about one sensor, by sensor
+    pair_wish: Annotated[Ints, "PAIR", READ]
+    goal_pair_effect: Annotated[Ints, "PAIR", READ]  # an effect and a wish of a goal about one sensor, by sensor
+    goal_pair_wish: Annotated[Ints, "PAIR", READ]
 
     uniform: int  # 1: the "uniform" algorithm
     max_parallel: int  # 0: any number

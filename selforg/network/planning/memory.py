@@ -14,7 +14,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Ints
+from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Packed, Recording, Words
 from selforg.network.planning.guards import STEPS_PER_UNIT
@@ -41,10 +41,10 @@ class KnownPlans(NamedTuple):
     """What compiled code reads of a memory of plans."""
 
     goals: int  # number of goals
-    facts: Annotated[Ints, "F"]  # sensors of the facts that a plan can depend on
-    bounds: Annotated[Ints, "BOUND 5"]  # bounds of the numbers that a plan can depend on
-    coordinators: Annotated[Ints, "H"]  # behaviours that hold one of several alternatives
-    entries: Annotated[Ints, "N ENTRY"]  # an open-addressing table; N is a power of 2
+    facts: Annotated[Ints, "F", READ]  # sensors of the facts that a plan can depend on
+    bounds: Annotated[Ints, "BOUND 5", READ]  # bounds of the numbers that a plan can depend on
+    coordinators: Annotated[Ints, "H", READ]  # behaviours that hold one of several alternatives
+    entries: Annotated[Ints, "N ENTRY", READ]  # an open-addressing table; N is a power of 2
 
 
 KNOWN_PLANS = Recording(KnownPlans)

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import KEPT, Floats, Ints
 from selforg.compiler.records import Recording
 
 # layers of marks
@@ -34,10 +34,10 @@ class RowPlans(NamedTuple):
     """What compiled code reads and writes of the plans of R rows; S sensors."""
 
     planned: int  # 1 if a planner answers
-    steps: Annotated[Ints, "R MAX_PLAN"]  # behaviours in their order
-    marks: Annotated[Ints, "R PLAN"]
-    readings: Annotated[Floats, "R READING S"]
-    keys: Annotated[Ints, "R KEY"]  # what the plan of a row depends on, see `planning.memory`
+    steps: Annotated[Ints, "R MAX_PLAN", KEPT]  # behaviours in their order
+    marks: Annotated[Ints, "R PLAN", KEPT]
+    readings: Annotated[Floats, "R READING S", KEPT]
+    keys: Annotated[Ints, "R KEY", KEPT]  # what the plan of a row depends on, see `planning.memory`
 
 
 ROW_PLANS = Recording(RowPlans)

@@ -11,7 +11,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import KEPT, Floats, Ints
 from selforg.compiler.records import Recording
 from selforg.network.model.packed import PackedModel
 
@@ -70,14 +70,14 @@ MARK_LAYERS = REASON
 class RowStates(NamedTuple):
     """What compiled code reads and writes of R rows; S sensors, B behaviours, G goals, U wishes."""
 
-    readings: Annotated[Floats, "R S"]  # what the sensors read now; facts 0 or 1
-    values: Annotated[Floats, "R VALUE B"]  # activation, satisfaction and the terms of activation
-    marks: Annotated[Ints, "R MARK B"]
-    row_values: Annotated[Floats, "R ROW"]  # thresholds and total activation
-    goal_satisfaction: Annotated[Floats, "R G"]
-    goal_enabled: Annotated[Ints, "R G"]  # 1 while a goal is on
-    wishes: Annotated[Floats, "R U"]  # signed change that is wanted
-    wish_kept: Annotated[Ints, "R U"]  # 0: of another alternative, or a smaller wish about the same sensor counts
+    readings: Annotated[Floats, "R S", KEPT]  # what the sensors read now; facts 0 or 1
+    values: Annotated[Floats, "R VALUE B", KEPT]  # activation, satisfaction and the terms of activation
+    marks: Annotated[Ints, "R MARK B", KEPT]
+    row_values: Annotated[Floats, "R ROW", KEPT]  # thresholds and total activation
+    goal_satisfaction: Annotated[Floats, "R G", KEPT]
+    goal_enabled: Annotated[Ints, "R G", KEPT]  # 1 while a goal is on
+    wishes: Annotated[Floats, "R U", KEPT]  # signed change that is wanted
+    wish_kept: Annotated[Ints, "R U", KEPT]  # 0: of another alternative, or a smaller wish about the same sensor counts
 
 
 ROW_STATES = Recording(RowStates)

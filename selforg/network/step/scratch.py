@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Floats, Ints
+from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.compiler.records import Packed, Recording
 from selforg.network.model.packed import PackedModel
 
@@ -17,20 +17,20 @@ POSITIVE, NEGATIVE, EITHER, WISH_MORE, WISH_LESS, COUNTS = range(6)
 class Scratch(NamedTuple):
     """Memory overwritten for each row; S sensors, L leaves, C nodes, B behaviours, G goals, E effects, U wishes."""
 
-    leaf_satisfaction: Annotated[Floats, "L"]
-    leaf_wish: Annotated[Floats, "L"]
-    node_satisfaction: Annotated[Floats, "C"]
-    operational: Annotated[Ints, "B"]  # 1 where a behaviour is operational, see `sharing`
-    live_effect: Annotated[Ints, "E"]  # 1 where an effect takes part, see `sharing`
-    live_wish: Annotated[Ints, "U"]
-    counts: Annotated[Ints, "COUNTS S"]
-    goal_share: Annotated[Floats, "G"]  # factor on what each goal gives
-    order: Annotated[Ints, "B"]  # behaviours in falling activation
-    counted: Annotated[Ints, "B"]  # 1 where a behaviour takes one of the places of `max_parallel`
+    leaf_satisfaction: Annotated[Floats, "L", SCRATCH]
+    leaf_wish: Annotated[Floats, "L", SCRATCH]
+    node_satisfaction: Annotated[Floats, "C", SCRATCH]
+    operational: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour is operational, see `sharing`
+    live_effect: Annotated[Ints, "E", SCRATCH]  # 1 where an effect takes part, see `sharing`
+    live_wish: Annotated[Ints, "U", SCRATCH]
+    counts: Annotated[Ints, "COUNTS S", SCRATCH]
+    goal_share: Annotated[Floats, "G", SCRATCH]  # factor on what each goal gives
+    order: Annotated[Ints, "B", SCRATCH]  # behaviours in falling activation
+    counted: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour takes one of the places of `max_parallel`
 
 
-SCRATCH = Recording(Scratch)
-open_scratch = SCRATCH.open
+STEP_SCRATCH = Recording(Scratch)
+open_scratch = STEP_SCRATCH.open
 
 
 def scratch_for(model: PackedModel) -> Packed[Scratch]:
@@ -38,7 +38,7 @@ def scratch_for(model: PackedModel) -> Packed[Scratch]:
     sensors, behaviours, goals = len(model.is_fact), len(model.priority), len(model.goal_permanent)
     leaves, nodes = len(model.leaf_kind), len(model.node_kind)
     effects, wishes = len(model.effect_owner), len(model.wish_owner)
-    return SCRATCH.pack(
+    return STEP_SCRATCH.pack(
         Scratch(
             leaf_satisfaction=np.zeros(leaves),
             leaf_wish=np.zeros(leaves),

@@ -259,7 +259,7 @@ def test_a_robot_that_was_taken_away_leaves_no_motion_behind():
     physics = placed(1, 3, 4)
     wander(physics, 20, 5)
     physics.remove(1)
-    wanted = physics.lasting().values[-1]
+    wanted = physics._motion.record.wanted
     assert not wanted[1].any()
     assert not physics.velocities[1].any()
     assert wanted[[0, 2]].all()

@@ -193,7 +193,7 @@ def test_events_of_the_delivery_happen_in_their_time():
     seen = []
     for _ in range(12):
         worlds.tick()
-        seen.append((float(worlds.minds.reception._reaches[0]), float(worlds.minds.reception._losses[0])))
+        seen.append((float(worlds.minds.reception.reaches[0]), float(worlds.minds.reception.losses[0])))
     assert seen == [(1e9, 0.0)] * 5 + [(2.5, 0.25)] * 5 + [(1e9, 0.0)] * 2
 
 

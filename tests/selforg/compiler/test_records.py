@@ -13,23 +13,23 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from selforg.arrays import Flags, Floats, Ints, Links
+from selforg.arrays import KEPT, Flags, Floats, Ints, Links
 from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Packed, Recording, Words, numba_type
 from tests.paths import ROOT
 
 
 class Sample(NamedTuple):
-    places: Annotated[Floats, "N 2"]
-    counts: Annotated[Ints, "N"]
-    links: Annotated[Links, "N 2"]
-    flags: Annotated[Flags, "N"]
+    places: Annotated[Floats, "N 2", KEPT]
+    counts: Annotated[Ints, "N", KEPT]
+    links: Annotated[Links, "N 2", KEPT]
+    flags: Annotated[Flags, "N", KEPT]
     factor: float
     offset: int
 
 
 class Other(NamedTuple):
-    places: Annotated[Floats, "N 2"]
+    places: Annotated[Floats, "N 2", KEPT]
 
 
 SAMPLE, OTHER = Recording(Sample), Recording(Other)
@@ -38,7 +38,7 @@ open_sample = SAMPLE.open
 
 def test_arrays_are_understood_in_the_hints_of_all_versions_of_numpy():
     alias = GenericAlias(type("NDArray", (), {}), (np.int32,))  # NumPy 2.5 and Python 3.12: a name for ndarray[...]
-    assert numba_type(Annotated[alias, "N 2"], "links") == numba_type(Annotated[Links, "N 2"], "links")
+    assert numba_type(Annotated[alias, "N 2"], "links") == numba_type(Annotated[Links, "N 2", KEPT], "links")
 
 
 @lean_kernel
