@@ -6,8 +6,10 @@ as soon as a mission names another one, and in files of the user's own, which `i
 
 from __future__ import annotations
 
+import ast
 import os
 from collections.abc import Iterable, Mapping
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, Protocol, TypeVar
@@ -15,6 +17,7 @@ from typing import Any, Final, Protocol, TypeVar
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
 from selector.documents.imported import module_of_file
+from selector.documents.reading import read_text
 from selforg.registry import Registry, UnknownNameError
 
 CLEANING: Final = "Cleaning"
@@ -60,9 +63,33 @@ def find_task(name: str) -> type[TaskKind]:
         raise DocumentError(str(error)) from error
 
 
+def task_stories() -> dict[str, str]:
+    """Return the stories of all tasks by name; their sources are read, not run: imports of tasks take a second."""
+    here = Path(__file__).parents[1]
+    stories: dict[str, str] = {}
+    for file in (here / "world" / "cleaning.py", *sorted(here.glob("tasks/*.py")), *map(Path, own_files())):
+        stories |= _declared(file)
+    return dict(sorted(stories.items()))
+
+
+@cache
+def _declared(file: Path) -> dict[str, str]:
+    """Return the stories of the tasks that a file of Python code registers."""
+    found = {}
+    for node in ast.parse(read_text(file)).body:
+        if isinstance(node, ast.ClassDef) and "TASKS.register" in map(ast.unparse, node.decorator_list):
+            given = {
+                ast.unparse(part.targets[0]): part.value.value
+                for part in node.body
+                if isinstance(part, ast.Assign) and isinstance(part.value, ast.Constant)
+            }
+            found[str(given.get("name", node.name))] = str(given.get("story", ""))
+    return found
+
+
 def task_names() -> tuple[str, ...]:
-    """Return the names of all tasks."""
-    return _registered().names()
+    """Return the names of all tasks, those included that a program has registered itself."""
+    return tuple(sorted({*task_stories(), *TASKS.names()}))
 
 
 def import_tasks(files: Iterable[str | os.PathLike[str]]) -> None:

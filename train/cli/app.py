@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.tasks import import_tasks, task_stories
 from selector.documents.find import KINDS, SHIPPED, files_of
 from selector.documents.plain import plain
 from selector.documents.reading import read_mapping
@@ -122,8 +123,6 @@ def run_app() -> None:
         given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
         with permitting(permission_of(given, trusted=words[:1] == [TRUST])):
             if files:
-                from clean_swarm_env.config.tasks import import_tasks
-
                 import_tasks(files)
             app(words)
     except ConfigurationError as error:
@@ -191,19 +190,11 @@ def list_everything(configs: Configs = None) -> None:
         if names := files_of(kind, directories):
             typer.echo(f"{kind}: {plain(', '.join(names))}")
     typer.echo("tasks, whose names are those of missions and families, too:")
-    for name, story in _tasks():
+    for name, story in task_stories().items():
         typer.echo(f"  {name}: {story}")
     for what, (folder, pattern) in DECLARED.items():
         texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
         typer.echo(f"{what}: {', '.join(sorted(name for text in texts for name in re.findall(pattern, text)))}")
-
-
-def _tasks() -> Iterator[tuple[str, str]]:
-    """Yield name and story of each task."""
-    from clean_swarm_env.config.tasks import find_task, task_names  # which import Numba
-
-    for name in task_names():
-        yield name, find_task(name).story
 
 
 def _names(held: object, key: str = "name") -> list[str]:

@@ -93,7 +93,10 @@ def with_baselines(
     """
     taken = {member for entrant in entrants for member in entrant.members}
     kind: Any = None if mission is None or mission.cleans else find_task(mission.task.name)
-    names = (NEVER_AVOIDING, RANDOM) if kind is None else (BASELINE,) if kind.baseline else ()
+    names: tuple[str, ...] = (NEVER_AVOIDING, RANDOM)
+    if kind is not None:
+        exists = kind.baseline and (not kind.baseline_option or kind.baseline_option in options)
+        names = (BASELINE,) if exists else ()
     exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
     return [*entrants, *(Entrant(name, (name,)) for name in names if name in exist and name not in taken)]
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import own_mission, random_starts, with_changes
 from clean_swarm_env.config.mission import MissionConfig
@@ -29,6 +30,7 @@ from train.analysis.task_report import MeasuredStrategy, reached
 from train.deciders.named import FIXED
 from train.evaluation.family import FamilyEvaluation, FamilyRequest
 from train.evaluation.pipeline import mission_score
+from train.evaluation.trial_task import TrialTask
 from train.knowledge_store import NO_STORE, StoreRequest, as_plain
 from train.running.engine import in_turn
 
@@ -76,6 +78,11 @@ class TaskRunRequest:
         }
         own = self.own_mission.model_dump()
         return validated(MissionConfig, with_changes(own, _without_none(given)), self.task, own=True)
+
+    @property
+    def of_baseline(self) -> MissionConfig:
+        """The same mission with the task's own knowledge, which has the baseline."""
+        return self.mission.model_copy(update={"knowledge": self.own_mission.knowledge})
 
 
 def _without_none(given: dict[str, Any]) -> dict[str, Any]:
@@ -160,11 +167,7 @@ def run_task(request: TaskRunRequest) -> TaskOutcome:
     if memory is not None:
         memory.check_new([option])
     family, names = random_starts(mission), (f"{FIXED}:{option}", BASELINE)
-    of_family = FamilyRequest(
-        request.task, names, request.seed, request.runs, directories=request.directories, scoring=True
-    )
-    evaluation = FamilyEvaluation(of_family, family)
-    tasks = evaluation.tasks(())
+    tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(request.of_baseline), BASELINE)
     if request.record is not None:
         settings = RecordSettings(request.record.resolve())
         tasks = [task.recorded(settings) for task in tasks]
@@ -178,6 +181,13 @@ def run_task(request: TaskRunRequest) -> TaskOutcome:
     report = family_report_of(FamilyRuns(family, goal, request.seed, request.runs, 1, conditions, (), records))
     measured = [one for one in report.measured if one.strategy != BASELINE]
     return TaskOutcome(request, option, measured, None if memory is None else known)
+
+
+def _tasks(request: TaskRunRequest, family: FamilyConfig, strategy: str) -> list[TrialTask]:
+    """Return the runs of a strategy."""
+    directories = request.directories
+    asked = FamilyRequest(request.task, (strategy,), request.seed, request.runs, directories=directories, scoring=True)
+    return FamilyEvaluation(asked, family).tasks(())
 
 
 def _taken(request: TaskRunRequest, mission: MissionConfig, known: Knowledge) -> tuple[str, str]:
