@@ -4,7 +4,7 @@ BENCHMARKS := benchmarks.floor benchmarks.selforg benchmarks.network benchmarks.
 	benchmarks.costs benchmarks.switching benchmarks.document benchmarks.required
 
 UNCOMPILED := tests/selforg/mechanisms tests/selforg/gradients tests/selforg/components \
-	$(addprefix tests/selforg/,test_elementary.py test_grid.py test_potentials.py test_randomness.py test_space.py) \
+	$(addprefix tests/selforg/,test_elementary.py test_grid.py test_randomness.py test_space.py) \
 	$(addprefix tests/selforg/network/,test_contract.py test_network.py test_reference.py) \
 	tests/clean_swarm_env/world/test_reception.py
 

@@ -70,6 +70,20 @@ def test_imports_keep_their_contracts():
     assert done.returncode == 0, done.stdout
 
 
+NAMED = re.compile(r"^(?:\| ?\d* ?\| (`\w+`) \| `([^`]+)` \||\d+\. `([^`]+)`: (.*(?:\n   .*)*))", re.MULTILINE)
+
+
+def test_what_the_tick_table_and_the_walks_name_is_defined_in_the_file_beside_it():
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    found = [(first or walk, table or file) for first, table, file, walk in NAMED.findall(text)]
+    assert len(found) > 50
+    for words, file in found:
+        names = "|".join(re.findall(r"`(\w+)`", words))
+        source = (ROOT / file).read_text(encoding="utf-8")
+        defined = set(re.findall(rf"^ *(?:(?:def|class) ({names})\b)", source, re.MULTILINE))
+        assert defined == set(names.split("|")), file
+
+
 def _loaded_after(statement: str) -> set[str]:
     code = f"{statement}\nimport sys\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

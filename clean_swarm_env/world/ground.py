@@ -30,7 +30,7 @@ class Ground:
     kind: GroundKind
     size: Annotated[Floats, "2", READ]
     extent: Annotated[Floats, "2", READ]
-    space: Space = field(init=False, repr=False, compare=False)
+    space: Annotated[Space, READ] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Choose the metric."""

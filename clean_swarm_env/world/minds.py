@@ -61,9 +61,6 @@ class Blueprint(Protocol):
 class Inner(Protocol):
     """A coordinator or a nested network, inside a behaviour of the robots' network."""
 
-    def sense(self, now: float) -> None:
-        """Write sensors into the readings of the robots' network."""
-
     def act(self, now: float, commands: Commands) -> None:
         """Decide and act where the robots' network runs this behaviour."""
 
@@ -237,9 +234,9 @@ class Minds:
             buffer.deliver(now)
 
     def sense(self, now: float) -> None:
-        """Write the sensors of coordinators and nested networks into the readings."""
-        for inner in self._inner:
-            inner.sense(now)
+        """Write the sensors of coordinators into the readings."""
+        for coordinator in self.coordinators:
+            coordinator.sense(now)
 
     def decide(self, rows: Ints | None) -> None:
         """Step the networks of `rows` (K,), or all, so that they decide which behaviours run."""

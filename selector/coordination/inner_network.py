@@ -19,8 +19,8 @@ from selforg.network.network import BehaviourNetwork
 class InnerNetwork:
     """R rows of a network inside the behaviour `holder` of the network `parent`.
 
-    Call in every control period `sense`, the step of the parent, `act`, and `leave` when all movements are known, as of
-    a coordinator. The network decides in every step in which its holder runs, with a decision guaranteed. When the
+    Call in every control period `act` after the step of the parent, and `leave` when all movements are known, as of a
+    coordinator. The network decides in every step in which its holder runs, with a decision guaranteed. When the
     holder stops, all behaviours inside stop; activations and memory stay. The network follows no plan.
 
     Args:
@@ -70,9 +70,6 @@ class InnerNetwork:
         self.configuration.forget(rows)
         for inner in self.inner:
             inner.reset(rows)
-
-    def sense(self, now: float) -> None:
-        """Do nothing: the rows to sense are known only when the parent has decided."""
 
     def act(self, now: float, commands: Commands) -> None:
         """Sense, decide and act at `now` [s] where the parent runs the holder; movements go into `commands`."""

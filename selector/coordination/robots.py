@@ -76,8 +76,8 @@ class CoordinatedRobots:
         An `errand` is commanded to begin with; behaviours replace or change its commands.
         """
         commands = self._commands
-        for inside in self._inside:
-            inside.sense(now)
+        for coordinator in self.coordinators:
+            coordinator.sense(now)
         self.network.step(guarantee=True)
         commands.clear()
         if errand is not None:

@@ -84,13 +84,16 @@ def copy_shared(folder: Path) -> None:
 
 
 @cache
-def folder_for(file: str) -> Path | None:
-    """Return the folder for the kernels of a source file, or None where nothing can be kept or there is no file."""
+def folder_for(file: str, *others: str) -> Path | None:
+    """Return the folder for the kernels of a source file, or None where nothing can be kept or there is no file.
+
+    others: files that these kernels are made of beside what `file` imports.
+    """
     directory, path = cache_directory(), Path(file)
     if directory is None or not path.is_file():
         return None
     name = ".".join(path.with_suffix("").relative_to(root_of(path)).parts)
-    folder = directory / f"{name}-{fingerprint(path)}"
+    folder = directory / f"{name}-{fingerprint(path, *map(Path, others))}"
     if not folder.exists():
         remove_old(directory, name)
         copy_shared(folder)
@@ -98,12 +101,12 @@ def folder_for(file: str) -> Path | None:
 
 
 @cache
-def fingerprint(file: Path) -> str:
-    """Return the hash of everything that kernels in `file` are compiled from."""
+def fingerprint(*files: Path) -> str:
+    """Return the hash of everything that kernels made of `files` are compiled from."""
     config = numba.config
     known = f"{numba.__version__} {config.OPT} {config.ENABLE_AVX} {PLAIN} {CHECKED}"  # type: ignore[attr-defined]
     digest = hashlib.sha256(known.encode())
-    for source in sorted(sources_of(file)):
+    for source in sorted(set().union(*map(sources_of, files))):
         digest.update(digest_of(source))
     return digest.hexdigest()[:16]
 

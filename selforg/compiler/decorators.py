@@ -10,7 +10,8 @@ and again.
 
 import gc
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar, cast
+from types import FunctionType
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numba
 from numba.core import event
@@ -84,9 +85,43 @@ def within_kernels(function: Callable[P, R], options: dict[str, Any]) -> Callabl
     return known_to_kernels(function, options)
 
 
-def compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
-    """Compile `function`; its compiled code is kept in the folder for its source file."""
-    folder = folder_for(function.__code__.co_filename)
+class Template(Generic[P, R]):
+    """A kernel in which one function is still open.
+
+    Args:
+        function: the kernel, not compiled.
+        called: the function of its module in whose place others are put.
+
+    """
+
+    def __init__(self, function: Callable[P, R], called: Callable[..., Any]) -> None:
+        self._function, self._called = cast("FunctionType", function), called.__name__
+        self._kernels: dict[Callable[..., Any], Callable[P, R]] = {}
+
+    def of(self, part: Callable[..., Any], origin: Callable[..., Any] | None = None) -> Callable[P, R]:
+        """Return the kernel that calls `part`, compiled like `lean_kernel`.
+
+        It is kept on disk under the name and file of `origin`, from which `part` is made (None: `part` itself); if that
+        was defined inside of another function it is not kept, since its name does not say with which values.
+        """
+        origin = origin or part
+        if origin not in self._kernels:
+            of, own = cast("FunctionType", origin).__code__, self._function.__code__
+            code = own.replace(co_filename=of.co_filename, co_firstlineno=of.co_firstlineno)
+            copy = FunctionType(code, {**self._function.__globals__, self._called: part}, self._function.__name__)
+            copy.__qualname__ = f"{self._function.__name__}_{origin.__qualname__}"
+            self._kernels[origin] = cast("Callable[P, R]", compiled(copy, LEAN, own.co_filename))
+        return self._kernels[origin]
+
+
+def template(called: Callable[..., Any]) -> Callable[[Callable[P, R]], Template[P, R]]:
+    """Make a function a `Template`, as a decorator: `called` stands in it for what is still open."""
+    return lambda function: Template(function, called)
+
+
+def compiled(function: Callable[P, R], options: dict[str, Any], *others: str) -> Callable[P, R]:
+    """Compile `function`; its code is kept in the folder for its source file and the `others` that it is made of."""
+    folder = None if "<" in function.__qualname__ else folder_for(function.__code__.co_filename, *others)
     if folder is None:
         return cast("Callable[P, R]", numba.njit(**options)(function))
     config: Any = numba.config

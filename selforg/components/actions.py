@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, TypeAlias, final
+from typing import Any, ClassVar, TypeAlias
 
 from selforg.arrays import Flags, Floats, Ints
 from selforg.commands import Commanded, Commands, open_commanded
@@ -13,10 +12,10 @@ from selforg.compiler.records import Words
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
 from selforg.mechanisms.base import at_least
-from selforg.mechanisms.decision_base import DecisionMechanism
+from selforg.mechanisms.decisions.base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.mechanisms.spreading import SpreadGradient
-from selforg.mechanisms.steering import SteeringMechanism
+from selforg.mechanisms.steering.base import SteeringMechanism
 from selforg.parameters import AtLeastZero, Finite
 from selforg.registry import Registry
 
@@ -24,13 +23,12 @@ Call: TypeAlias = Callable[[float, Ints], None]
 """A function of the host, which gets the time [s] and the rows (K,)."""
 
 
-class Action(ABC):
-    """Base class of actions: `act` is called in each step for the rows in which the behaviour runs.
+class Action:
+    """Base class of actions, whose methods are called in each step for the rows in which the behaviour runs.
 
-    Subclasses implement `_act` and name the `sources` that they read. `_steer` may change movements that any behaviour
-    commanded; it is called when all have. `_leave` may spread or deposit gradients; it is called when all movements of
-    the tick are known. Documents can declare registered actions as they do a
-    `SensorComponent`; for a parameter of type `Call` they give the name of a function of the host.
+    Subclasses implement one or more of the methods, and name the `sources` that they read. Documents can declare
+    registered actions as they do a `SensorComponent`; for a parameter of type `Call` they give the name of a function
+    of the host.
     """
 
     sources: Sequence[Source] = ()
@@ -38,33 +36,14 @@ class Action(ABC):
     example: ClassVar[Mapping[str, Any]] = {}
     """Arguments with which the contract tests build the class; the tests replace None."""
 
-    @final
     def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         """Act in `rows` (K,); the behaviour was started in this step in `started`; movements go into `commands`."""
-        if len(rows):
-            self._act(now, rows, started, commands)
 
-    @final
     def steer(self, now: float, rows: Ints, commands: Commands) -> None:
         """Change the `commands` of `rows` (K,) at `now` [s], once all behaviours have acted."""
-        if len(rows):
-            self._steer(now, rows, commands)
 
-    @final
     def leave(self, now: float, rows: Ints) -> None:
         """Spread and deposit gradients in `rows` (K,) at `now` [s]; others perceive them from the next tick on."""
-        if len(rows):
-            self._leave(now, rows)
-
-    @abstractmethod
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Act in at least one row."""
-
-    def _steer(self, now: float, rows: Ints, commands: Commands) -> None:  # noqa: B027  (most actions change nothing)
-        """Change the commands of at least one row."""
-
-    def _leave(self, now: float, rows: Ints) -> None:  # noqa: B027  (most actions leave nothing)
-        """Spread or deposit gradients in at least one row."""
 
 
 ACTIONS: Registry[Action] = Registry("action")
@@ -77,7 +56,7 @@ class Act(Action):
     def __init__(self, call: Call) -> None:
         self._call = call
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+    def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         if len(started):
             self._call(now, started)
 
@@ -90,13 +69,13 @@ class Move(Action):
         self.source, self._plus = mechanism, plus
         self.sources = (mechanism,) if plus is None else (mechanism, plus)
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+    def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         command_movements(rows, self.source.vectors, self.source.active, commands.packed.words)
         if self._plus is not None:
             commands.vectors[rows] += self._plus.vectors[rows]
             commands.commanded[rows] |= self._plus.active[rows]
 
-    def _leave(self, now: float, rows: Ints) -> None:
+    def leave(self, now: float, rows: Ints) -> None:
         if isinstance(self.source.mechanism, DepositingMechanism):
             self.source.mechanism.deposit(now, rows)
 
@@ -119,10 +98,7 @@ class Steer(Action):
     def __init__(self, mechanism: SteeringMechanism) -> None:
         self.mechanism = mechanism
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Do nothing; `_steer` changes the command when all movements are known."""
-
-    def _steer(self, now: float, rows: Ints, commands: Commands) -> None:
+    def steer(self, now: float, rows: Ints, commands: Commands) -> None:
         self.mechanism.steer(now, rows, commands.packed.words)
 
 
@@ -139,7 +115,7 @@ class Turn(Action):
         self.source: MovementSource | GoalSource = source
         self.sources = (source,)
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+    def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         source = self.source
         towards, there_is = (
             (source.vectors, source.active) if isinstance(source, MovementSource) else (source.offsets, source.present)
@@ -156,10 +132,7 @@ class Decide(Action):
     def __init__(self, mechanism: DecisionMechanism) -> None:
         self.mechanism = mechanism
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Do nothing; `_leave` spreads the decision when all movements are known."""
-
-    def _leave(self, now: float, rows: Ints) -> None:
+    def leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)
 
 
@@ -173,7 +146,7 @@ class DecideState(Decide):
             raise ValueError(f"DecideState: {len(mechanism.states)} states do not fit into the fact {name.name!r}")
         self._remembered = name
 
-    def _leave(self, now: float, rows: Ints) -> None:
+    def leave(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.spread(now, rows)
         self._remembered.write(rows[decision.decided], decision.states[decision.decided])
 
@@ -185,10 +158,7 @@ class Spread(Action):
     def __init__(self, mechanism: SpreadGradient) -> None:
         self.mechanism = mechanism
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
-        """Do nothing; `_leave` spreads the gradient when all movements are known."""
-
-    def _leave(self, now: float, rows: Ints) -> None:
+    def leave(self, now: float, rows: Ints) -> None:
         self.mechanism.spread(now, rows)
 
 
@@ -202,7 +172,7 @@ class SetState(Action):
         name.write([], value)  # an error if the value is of another kind
         self._remembered, self._value = name, value
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+    def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         self._remembered.write(started, self._value)
 
 
@@ -235,7 +205,7 @@ class HandOver(Action):
         self._gained, self._left, self._ask = gained, left, ask
         self._span, self._near, self._blind = span, near, at_least(self, "blind", blind, 1e-6)
 
-    def _act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
+    def act(self, now: float, rows: Ints, started: Ints, commands: Commands) -> None:
         if self._span > 0.0:
             ends = (self._gained.values[rows] >= self._span) & (self._left.values[rows] > self._near)
             self._ask.values[rows[ends]] = self._blind

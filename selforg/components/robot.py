@@ -74,6 +74,8 @@ class OrganisedRobots:
 
     def sense(self, now: float, rows: Ints) -> None:
         """Write the readings of `rows` (K,) at `now` [s]."""
+        if not len(rows):
+            return
         for source in self._sensed:
             source.ask(now, rows)
         for vectors in self._vector_readings:

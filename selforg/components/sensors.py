@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,7 @@ from selforg.registry import Registry
 class SensorComponent(ABC):
     """Base class of sensors: `read` is called once in a tick, after the sources were asked.
 
-    Subclasses state their `kind`, name their `sources` and implement `_read`. Documents can declare registered sensors;
+    Subclasses state their `kind`, name their `sources` and implement `read`. Documents can declare registered sensors;
     the keys are the parameters of the constructor. For a parameter of type `MovementSource`, `DecisionSource`,
     `GoalSource`, `Remembered` or of a mechanism, a document gives the name of a mechanism, a target or a piece of
     knowledge.
@@ -33,7 +33,7 @@ class SensorComponent(ABC):
         ...         self.sources = (mechanism,)
         ...         self._vectors = mechanism.vectors
         ...
-        ...     def _read(self, rows):
+        ...     def read(self, rows):
         ...         return np.arctan2(self._vectors[rows, 1], self._vectors[rows, 0])
 
     """
@@ -46,13 +46,8 @@ class SensorComponent(ABC):
     example: ClassVar[Mapping[str, Any]] = {}
     """Arguments with which the contract tests build the class; the tests replace None."""
 
-    @final
-    def read(self, rows: Ints) -> Floats:
-        """Return the readings (K,) of `rows` (K,); facts are 1 or 0."""
-        return np.asarray(self._read(rows), dtype=np.float64)
-
     @abstractmethod
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         """Return the readings (K,) of `rows` (K,) as bool or number."""
 
 
@@ -69,7 +64,7 @@ class VectorSensor(SensorComponent):
         self.source = mechanism
         self.sources = (mechanism,)
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         readings = np.zeros((len(self.source.vectors), 1))
         VectorReadings(self.source, {0: self.longest_absent}, readings).write(rows)
         read: Floats = readings[rows, 0]
@@ -108,7 +103,7 @@ class GoalPresent(GoalSensor):
 
     kind = "fact"
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.present[rows]
 
 
@@ -118,7 +113,7 @@ class GoalReached(GoalSensor):
 
     kind = "fact"
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.present[rows] & (self.source.clearance[rows] <= 0.0)
 
 
@@ -134,7 +129,7 @@ class GoalDistance(GoalSensor):
         super().__init__(target)
         self.unseen = unseen
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return np.where(self.source.present[rows], np.maximum(self.source.clearance[rows], 0.0), self.unseen)
 
 
@@ -149,7 +144,7 @@ class FartherThan(GoalSensor):
         super().__init__(target)
         self.distance = distance
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.present[rows] & (self.source.clearance[rows] > self.distance)
 
 
@@ -165,7 +160,7 @@ class DecisionSensor(SensorComponent):
 class Value(DecisionSensor):
     """The value that a decision mechanism would decide now [-]."""
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.values[rows]
 
 
@@ -183,7 +178,7 @@ class StateIs(DecisionSensor):
         super().__init__(mechanism)
         self.code = known.index(state)
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         there: Flags = self.source.states[rows] == self.code
         return there
 
@@ -194,7 +189,7 @@ class Changed(DecisionSensor):
 
     kind = "fact"
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self.source.differs[rows]
 
 
@@ -208,5 +203,5 @@ class Known(SensorComponent):
         self._values = name.values
         self.kind = name.kind
 
-    def _read(self, rows: Ints) -> npt.NDArray[np.generic]:
+    def read(self, rows: Ints) -> npt.NDArray[np.generic]:
         return self._values[rows]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Annotated, final
+from typing import Annotated
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.gradients.store.columns import GOAL_RADIUS, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms.base import MovementMechanism
-from selforg.mechanisms.decision_base import DecisionMechanism
+from selforg.mechanisms.decisions.base import DecisionMechanism
 
 EVERYTHING_IN_VIEW = Filter()
 CLOCK_TOLERANCE = 1e-6
@@ -23,15 +23,9 @@ CLOCK_TOLERANCE = 1e-6
 class Source(ABC):
     """Base class of sources, which are asked once in a tick before sensors read; answers are valid until the next."""
 
-    @final
-    def ask(self, now: float, rows: Ints) -> None:
-        """Renew the answers for `rows` (K,) at `now` [s]."""
-        if len(rows):
-            self._ask(now, rows)
-
     @abstractmethod
-    def _ask(self, now: float, rows: Ints) -> None:
-        """Renew the answers for `rows` (K,), of which there is at least one."""
+    def ask(self, now: float, rows: Ints) -> None:
+        """Renew the answers for `rows` (K,), of which there is at least one, at `now` [s]."""
 
 
 class MovementSource(Source):
@@ -67,7 +61,7 @@ class MovementSource(Source):
         """Drop the kept answers of `rows` (K,), so that the next tick asks the mechanism."""
         self._asked[rows] = -np.inf
 
-    def _ask(self, now: float, rows: Ints) -> None:
+    def ask(self, now: float, rows: Ints) -> None:
         if self.hold > 0.0:
             rows = rows[~self.active[rows] | (now - self._asked[rows] > self._holds[rows] - CLOCK_TOLERANCE)]
             if not len(rows):
@@ -103,7 +97,7 @@ class GoalSource(Source):
         self.clearance = np.zeros(rows)
         self.present = np.zeros(rows, dtype=np.bool_)
 
-    def _ask(self, now: float, rows: Ints) -> None:
+    def ask(self, now: float, rows: Ints) -> None:
         pairs, found = self._queries.choose(self.rule, now, rows, self.look)
         clearance = pairs[:, PAIR_DISTANCE] - pairs[:, PAIR_GOAL_RADIUS] - self._poses.own[rows, 0, GOAL_RADIUS]
         self.offsets[rows] = pairs[:, PAIR_DX : PAIR_DX + self.offsets.shape[1]]
@@ -128,7 +122,7 @@ class DecisionSource(Source):
         self.states = mechanism.state_codes.copy()
         self.differs = np.zeros(len(self.values), dtype=np.bool_)
 
-    def _ask(self, now: float, rows: Ints) -> None:
+    def ask(self, now: float, rows: Ints) -> None:
         decision = self.mechanism.decide(now, rows)
         self.values[rows], self.states[rows] = decision.values, decision.states
         held = (decision.values == self.mechanism.values[rows]) & (decision.states == self.mechanism.state_codes[rows])

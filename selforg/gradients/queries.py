@@ -125,9 +125,9 @@ class Queries:
         )
         seen = self.gather(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
         pairs, found = np.empty((len(chosen), c.PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
-        poses = self._buffer.poses
-        goals, known = poses.own[chosen, 0, c.GOAL_RADIUS], poses.known[chosen]
-        choose_rows(CHOICES[rule], seen.start, seen.pairs, goals, known, pairs, found)
+        view = self._buffer.settings.view_distance if look.view_distance is None else look.view_distance
+        poses = self._buffer.poses.packed.words
+        choose_rows(CHOICES[rule], float(view), chosen, seen.start, seen.pairs, pairs, found, poses)
         return pairs, found
 
     def gradients(

@@ -10,10 +10,11 @@ from selforg.arrays import READ, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.store import columns as c
-from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import chemotaxis_ge, follow_least_reach, wander
-from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.mechanisms.base import MECHANISMS, SpeedOptions
+from selforg.mechanisms.chemotaxis import ChemotaxisGe
+from selforg.mechanisms.exploration import Exploration
+from selforg.mechanisms.following import FollowMinReach
+from selforg.mechanisms.formula import FormulaMechanism
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Pheromone:
         check_fields(self.attraction, self.diffusion, 0.0, self.evaporation_factor, self.evaporation_period, stamp=0.0)
 
 
-class DepositingMechanism(RuleMechanism):
+class DepositingMechanism(FormulaMechanism):
     """A movement mechanism that also deposits: call `deposit` after `move`, which must not see it in the same tick."""
 
     _message: Annotated[Floats, "MESSAGE", READ]
@@ -58,43 +59,41 @@ class DepositingMechanism(RuleMechanism):
 
         Rows without a pose leave none.
         """
-        rows = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        self.buffer.deposit(rows, self._message, self._tag, float(now))
+        chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        self.buffer.deposit(chosen, self._message, self._tag, float(now))
 
 
-class TrailMechanism(DepositingMechanism):
-    """What the deposit family shares: static gradients only, and a pheromone whose diffusion is `max_speed`."""
+@MECHANISMS.register
+class DepositPheromones(DepositingMechanism):
+    """ChemotaxisGe by static gradients only while depositing a pheromone, of diffusion `max_speed` unless given."""
+
+    combine = staticmethod(ChemotaxisGe.combine)
+    looks = ChemotaxisGe.looks
+    wakes = ChemotaxisGe.wakes
+    min_speed = 0.5
 
     def __init__(
         self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
     ) -> None:
-        pheromone = pheromone or Pheromone(diffusion=options.get("max_speed", 1.0))
-        options = {"min_speed": 0.5, "moving": False, **options}
+        speed = options.get("max_speed")
+        pheromone = pheromone or Pheromone(diffusion=self.max_speed if speed is None else speed)
+        options = {"moving": False, **options}
         super().__init__(buffer, pheromone=pheromone, **options)
 
 
-@MECHANISMS.register
-class DepositPheromones(TrailMechanism):
-    """ChemotaxisGe while depositing."""
-
-    rule = chemotaxis_ge
-
-
-@MECHANISMS.register
-class DepositPheromonesMin(TrailMechanism):
-    """FollowMinReach while depositing."""
-
-    rule = follow_least_reach
-
-
-@MECHANISMS.register
-class DepositPheromonesRandom(TrailMechanism):
-    """Exploration while depositing."""
-
-    rule = wander
-
-    def __init__(
-        self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
-    ) -> None:
-        options = {"min_speed": 0.1, **options}
-        super().__init__(buffer, pheromone=pheromone, **options)
+DepositPheromonesMin = DepositPheromones.variant(
+    "DepositPheromonesMin",
+    "FollowMinReach while depositing.",
+    combine=FollowMinReach.combine,
+    looks=FollowMinReach.looks,
+    wakes=FollowMinReach.wakes,
+    chooses=FollowMinReach.chooses,
+)
+DepositPheromonesRandom = DepositPheromones.variant(
+    "DepositPheromonesRandom",
+    "Exploration while depositing.",
+    combine=Exploration.combine,
+    looks=Exploration.looks,
+    wakes=Exploration.wakes,
+    min_speed=0.1,
+)

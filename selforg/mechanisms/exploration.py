@@ -4,29 +4,48 @@ from typing import Unpack
 
 import numpy as np
 
+from selforg.compiler.decorators import part
+from selforg.compiler.records import Words
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.pair import Own, Pair
 from selforg.gradients.poses import OwnPoses
-from selforg.mechanisms.base import RuleMechanism, at_least
-from selforg.mechanisms.kernels.rules import exploit, wander
-from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.gradients.store.records import Sight
+from selforg.mechanisms.base import MECHANISMS, SpeedOptions, at_least
+from selforg.mechanisms.chemotaxis import attraction_ge
+from selforg.mechanisms.formula import FormulaMechanism
+from selforg.mechanisms.movement import NOT_AT_ALL, Rule, open_rule
+from selforg.randomness import next_direction
 
 
 @MECHANISMS.register
-class Exploration(RuleMechanism):
+class Exploration(FormulaMechanism):
     """A random direction, at 1 m/s within [`min_speed`, `max_speed`] (B7), for every row that knows its pose."""
 
-    rule = wander
+    looks = (NOT_AT_ALL, NOT_AT_ALL, NOT_AT_ALL)
+    min_speed = 0.1
+
+    @staticmethod
+    @part
+    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+        """Look at no gradient: the sum is a random direction of 1 m/s."""
+        m = open_rule(rule)
+        m.total[0], m.total[1], m.total[2] = next_direction(m.directions, m.cursor, m.low, row)
+        return True
 
 
 @MECHANISMS.register
-class Exploitation(RuleMechanism):
+class Exploitation(FormulaMechanism):
     """Ge & Cui attraction to all static gradients ahead, whatever their sign (Q14).
 
     angle_xy, angle_yz: view angles [rad] to either side of the heading, in the x-y and the y-z plane.
     """
 
-    rule = exploit
+    min_speed = 0.5
+
+    @staticmethod
+    def formula(pair: Pair) -> float:
+        """Return the attraction of a pair, whatever the sign of the gradient [m]."""
+        return attraction_ge(pair)
 
     def __init__(
         self,
@@ -36,7 +55,7 @@ class Exploitation(RuleMechanism):
         angle_yz: float = np.pi,
         **options: Unpack[SpeedOptions],
     ) -> None:
-        options = {"min_speed": 0.5, "moving": False, **options}
+        options = {"moving": False, **options}
         super().__init__(buffer, **options)
         self.angle_xy = at_least(self, "angle_xy", angle_xy, 0.0)
         self.angle_yz = at_least(self, "angle_yz", angle_yz, 0.0)

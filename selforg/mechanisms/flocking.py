@@ -1,86 +1,32 @@
-"""Flocking mechanisms."""
+"""Flocking of Olfati-Saber (2006), doi:10.1109/TAC.2005.864190."""
 
 from typing import Unpack
 
 import numpy as np
 
-from selforg.arrays import Ints
-from selforg.compiler.records import Packed, Words
+from selforg.arrays import Floats
+from selforg.compiler.decorators import kernel, part
+from selforg.compiler.records import Words
+from selforg.elementary import sine_cosine
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.columns import SEE_HISTORY, SEE_MOVING, SKIP_OWN
-from selforg.gradients.store.records import Sight
-from selforg.mechanisms.base import CompiledMechanism, at_least
-from selforg.mechanisms.kernels.flocking import BOID_COLUMNS, FLOCK, Flock, flock_rows
-from selforg.mechanisms.kernels.moving import Movements
-from selforg.mechanisms.options import MoveOptions
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
+from selforg.mechanisms.base import MECHANISMS, MoveOptions, at_least
+from selforg.mechanisms.boids import (
+    BOID_GOAL_RADIUS,
+    BOID_OFFSET,
+    BOID_VELOCITY,
+    Flock,
+    FlockMechanism,
+    open_flock,
+    positive,
+)
+from selforg.mechanisms.movement import limit
+from selforg.space import nearest_image
 
-
-class FlockMechanism(CompiledMechanism):
-    """What both flockings share: they look at the neighbours' moving gradients, by default those of the poses."""
-
-    reynolds: bool
-
-    def __init__(self, buffer: SoBuffer | OwnPoses, *, max_speed: float = 1.0, **options: Unpack[MoveOptions]) -> None:
-        poses = buffer if isinstance(buffer, OwnPoses) else buffer.poses
-        options["channels"] = tuple(options.get("channels", ())) or (poses.channel,)
-        super().__init__(buffer, **options)
-        self._see_bits = SEE_MOVING | SKIP_OWN | (0 if self.reynolds else SEE_HISTORY)
-        self.max_speed = at_least(self, "max_speed", max_speed, 0.0)
-        self.separation = self.a = self.b = self.epsilon = 1.0
-        self.h = self.max_acceleration = 0.0
-        self._flock: Packed[Flock] | None = None
-
-    def _packed(self) -> Packed[Flock]:
-        """Return what the kernel takes of the mechanism, with room for as many boids as pairs."""
-        return FLOCK.pack(
-            Flock(
-                reynolds=self.reynolds,
-                see_bits=self._see_bits,
-                view_distance=self.view_distance,
-                max_speed=self.max_speed,
-                separation=self.separation,
-                epsilon=self.epsilon,
-                a=self.a,
-                b=self.b,
-                h=self.h,
-                max_acceleration=self.max_acceleration,
-                directions=self.directions.vectors,
-                cursor=self.directions.cursor,
-                low=self.directions.low,
-                boids=np.empty((len(self._room.pairs), BOID_COLUMNS)),
-                total=np.zeros(3),
-            )
-        )
-
-    def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        if self._flock is None or len(self._flock.record.boids) < len(self._room.pairs):
-            self._flock = self._packed()
-        flock, poses, store = self._flock.words, self.poses.packed.words, self.buffer.table.packed.words
-        return flock_rows(now, rows, places, movements, sight, flock, poses, store)
-
-
-@MECHANISMS.register
-class FlockingReynolds(FlockMechanism):
-    """Separation + cohesion + alignment of Reynolds (1987), doi:10.1145/37401.37406, capped at max_speed.
-
-    The terms are not normalised, and alignment is the plain difference of headings (Q30). separation: weight r of
-    1 / (r * clearance) [1/m2].
-    """
-
-    reynolds = True
-
-    def __init__(
-        self,
-        buffer: SoBuffer | OwnPoses,
-        *,
-        separation: float = 1.0,
-        max_speed: float = 1.0,
-        **options: Unpack[MoveOptions],
-    ) -> None:
-        super().__init__(buffer, max_speed=max_speed, **options)
-        self.separation = positive(self, "separation", separation)
+SHORTEST_TIME = 1e-6
+"""Least time [s] that two poses count as apart, so that no velocity becomes infinite."""
 
 
 @MECHANISMS.register
@@ -91,7 +37,8 @@ class Flocking(FlockMechanism):
     in (0, 1); max_acceleration [m/s2] caps the sum of both terms. Inactive until a row has spread two poses.
     """
 
-    reynolds = False
+    least_poses = 2
+    see_bits = c.SEE_MOVING | c.SKIP_OWN | c.SEE_HISTORY
 
     def __init__(
         self,
@@ -113,9 +60,123 @@ class Flocking(FlockMechanism):
         self.epsilon, self.h = positive(self, "epsilon", epsilon), h
         self.max_acceleration = at_least(self, "max_acceleration", max_acceleration, 0.0)
 
+    @staticmethod
+    @part
+    def term(
+        row: int, found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
+    ) -> None:
+        """Set the sum to own velocity + limited acceleration; the avoidance distance is the own reach."""
+        p, f = open_poses(poses), open_flock(flock)
+        count = note_velocities(found, sight, flock, poses, store)
+        elapsed = max(p.own[row, 0, c.POSE_STAMP] - p.own[row, 1, c.POSE_STAMP], SHORTEST_TIME)
+        for axis in range(3):
+            passed = nearest_image(p.own[row, 0, c.X + axis] - p.own[row, 1, c.X + axis], p.extent[axis])
+            f.own[axis] = passed / elapsed
+            f.change[axis] = 0.0
+        reach = p.own[row, 0, c.DIFFUSION] + p.own[row, 0, c.GOAL_RADIUS]
+        olfati_saber(count, f.own, reach, f.change, f.change, flock)
+        limit(f.change, 0.0, f.max_acceleration)
+        for axis in range(3):
+            f.total[axis] = f.own[axis] + f.change[axis]
 
-def positive(mechanism: object, name: str, value: float) -> float:
-    """Return `value` if it is positive and finite; raises ValueError with mechanism and parameter otherwise."""
-    if not 0.0 < value < np.inf:
-        raise ValueError(f"{type(mechanism).__name__}: {name} must be positive and finite, got {value!r}")
-    return float(value)
+
+@kernel
+def olfati_saber(
+    count: int, velocity: Floats, avoidance_distance: float, gradient: Floats, consensus: Floats, flock: Words[Flock]
+) -> None:
+    """Add gradient term and velocity consensus over `count` boids to (3,) each; algorithm 1."""
+    f = open_flock(flock)
+    for index in range(count):
+        squared = 0.0
+        for axis in range(3):
+            squared += f.boids[index, BOID_OFFSET + axis] ** 2
+        pull = action(squared, f.epsilon, f.a, f.b, f.h, avoidance_distance, f.view_distance)
+        weight = adjacency(squared, f.epsilon, f.h, f.view_distance)
+        for axis in range(3):
+            gradient[axis] += pull * f.boids[index, BOID_OFFSET + axis] / np.sqrt(1.0 + f.epsilon * squared)
+            consensus[axis] += weight * (f.boids[index, BOID_VELOCITY + axis] - velocity[axis])
+
+
+@part
+def sigma_norm(squared: float, epsilon: float) -> float:
+    """Return the sigma-norm of a vector of squared length `squared` [m2], smooth at zero; Olfati-Saber (2006)."""
+    return float((np.sqrt(1.0 + epsilon * squared) - 1.0) / epsilon)
+
+
+@part
+def bump(z: float, h: float) -> float:
+    """Return the bump function: 1 below `h`, falling smoothly to 0 at 1."""
+    if 0.0 <= z < h:
+        return 1.0
+    if h <= z <= 1.0:
+        return 0.5 * (1.0 + sine_cosine(np.pi * (z - h) / (1.0 - h))[1])
+    return 0.0
+
+
+@part
+def adjacency(squared: float, epsilon: float, h: float, view: float) -> float:
+    """Return the spatial adjacency [-] of two boids at squared distance `squared` [m2]; `view` is their range [m]."""
+    return bump(sigma_norm(squared, epsilon) / sigma_norm(view * view, epsilon), h)
+
+
+@part
+def action(
+    squared: float, epsilon: float, a: float, b: float, h: float, avoidance_distance: float, view: float
+) -> float:
+    """Return the action function: negative closer than `avoidance_distance` [m], positive farther, 0 beyond `view`."""
+    z = sigma_norm(squared, epsilon)
+    c = abs(a - b) / np.sqrt(4.0 * a * b)
+    shifted = z - sigma_norm(avoidance_distance * avoidance_distance, epsilon) + c
+    pull = 0.5 * ((a + b) * shifted / np.sqrt(1.0 + shifted * shifted) + (a - b))
+    return float(bump(z / sigma_norm(view * view, epsilon), h) * pull)
+
+
+@part
+def note_velocities(
+    found: int, sight: Words[Sight], flock: Words[Flock], poses: Words[Poses], store: Words[Store]
+) -> int:
+    """Write the sources that have two or more of the first `found` pairs as boids; return how many there are.
+
+    The position is the newest one, the velocity that from the oldest to the newest one in view.
+    """
+    pairs, boids, extent = open_sight(sight).pairs, open_flock(flock).boids, open_poses(poses).extent
+    count = 0
+    for index in range(found):
+        slot = int(pairs[index, c.PAIR_SLOT])
+        source, stamp = spreader(slot, poses, store), stamp_of(slot, poses, store)
+        oldest, oldest_stamp, newest = index, stamp, True
+        for other in range(found):
+            other_slot = int(pairs[other, c.PAIR_SLOT])
+            if other != index and spreader(other_slot, poses, store) == source:
+                other_stamp = stamp_of(other_slot, poses, store)
+                newest = newest and other_stamp < stamp
+                if other_stamp < oldest_stamp:
+                    oldest, oldest_stamp = other, other_stamp
+        if not newest or oldest == index:
+            continue
+        for axis in range(3):
+            delta = pairs[index, c.PAIR_DX + axis] - pairs[oldest, c.PAIR_DX + axis]
+            moved = nearest_image(delta, extent[axis])
+            boids[count, BOID_OFFSET + axis] = pairs[index, c.PAIR_DX + axis]
+            boids[count, BOID_VELOCITY + axis] = moved / max(stamp - oldest_stamp, SHORTEST_TIME)
+        boids[count, BOID_GOAL_RADIUS] = pairs[index, c.PAIR_GOAL_RADIUS]
+        count += 1
+    return count
+
+
+@part
+def spreader(slot: int, poses: Words[Poses], store: Words[Store]) -> tuple[int, int]:
+    """Return what identifies the history to which a pair's `slot` belongs: layer (-1: shared poses) and source."""
+    if slot >= 0:
+        s = open_store(store)
+        return int(s.links[slot, c.LINK_LAYER]), int(s.marks[slot, c.MARK_SOURCE])
+    return -1, (-1 - slot) % len(open_poses(poses).own)
+
+
+@part
+def stamp_of(slot: int, poses: Words[Poses], store: Words[Store]) -> float:
+    """Return when the gradient of a pair's `slot` was spread [s]."""
+    if slot >= 0:
+        return float(open_store(store).far[slot, c.FAR_STAMP])
+    own = open_poses(poses).own
+    return float(own[(-1 - slot) % len(own), (-1 - slot) // len(own), c.POSE_STAMP])

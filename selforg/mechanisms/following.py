@@ -1,62 +1,98 @@
 """Following: all gradients, or the one that a rule chooses, by the potentials of Balch & Hybinette (2000)."""
 
-from selforg.mechanisms.base import RuleMechanism
-from selforg.mechanisms.kernels.rules import (
-    avoid_all,
-    avoid_repulsive,
-    follow_all,
-    follow_farthest,
-    follow_least_reach,
-    follow_most_reach,
-    follow_strongest,
+from selforg.compiler.decorators import part
+from selforg.compiler.records import Words
+from selforg.gradients.choosing import (
+    CHOOSE_FARTHEST,
+    CHOOSE_LEAST_REACH,
+    CHOOSE_MOST_REACH,
+    CHOOSE_STRONGEST,
+    choose,
 )
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.gradients.pair import Own, Pair, attraction_balch, pair_at, repulsion_balch
+from selforg.gradients.store.records import Sight, open_sight
+from selforg.mechanisms.base import MECHANISMS
+from selforg.mechanisms.formula import FormulaMechanism
+from selforg.mechanisms.movement import (
+    ATTRACTIVE_AND_NEAR_REPULSIVE,
+    BY_ANY,
+    BY_REPULSIVE,
+    NOT_AT_ALL,
+    OWN_GOAL_RADIUS,
+    VIEW_DISTANCE,
+    Rule,
+    add,
+    full_length,
+    open_rule,
+)
+from selforg.mechanisms.repulsion import RepulsionGradient
+
+AvoidAll = FormulaMechanism.variant(
+    "AvoidAll",
+    "Away from all gradients, whatever their sign.",
+    formula=RepulsionGradient.formula,
+    looks=(OWN_GOAL_RADIUS, OWN_GOAL_RADIUS, OWN_GOAL_RADIUS),
+    wakes=BY_ANY,
+    min_speed=0.1,
+)
+CollisionAvoidance = FormulaMechanism.variant(
+    "CollisionAvoidance",
+    "Away from all repulsive gradients; the others are ignored.",
+    formula=RepulsionGradient.formula,
+    looks=(OWN_GOAL_RADIUS, NOT_AT_ALL, NOT_AT_ALL),
+    wakes=BY_REPULSIVE,
+    min_speed=0.1,
+)
 
 
 @MECHANISMS.register
-class CollisionAvoidance(RuleMechanism):
-    """Away from all repulsive gradients; the others are ignored."""
-
-    rule = avoid_repulsive
-
-
-@MECHANISMS.register
-class FollowAll(RuleMechanism):
+class FollowAll(FormulaMechanism):
     """Towards attractive and away from repulsive gradients; neutral ones alone are a movement of zero (B4)."""
 
-    rule = follow_all
+    looks = ATTRACTIVE_AND_NEAR_REPULSIVE
+    wakes = BY_ANY
+    min_speed = 0.1
+
+    @staticmethod
+    def formula(pair: Pair) -> float:
+        """Return the attraction or repulsion, by the sign of the gradient."""
+        if pair.attraction >= 0.0:
+            return pair.attraction * attraction_balch(pair)
+        return -repulsion_balch(pair)
 
 
 @MECHANISMS.register
-class AvoidAll(RuleMechanism):
-    """Away from all gradients, whatever their sign."""
-
-    rule = avoid_all
-
-
-@MECHANISMS.register
-class FollowStrongest(RuleMechanism):
+class FollowStrongest(FormulaMechanism):
     """Towards (or away from) the strongest gradient: repulsions by their length, attractions by 1 - length."""
 
-    rule = follow_strongest
+    chooses = CHOOSE_STRONGEST
+    min_speed = 0.1
+
+    @staticmethod
+    @part
+    def combine(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+        """Follow the gradient that is chosen; False if none is."""
+        pairs = open_sight(sight).pairs
+        chosen = choose(open_rule(rule).chooses, pairs, found, own)
+        if chosen < 0:
+            return False
+        pair = pair_at(chosen, pairs, own)
+        if pair.attraction == 0.0:
+            return False
+        length = attraction_balch(pair) if pair.attraction > 0.0 else -repulsion_balch(pair)
+        add(chosen, length, full_length(chosen, sight), row, sight, rule)
+        return True
 
 
-@MECHANISMS.register
-class FollowMin(RuleMechanism):
-    """Towards the farthest attractive gradient: the one with the longest attraction."""
-
-    rule = follow_farthest
-
-
-@MECHANISMS.register
-class FollowMinReach(RuleMechanism):
-    """Towards the attractive gradient of least reach."""
-
-    rule = follow_least_reach
-
-
-@MECHANISMS.register
-class FollowMaxReach(RuleMechanism):
-    """Towards the attractive gradient of most reach."""
-
-    rule = follow_most_reach
+FollowMin = FollowStrongest.variant(
+    "FollowMin",
+    "Towards the farthest attractive gradient: the one with the longest attraction.",
+    chooses=CHOOSE_FARTHEST,
+    looks=(NOT_AT_ALL, NOT_AT_ALL, VIEW_DISTANCE),
+)
+FollowMinReach = FollowMin.variant(
+    "FollowMinReach", "Towards the attractive gradient of least reach.", chooses=CHOOSE_LEAST_REACH
+)
+FollowMaxReach = FollowMin.variant(
+    "FollowMaxReach", "Towards the attractive gradient of most reach.", chooses=CHOOSE_MOST_REACH
+)

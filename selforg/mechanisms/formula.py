@@ -1,48 +1,174 @@
-"""The blueprint of a mechanism that is one formula."""
+"""Mechanisms that run a kernel, and the blueprint of a mechanism that is one formula."""
 
-from typing import ClassVar, Unpack
+from abc import abstractmethod
+from collections.abc import Callable
+from functools import cache, cached_property
+from typing import Any, ClassVar, TypeAlias, Unpack
 
-from selforg.arrays import Ints
-from selforg.compiler.records import Words
+import numpy as np
+
+from selforg.arrays import Flags, Floats, Ints
+from selforg.compiler.decorators import inlined, part
+from selforg.compiler.records import Packed, Words
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.choosing import CHOOSE_NEAREST
+from selforg.gradients.pair import Own, Pair, pair_at
+from selforg.gradients.pair_room import PairRoom
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.store.records import Sight
-from selforg.mechanisms.base import LimitedMechanism
-from selforg.mechanisms.kernels.formula import UserFormula, make_walk
-from selforg.mechanisms.kernels.moving import Movements
-from selforg.mechanisms.kernels.rules import ALL_IN_VIEW, MovementRule
-from selforg.mechanisms.options import MoveOptions
+from selforg.gradients.store import columns as c
+from selforg.gradients.store.records import Sight, open_sight
+from selforg.mechanisms.base import MovementMechanism, MoveOptions, at_least
+from selforg.mechanisms.movement import (
+    ALL_IN_VIEW,
+    RULE,
+    Combination,
+    Formula,
+    Rule,
+    Signs,
+    add,
+    combined,
+    full_length,
+    move_rows,
+    open_rule,
+)
+
+Kernel: TypeAlias = Callable[..., int]
 
 
-class FormulaMechanism(LimitedMechanism):
-    """A movement mechanism that sums one formula of one pair; subclasses set `formula`.
+class KernelMechanism(MovementMechanism):
+    """What movement mechanisms share that run a kernel over rows: random directions, and room for what rows see."""
 
-    `formula` is a function of (distance, own goal radius, own reach, diffusion, goal radius [m], attraction), compiled
-    with `selforg.compiler.decorators.kernel`; see `selforg.mechanisms.kernels.formula`. It must not return NaN.
+    def __init__(self, buffer: SoBuffer | OwnPoses, **options: Unpack[MoveOptions]) -> None:
+        super().__init__(buffer, **options)
+        self._room = PairRoom(self.buffer)
+
+    def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
+        """Do what `MovementMechanism.move_into` does, with a longer table whenever a row sees too much for it."""
+        if self.directions.low[0]:
+            self.directions.refill()
+        kernel, poses, store = self._kernel, self.poses.packed.words, self.buffer.table.packed.words
+        sight = self._room.sight(now, self.channels)
+        while (done := kernel(now, rows, vectors, active, sight, self._rule(), poses, store)) < len(rows):
+            rows, sight = rows[done:], self._room.double()
+
+    @property
+    @abstractmethod
+    def _kernel(self) -> Kernel:
+        """What is called as `move_rows` is."""
+
+    @abstractmethod
+    def _rule(self) -> Words[Any]:
+        """Return the record of the mechanism that its kernel takes."""
+
+
+class FormulaMechanism(KernelMechanism):
+    """A movement mechanism that sums one formula over the pairs that a row sees; subclasses define `formula`.
+
+    `formula` gets a `Pair` and returns the length of its contribution: towards the gradient if positive, away from it
+    if negative; negative infinity is full repulsion. It must not return NaN. It is compiled, and so are functions that
+    it calls, with `selforg.compiler.decorators.part`. A mechanism that is no such sum defines `combine`.
 
     Example:
-        >>> @kernel
-        ... def spring(distance, own_goal, own_reach, diffusion, goal, attraction):
-        ...     return distance - own_reach
         >>> @MECHANISMS.register
         ... class Spring(FormulaMechanism):
-        ...     formula = spring
+        ...     @staticmethod
+        ...     def formula(pair: Pair) -> float:
+        ...         return pair.distance - pair.own_reach
+
+    Attributes:
+        combine: what makes a vector of pairs in place of a sum, compiled with `part`.
+        looks: how far gradients of attraction -1, 0, +1 are seen: NOT_AT_ALL, OWN_GOAL_RADIUS or VIEW_DISTANCE.
+        wakes: whether a gradient in view, of attraction -1, 0, +1, makes a row active though it adds nothing.
+        by_own_reach: full repulsion and the longest vector are the own reach, not the gradient's and `max_speed`.
+        random: where the sum is zero the direction is random, at `max_speed`.
+        chooses: rule of `selforg.gradients.choosing` by which one gradient is followed.
+        min_speed, max_speed: limits of the length of a vector that is not zero [m/s]; the class has the defaults.
+        angle_xy, angle_yz: view angles [rad] to either side of the heading.
 
     """
 
-    rule = MovementRule(combination=0, looks=ALL_IN_VIEW)
-    formula: ClassVar[UserFormula]
+    combine = staticmethod(combined)
+    looks: ClassVar[Signs] = ALL_IN_VIEW
+    wakes: ClassVar[Signs] = (0, 0, 0)
+    by_own_reach: ClassVar[bool] = False
+    random: ClassVar[bool] = False
+    chooses: ClassVar[int] = CHOOSE_NEAREST
+    min_speed = 0.0
+    max_speed = 1.0
+    angle_xy = np.inf
+    angle_yz = np.inf
+
+    @staticmethod
+    def formula(pair: Pair) -> float:
+        """Return the length of the contribution of a pair [m or -]."""
+        raise NotImplementedError
 
     def __init__(
         self,
         buffer: SoBuffer | OwnPoses,
         *,
-        min_speed: float = 0.0,
-        max_speed: float = 1.0,
+        min_speed: float | None = None,
+        max_speed: float | None = None,
         **options: Unpack[MoveOptions],
     ) -> None:
-        super().__init__(buffer, min_speed=min_speed, max_speed=max_speed, **options)
+        super().__init__(buffer, **options)
+        self.max_speed = at_least(self, "max_speed", self.max_speed if max_speed is None else max_speed, 0.0)
+        self.min_speed = at_least(self, "min_speed", self.min_speed if min_speed is None else min_speed, 0.0)
 
-    def _run(self, now: float, rows: Ints, places: Ints, movements: Words[Movements], sight: Words[Sight]) -> int:
-        steering, poses, store = self._steering.words, self.poses.packed.words, self.buffer.table.packed.words
-        return make_walk(type(self).formula)(now, rows, places, movements, sight, steering, poses, store)
+    @property
+    def _kernel(self) -> Kernel:
+        formula, combine = type(self).formula, type(self).combine
+        return move_rows.of(sum_of(formula), formula) if combine is combined else move_rows.of(combine)
+
+    def _rule(self) -> Words[Rule]:
+        return self._packed.words
+
+    @cached_property
+    def _packed(self) -> Packed[Rule]:
+        """The record of the mechanism, packed when it moves for the first time."""
+        return RULE.pack(
+            Rule(
+                looks=np.array(self.looks),
+                wakes=np.array(self.wakes),
+                by_own_reach=self.by_own_reach,
+                random=self.random,
+                chooses=self.chooses,
+                see_bits=self._see_bits,
+                view_distance=self.view_distance,
+                min_speed=self.min_speed,
+                max_speed=self.max_speed,
+                angle_xy=self.angle_xy,
+                angle_yz=self.angle_yz,
+                directions=self.directions.vectors,
+                cursor=self.directions.cursor,
+                low=self.directions.low,
+                total=np.zeros(3),
+            )
+        )
+
+
+@cache
+def sum_of(formula: Formula) -> Combination:
+    """Return what sums `formula` over all pairs of a row."""
+    length_of = inlined(formula)
+
+    @part
+    def sum_all(row: int, found: int, own: Own, sight: Words[Sight], rule: Words[Rule]) -> bool:
+        m, pairs = open_rule(rule), open_sight(sight).pairs
+        x, y, z = 0.0, 0.0, 0.0
+        for index in range(found):
+            pair = pair_at(index, pairs, own)
+            length = length_of(pair)
+            if pair.distance > 0.0 and length > -np.inf:
+                scale = length / pair.distance
+                x += scale * pairs[index, c.PAIR_DX]
+                y += scale * pairs[index, c.PAIR_DY]
+                z += scale * pairs[index, c.PAIR_DZ]
+            else:
+                add(index, length, own.reach if m.by_own_reach else full_length(index, sight), row, sight, rule)
+        m.total[0] += x
+        m.total[1] += y
+        m.total[2] += z
+        return True
+
+    return sum_all

@@ -3,10 +3,9 @@
 from typing import Unpack
 
 from selforg.gradients.buffer import SoBuffer
+from selforg.mechanisms.base import MECHANISMS, SpeedOptions
 from selforg.mechanisms.depositing import DepositingMechanism, Pheromone
-from selforg.mechanisms.kernels.rules import patrol
-from selforg.mechanisms.options import SpeedOptions
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.mechanisms.following import AvoidAll
 
 
 @MECHANISMS.register
@@ -17,11 +16,13 @@ class Patrol(DepositingMechanism):
     replaces every vector that needs no limiting). Inactive where no gradient is in view.
     """
 
-    rule = patrol
+    formula = staticmethod(AvoidAll.formula)
+    looks = AvoidAll.looks
+    wakes = AvoidAll.wakes
+    random = True
+    min_speed = 0.7
 
     def __init__(
         self, buffer: SoBuffer, *, pheromone: Pheromone | None = None, **options: Unpack[SpeedOptions]
     ) -> None:
-        pheromone = pheromone or Pheromone(attraction=-1, evaporation_period=30.0)
-        options = {"min_speed": 0.7, **options}
-        super().__init__(buffer, pheromone=pheromone, **options)
+        super().__init__(buffer, pheromone=pheromone or Pheromone(attraction=-1, evaporation_period=30.0), **options)

@@ -12,8 +12,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.rows import set_times
 from selforg.gradients.store import columns as c
-from selforg.mechanisms.base import Mechanism
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.mechanisms.base import MECHANISMS, Mechanism
 
 
 @dataclass(frozen=True)

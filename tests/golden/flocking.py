@@ -5,18 +5,9 @@ from typing import Any
 import numpy as np
 
 from selforg.compiler.records import Packed
-from selforg.mechanisms.kernels.flocking import (
-    BOID_COLUMNS,
-    BOID_GOAL_RADIUS,
-    BOID_OFFSET,
-    BOID_VELOCITY,
-    FLOCK,
-    Flock,
-    mean_difference,
-    olfati_saber,
-    separation,
-)
-from selforg.mechanisms.kernels.flocking_terms import action, adjacency, bump, sigma_norm
+from selforg.mechanisms.boids import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY, FLOCK, Flock
+from selforg.mechanisms.flocking import action, adjacency, bump, olfati_saber, sigma_norm
+from selforg.mechanisms.flocking_reynolds import mean_difference, separation
 from selforg.randomness import DirectionStream
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.scene import heading_of
@@ -96,7 +87,7 @@ def flock_of(boids: np.ndarray, p: dict[str, Any]) -> Packed[Flock]:
     stream = DirectionStream.fixed(1, 3)
     return FLOCK.pack(
         Flock(
-            reynolds=0,
+            least_poses=1,
             see_bits=0,
             view_distance=p.get("view_distance", 0.0),
             max_speed=0.0,
@@ -111,5 +102,7 @@ def flock_of(boids: np.ndarray, p: dict[str, Any]) -> Packed[Flock]:
             low=stream.low,
             boids=boids,
             total=np.zeros(3),
+            own=np.zeros(3),
+            change=np.zeros(3),
         )
     )

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from selforg.potentials import attraction_balch, attraction_ge, repulsion_balch, repulsion_ge
+from selforg.gradients.pair import Pair, attraction_balch, repulsion_balch
+from selforg.mechanisms.chemotaxis import attraction_ge, repulsion_ge
 from tests.golden.case import Case, difference
 
 
@@ -13,17 +14,18 @@ def replay(case: Case) -> str | None:
     offset, diffusion = np.subtract(gradient["p"], own["p"]), gradient["diffusion"]
     distance = float(np.sqrt(offset @ offset))
     clearance = distance - own["goal_radius"] - gradient["goal_radius"]
+    pair = Pair(distance, clearance, diffusion, 0.0, 0.0, 0.0, own_reach=0.0, view_distance=np.inf)
     towards = unit(offset)
     if name == "attractive_balch":
-        vector = attraction_balch(clearance, diffusion, distance) * towards
+        vector = attraction_balch(pair) * towards
     elif name == "attractive_ge":
-        vector = attraction_ge(clearance, diffusion) * towards
+        vector = attraction_ge(pair) * towards
     elif name == "repulsive_balch":
-        vector = full_or(repulsion_balch(clearance, diffusion), -towards)
+        vector = full_or(repulsion_balch(pair), -towards)
     else:
         goal = np.subtract(inputs["goal"]["p"], own["p"])
         goal_clearance = float(np.sqrt(goal @ goal)) - own["goal_radius"] - inputs["goal"]["goal_radius"]
-        away, to_goal = repulsion_ge(clearance, diffusion, goal_clearance)
+        away, to_goal = repulsion_ge(pair, goal_clearance)
         vector = full_or(away, -towards) + to_goal * unit(goal)
     return difference(case.expected["vector"], vector.tolist(), name)
 

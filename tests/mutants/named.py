@@ -2,7 +2,8 @@
 
 from tests.mutants.mutant import Mutant
 
-POTENTIALS, SPACE = "selforg/potentials.py", "selforg/space.py"
+BALCH, SPACE = "selforg/gradients/pair.py", "selforg/space.py"
+FERNANDEZ, GE = "selforg/mechanisms/repulsion.py", "selforg/mechanisms/chemotaxis.py"
 COLLISIONS, PHYSICS = (
     "clean_swarm_env/physics/collisions.py",
     "tests/clean_swarm_env/physics/test_collisions.py::test_a_pair_at_the_distance_itself_is_not_closer",
@@ -13,39 +14,39 @@ ENDINGS, SEARCH = (
     "tests/train/cli/test_endings.py::test_what_is_promised_to_be_kept_is_on_the_disk_before_it_counts",
     "selforg/network/planning/search.py",
 )
-OF_POTENTIALS, OF_SPACE, OF_PLANS = (
-    ("tests/selforg/test_potentials.py",),
+OF_FORMULAS, OF_SPACE, OF_PLANS = (
+    ("tests/selforg/mechanisms/test_formulas.py",),
     ("tests/selforg/test_space.py",),
     ("tests/selforg/network/planning/test_planner.py",),
 )
 MUTANTS = (
     Mutant(
         "repulsion of Balch at no clearance",
-        POTENTIALS,
-        "if clearance <= 0.0 or np.isinf(diffusion):",
-        "if clearance < 0.0 or np.isinf(diffusion):",
-        OF_POTENTIALS,
+        BALCH,
+        "if pair.clearance <= 0.0 or np.isinf(pair.diffusion):",
+        "if pair.clearance < 0.0 or np.isinf(pair.diffusion):",
+        OF_FORMULAS,
     ),
     Mutant(
         "repulsion of Fernandez at no clearance",
-        POTENTIALS,
-        "    if clearance <= 0.0:\n        return np.inf\n    return distance",
-        "    if clearance < 0.0:\n        return np.inf\n    return distance",
-        OF_POTENTIALS,
+        FERNANDEZ,
+        "if clearance <= 0.0:",
+        "if clearance < 0.0:",
+        OF_FORMULAS,
     ),
     Mutant(
         "repulsion of Ge at no clearance",
-        POTENTIALS,
-        "    if clearance <= 0.0:\n        return np.inf, 0.0",
-        "    if clearance < 0.0:\n        return np.inf, 0.0",
-        OF_POTENTIALS,
+        GE,
+        "    if pair.clearance <= 0.0:\n        return np.inf, 0.0",
+        "    if pair.clearance < 0.0:\n        return np.inf, 0.0",
+        OF_FORMULAS,
     ),
     Mutant(
         "attraction of Balch at its diffusion",
-        POTENTIALS,
-        "    if clearance <= diffusion:\n        return clearance / diffusion",
-        "    if clearance < diffusion:\n        return clearance / diffusion",
-        OF_POTENTIALS,
+        BALCH,
+        "    if pair.clearance <= pair.diffusion:\n        return pair.clearance / pair.diffusion",
+        "    if pair.clearance < pair.diffusion:\n        return pair.clearance / pair.diffusion",
+        OF_FORMULAS,
     ),
     Mutant("half a torus, forwards", SPACE, "if delta > half:", "if delta >= half:", OF_SPACE),
     Mutant("half a torus, backwards", SPACE, "if delta < -half:", "if delta <= -half:", OF_SPACE),

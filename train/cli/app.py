@@ -47,7 +47,10 @@ TRUST, IMPORT = "--trust", "--import"
 """Options of all commands: to let files name code, and to read tasks of the user's own from a file."""
 DECLARED = {
     "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
-    "mechanisms by name": ("selforg/mechanisms", r"@MECHANISMS\.register\nclass (\w+)"),
+    "mechanisms by name": (
+        "selforg/mechanisms",
+        r"(?m)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(\w+)",
+    ),
     "terms of observations": (
         "clean_swarm_env/learning/observation",
         r"(?m)^(?:    name = |@compiled_term\(\s*)\"(\w+)\"",

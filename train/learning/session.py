@@ -13,7 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import TextColumn
 
-from clean_swarm_env.learning.warm_up import announce, compiled_before
+from clean_swarm_env.learning.batch import compile_missions
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import MOST_LETTERS
@@ -109,9 +109,8 @@ def run_training(request: TrainingRequest, made: Callable[[TrainingJob], Trainin
     folder = RunFolder(request.directory, {"identity": identity, **known}, resume=request.resume)
     record = RecordSettings(Path(RECORDINGS)) if request.record else None
     job = TrainingJob(config, request.seed, folder, directories=request.directories, record=record, memory=memory)
-    if not compiled_before():
-        announce()
     try:
+        compile_missions()  # before the bar and the workers
         engine = chosen_engine(request.machine, request.bits)
         bar = progress("decisions", TextColumn("{task.completed:,.0f}"), config.checkpoints * config.decisions)
         with noting(folder, request.bits), bar as update, engine.rounds() as done:

@@ -56,8 +56,12 @@ def _unfinished(report: FamilyReport) -> str:
 
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     rows = [_gap_row(standing, report, comparison) for standing in comparison.standings]
-    title = f"excess cost beside the best fixed option, {comparison.best_fixed.label}"
+    title, yardstick = f"excess cost beside the best fixed option, {comparison.best_fixed.label}", "best fixed"
     notes = ["The best fixed option is chosen on one half of the scenarios and judged on the other, both ways round."]
+    if len(report.runs.fixed) == 1:
+        yardstick = comparison.best_fixed.label
+        title = f"excess cost beside {yardstick}"
+        notes = [f"{yardstick} is the only fixed option that ran, not the best of all: --strategy fixed runs them all."]
     if comparison.gap is None:
         notes.append(f"no {ORACLE}: it needs --world-seeds 2 or more")
     else:
@@ -69,7 +73,7 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     if report.limits:
         notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
     priced = ("limit / 2", "limit x 2") if report.limits else ()
-    heads = (_unfinished(report), "excess s", "ratio to best fixed", "95 %", "p", *priced, "share of the gap", "95 %")
+    heads = (_unfinished(report), "excess s", f"ratio to {yardstick}", "95 %", "p", *priced, "share of the gap", "95 %")
     return replace(flat(title, "strategy", heads, rows), notes=tuple(notes))
 
 

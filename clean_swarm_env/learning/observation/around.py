@@ -62,7 +62,7 @@ class Around(NamedTuple):
     phases: Annotated[Ints, "R", SCRATCH]  # numbers of `PHASES`
     station_distances: Annotated[Floats, "R 2", SCRATCH]  # to the nearest recycling station and dump [m]
     station_ways: Annotated[Floats, "R 2 3", SCRATCH]  # the ways to them, see `write_way`, by `longest`
-    # as the robot has heard: see `selforg.mechanisms.kernels.others`
+    # as the robot has heard: see `selforg.mechanisms.steering.base`
     neighbour: Annotated[Ints, "R", SCRATCH]  # row of the nearest other robot within the largest range, -1 without one
     heard: Annotated[Floats, "R OTHER", SCRATCH]  # what is known of it; its velocity is relative to that of the row
     within: Annotated[Ints, "R K", SCRATCH]  # number of other robots within each range

@@ -18,7 +18,7 @@ from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Words
-from selforg.mechanisms.kernels.others import OTHER_COLUMNS
+from selforg.mechanisms.steering.base import OTHER_COLUMNS
 
 Observations = NDArray[np.float32]
 COMPILED_TERMS = (*DEFAULT_TERMS, *TRUE_TERMS)

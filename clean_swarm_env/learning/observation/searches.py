@@ -23,8 +23,7 @@ from selforg.compiler.decorators import kernel, part
 from selforg.compiler.records import Words
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.mechanisms.kernels.half_planes import own_velocity
-from selforg.mechanisms.kernels.others import (
+from selforg.mechanisms.steering.base import (
     OTHER_COLUMNS,
     OTHER_ROW,
     OTHER_VX,
@@ -32,6 +31,7 @@ from selforg.mechanisms.kernels.others import (
     OTHER_X,
     OTHER_Y,
     note_others,
+    own_velocity,
 )
 from selforg.space import nearest_image
 

@@ -11,7 +11,7 @@ from clean_swarm_env.learning.observation.term import TERMS, CompiledTerm, Obser
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined
 from selforg.elementary import sine_cosine
-from selforg.mechanisms.kernels.others import OTHER_COSINE, OTHER_SINE, OTHER_VX, OTHER_VY, OTHER_X, OTHER_Y
+from selforg.mechanisms.steering.base import OTHER_COSINE, OTHER_SINE, OTHER_VX, OTHER_VY, OTHER_X, OTHER_Y
 
 
 @compiled_term("neighbour", "neighbour_distance", "neighbour_ahead", "neighbour_left")

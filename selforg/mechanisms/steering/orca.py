@@ -1,20 +1,54 @@
-"""Optimal reciprocal collision avoidance by half-planes of velocities."""
+"""Optimal reciprocal collision avoidance: half-planes of velocities, and the linear programs over them.
 
-from typing import Unpack
+Van den Berg, Guy, Lin & Manocha (2011), doi:10.1007/978-3-642-19457-3_1; equation and section numbers are theirs. A
+half-plane is a row of a table, float64 (M, LINE_COLUMNS): a point on its border, and the unit normal into it.
+"""
+
+from typing import Annotated, NamedTuple, Unpack
 
 import numpy as np
 
-from selforg.arrays import Ints
-from selforg.commands import Commanded
-from selforg.compiler.records import Words
+from selforg.arrays import SCRATCH, Floats, Ints
+from selforg.commands import Commanded, open_commanded
+from selforg.compiler.decorators import kernel, lean_kernel, part
+from selforg.compiler.records import Recording, Words
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
-from selforg.mechanisms.base import at_least
-from selforg.mechanisms.kernels.half_planes import HALF_PLANES, LINE_COLUMNS, HalfPlanes, avoid_rows
-from selforg.mechanisms.kernels.others import OTHER_COLUMNS
-from selforg.mechanisms.options import LookOptions
-from selforg.mechanisms.registry import MECHANISMS
-from selforg.mechanisms.steering.base import SteeringMechanism
+from selforg.gradients.store.records import Poses
+from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.steering.base import (
+    OTHER_COLUMNS,
+    OTHER_VX,
+    OTHER_VY,
+    OTHER_X,
+    OTHER_Y,
+    SteeringMechanism,
+    note_others,
+    own_velocity,
+    speed_to_change,
+)
+
+POINT_X, POINT_Y, NORMAL_X, NORMAL_Y = 0, 1, 2, 3
+LINE_COLUMNS = 4
+NEARLY = 1e-9
+"""Sine of the angle up to which two borders count as parallel; likewise the slack of a constraint [m/s]."""
+
+
+class HalfPlanes(NamedTuple):
+    """The parameters of `ORCA`, and room for the others and the half-planes of one row."""
+
+    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
+    lines: Annotated[Floats, "N LINE", SCRATCH]  # columns POINT_ and NORMAL_
+    projected: Annotated[Floats, "N LINE", SCRATCH]  # the half-planes of the three-dimensional program
+    found: Annotated[Floats, "2", SCRATCH]  # the velocity found [m/s]
+    view_distance: float  # from here on: see `ORCA`
+    distance: float
+    horizon: float
+    period: float
+
+
+HALF_PLANES = Recording(HalfPlanes)
+open_half_planes = HALF_PLANES.open
 
 
 @MECHANISMS.register
@@ -62,3 +96,141 @@ class ORCA(SteeringMechanism):
     def steer(self, now: float, rows: Ints, commands: Words[Commanded]) -> None:
         """Change the commands of `rows` (K,), all different, at `now` [s]."""
         avoid_rows(now, rows, commands, self._planes.words, self.poses.packed.words)
+
+
+@lean_kernel
+def avoid_rows(
+    now: float, rows: Ints, commands: Words[Commanded], planes: Words[HalfPlanes], poses: Words[Poses]
+) -> None:
+    """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
+    m, h = open_commanded(commands), open_half_planes(planes)
+    for row in rows:
+        speed = speed_to_change(row, commands, poses)
+        if speed == 0.0:
+            continue
+        count = note_others(row, now, h.view_distance, h.others, poses)
+        vx, vy = own_velocity(row, poses)
+        for other in range(count):
+            permit(other, vx, vy, planes)
+        if count > 0:
+            choose_velocity(count, m.vectors[row, 0], m.vectors[row, 1], speed, planes)
+            m.vectors[row, 0], m.vectors[row, 1] = h.found[0], h.found[1]
+
+
+@part
+def permit(other: int, vx: float, vy: float, planes: Words[HalfPlanes]) -> None:
+    """Write the half-plane ORCA of a robot of velocity (vx, vy) [m/s] for an other: eq. (2) to (5).
+
+    u is the smallest change of the relative velocity that leaves the velocity obstacle, a cone whose tip is cut off by
+    a circle; each of both robots makes half of it. Robots that overlap must have parted within one period.
+    """
+    h = open_half_planes(planes)
+    px, py = h.others[other, OTHER_X], h.others[other, OTHER_Y]
+    rx, ry = vx - h.others[other, OTHER_VX], vy - h.others[other, OTHER_VY]
+    squared, radius = px * px + py * py, h.distance
+    apart = squared > radius * radius
+    time = h.horizon if apart else h.period
+    wx, wy = rx - px / time, ry - py / time  # from the centre of the circle that cuts off the tip
+    length, along = np.sqrt(wx * wx + wy * wy), wx * px + wy * py
+    if not apart or (along < 0.0 and along * along > radius * radius * length * length):
+        nx, ny = (wx / length, wy / length) if length > 0.0 else (-1.0, 0.0)
+        ux, uy = (radius / time - length) * nx, (radius / time - length) * ny
+    else:
+        leg = np.sqrt(squared - radius * radius)
+        side = 1.0 if px * wy - py * wx > 0.0 else -1.0  # the leg to the left of the cone, or to the right
+        dx, dy = (leg * px - side * radius * py) / squared, (leg * py + side * radius * px) / squared
+        nx, ny = -side * dy, side * dx
+        outside = rx * nx + ry * ny
+        ux, uy = -outside * nx, -outside * ny
+    h.lines[other, POINT_X], h.lines[other, POINT_Y] = vx + 0.5 * ux, vy + 0.5 * uy
+    h.lines[other, NORMAL_X], h.lines[other, NORMAL_Y] = nx, ny
+
+
+@part
+def choose_velocity(count: int, x: float, y: float, speed: float, planes: Words[HalfPlanes]) -> None:
+    """Write the permitted velocity nearest to (x, y), at most `speed` [m/s] long (eq. 6).
+
+    If none is permitted, the velocity that violates the worst half-plane least (section 5.3).
+    """
+    h = open_half_planes(planes)
+    failed = nearest_permitted(count, x, y, speed, False, h.lines, h.found)
+    if failed < count:
+        least_violating(failed, count, speed, h.lines, h.projected, h.found)
+
+
+@part
+def violation(k: int, lines: Floats, found: Floats) -> float:
+    """Return how far outside half-plane `k` the velocity `found` (2,) lies [m/s], negative inside."""
+    x, y = lines[k, POINT_X] - found[0], lines[k, POINT_Y] - found[1]
+    outside: float = x * lines[k, NORMAL_X] + y * lines[k, NORMAL_Y]
+    return outside
+
+
+@kernel
+def nearest_permitted(count: int, x: float, y: float, speed: float, far: bool, lines: Floats, found: Floats) -> int:
+    """Write into `found` (2,) the point nearest to (x, y) in `count` half-planes and the disc of radius `speed`.
+
+    With `far`, the point farthest in the direction (x, y). The half-planes of `lines` (M, LINE_COLUMNS) are added one
+    by one: where the point so far violates the next one, the new one lies on its border (de Berg et al., Computational
+    Geometry, chapter 4). Returns `count`, or the first half-plane that leaves no point.
+    """
+    length = np.sqrt(x * x + y * y)
+    scale = speed / length if length > 0.0 and (far or length > speed) else 1.0
+    found[0], found[1] = scale * x, scale * y
+    for k in range(count):
+        if violation(k, lines, found) <= NEARLY:
+            continue
+        nx, ny = lines[k, NORMAL_X], lines[k, NORMAL_Y]
+        dx, dy = ny, -nx  # along the border
+        middle = lines[k, POINT_X] * dx + lines[k, POINT_Y] * dy
+        offset = lines[k, POINT_X] * nx + lines[k, POINT_Y] * ny
+        inside = speed * speed - offset * offset
+        if inside < 0.0:
+            return k
+        first, last = -np.sqrt(inside) - middle, np.sqrt(inside) - middle
+        for j in range(k):
+            slope = dx * lines[j, NORMAL_X] + dy * lines[j, NORMAL_Y]
+            room = (lines[k, POINT_X] - lines[j, POINT_X]) * lines[j, NORMAL_X]
+            room += (lines[k, POINT_Y] - lines[j, POINT_Y]) * lines[j, NORMAL_Y]
+            if abs(slope) <= NEARLY:
+                if room < -NEARLY:
+                    return k
+            elif slope > 0.0:
+                first = max(first, -room / slope)
+            else:
+                last = min(last, -room / slope)
+        if first > last:
+            return k
+        wanted = (last if x * dx + y * dy > 0.0 else first) if far else x * dx + y * dy - middle
+        at = min(max(wanted, first), last)
+        found[0], found[1] = lines[k, POINT_X] + at * dx, lines[k, POINT_Y] + at * dy
+    return count
+
+
+@kernel
+def least_violating(begin: int, count: int, speed: float, lines: Floats, projected: Floats, found: Floats) -> None:
+    """Write into `found` (2,) the velocity in the disc of radius `speed` whose worst violation is least.
+
+    The half-planes before `begin` are kept by `found`. Lifted by the violation, the others are half-spaces: where the
+    next one is worse than all before, the optimum lies where it equals one of these, and moves along its normal.
+    """
+    worst = 0.0
+    for k in range(begin, count):
+        if violation(k, lines, found) <= worst + NEARLY:
+            continue
+        number = 0
+        for j in range(k):
+            nx, ny = lines[j, NORMAL_X] - lines[k, NORMAL_X], lines[j, NORMAL_Y] - lines[k, NORMAL_Y]
+            length = np.sqrt(nx * nx + ny * ny)
+            if length <= NEARLY:
+                continue  # parallel, and less strict or never both
+            nx, ny = nx / length, ny / length
+            level = lines[j, POINT_X] * lines[j, NORMAL_X] + lines[j, POINT_Y] * lines[j, NORMAL_Y]
+            level -= lines[k, POINT_X] * lines[k, NORMAL_X] + lines[k, POINT_Y] * lines[k, NORMAL_Y]
+            projected[number, POINT_X], projected[number, POINT_Y] = level / length * nx, level / length * ny
+            projected[number, NORMAL_X], projected[number, NORMAL_Y] = nx, ny
+            number += 1
+        before_x, before_y = found[0], found[1]
+        if nearest_permitted(number, lines[k, NORMAL_X], lines[k, NORMAL_Y], speed, True, projected, found) < number:
+            found[0], found[1] = before_x, before_y  # only by rounding
+        worst = violation(k, lines, found)

@@ -172,7 +172,7 @@ def test_names_that_are_not_there_are_named():
 
 
 def test_too_few_and_too_many_robots_are_refused():
-    with pytest.raises(ConfigurationError, match=r"robots.count: expected at least 2 with the task UniformDistribution"):
+    with pytest.raises(ConfigurationError, match=r"robots.count: expected at least 2 with the task Unif"):
         Batch({"task": "UniformDistribution", "robots": {"count": 1}})
     with pytest.raises(ConfigurationError, match=r"robots.count: expected room for 50 places"):
         Batch({"task": "FormationControl", "robots": {"count": 50}}).reset([1])

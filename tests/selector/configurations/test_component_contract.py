@@ -29,7 +29,7 @@ class Fast(SensorComponent):
         self.sources = (mechanism,)
         self._vectors, self._limit = mechanism.vectors, limit
 
-    def _read(self, rows):
+    def read(self, rows):
         return np.linalg.norm(self._vectors[rows], axis=1) > self._limit
 
 

@@ -29,6 +29,26 @@ def outer(x): return inner(x)
 """
 
 
+TEMPLATE = """
+from selforg.compiler.decorators import part, template
+def rest(x): ...
+@template(rest)
+def whole(x): return rest(x) + 1.0
+"""
+FILLED = """
+from selforg.compiler.decorators import part
+from template import whole
+@part
+def double(x): return 2.0 * x
+def times(y):
+    @part
+    def product(x): return y * x
+    return product
+outer = whole.of(double)
+assert (whole.of(times(5.0))(3.0), whole.of(times(7.0))(3.0)) == (16.0, 22.0)
+"""
+
+
 @pytest.fixture
 def project(tmp_path):
     (tmp_path / "limit.py").write_text("LIMIT = 100.0\n")
@@ -57,6 +77,17 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen(project):
     (project / "limit.py").write_text("LIMIT = 200.0\n")
     assert outer(project, **kept)[0] == 215.0
     assert len(list((project / "kept").glob("kernel-*"))) == 3
+
+
+def test_a_template_is_kept_for_each_function_that_has_a_name_of_its_own_and_changes_with_both_files(project):
+    (project / "template.py").write_text(TEMPLATE)
+    (project / "kernel.py").write_text(FILLED)
+    kept = {"NUMBA_CACHE_DIR": str(project / "kept")}
+    assert outer(project, **kept)[0] == outer(project, **kept)[0] == 7.0
+    assert [path.name.partition("-")[0] for path in (project / "kept").rglob("*.nbi")] == ["kernel.whole_double"]
+    (project / "template.py").write_text(TEMPLATE.replace("1.0", "2.0"))
+    (project / "kernel.py").write_text(FILLED.replace("(16.0, 22.0)", "(17.0, 23.0)"))
+    assert outer(project, **kept)[0] == 8.0
 
 
 def test_where_nothing_can_be_kept_kernels_run_all_the_same_and_say_so_once(project):

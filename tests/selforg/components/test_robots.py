@@ -163,7 +163,7 @@ class Greeting(Decide):
         super().__init__(mechanism)
         self.memory, self.greeted = memory, greeted
 
-    def _act(self, now, rows, started, commands):
+    def act(self, now, rows, started, commands):
         self.greeted += started.tolist()
         self.memory["spoken"].write(started, True)
 

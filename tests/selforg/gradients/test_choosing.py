@@ -3,18 +3,20 @@ import pytest
 
 from selforg.gradients import choosing
 from selforg.gradients.choosing import choose
+from selforg.gradients.pair import Own
 from selforg.gradients.store import columns as c
 
+OWN = Own(0.5, 1.5, 2.0)
 RULES = [name for name in dir(choosing) if name.startswith("CHOOSE_")]
 
 
 @pytest.mark.parametrize("rule", RULES)
 def test_nothing_is_chosen_where_there_is_nothing(rule):
-    assert choose(getattr(choosing, rule), np.zeros((3, c.PAIR_COLUMNS)), 0, 0.5) == -1
+    assert choose(getattr(choosing, rule), np.zeros((3, c.PAIR_COLUMNS)), 0, OWN) == -1
 
 
 @pytest.mark.parametrize(("rule", "chosen"), [("CHOOSE_NEAREST", 0), ("CHOOSE_FARTHEST", 2)])
 def test_the_nearest_and_the_farthest_are_chosen(rule, chosen):
     pairs = np.zeros((3, c.PAIR_COLUMNS))
     pairs[:, c.PAIR_DISTANCE], pairs[:, c.PAIR_SIGN], pairs[:, c.PAIR_DIFFUSION] = (2.0, 4.0, 6.0), 1.0, 9.0
-    assert choose(getattr(choosing, rule), pairs, 3, 0.5) == chosen
+    assert choose(getattr(choosing, rule), pairs, 3, OWN) == chosen

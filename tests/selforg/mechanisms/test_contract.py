@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from selforg import mechanisms
-from selforg.compiler.decorators import kernel
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, Carried, DecisionMechanism, FormulaMechanism, MovementMechanism
@@ -12,16 +11,13 @@ from selforg.mechanisms.depositing import DepositingMechanism
 from tests.selforg.worlds import directions, make_world, scatter
 
 
-@kernel
-def spring(distance, own_goal, own_reach, diffusion, goal, attraction):
-    return distance - own_reach
-
-
 @MECHANISMS.register
 class Spring(FormulaMechanism):
     """Keeps neighbours at the own reach: the worked example of the documentation."""
 
-    formula = spring
+    @staticmethod
+    def formula(pair):
+        return pair.distance - pair.own_reach
 
 
 MOVEMENTS = [n for n in MECHANISMS.names() if issubclass(MECHANISMS.find(n), MovementMechanism)]

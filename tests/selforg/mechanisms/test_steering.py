@@ -13,7 +13,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pose_delivery import PoseDelivery
 from selforg.gradients.settings import BufferSettings
 from selforg.mechanisms import MECHANISMS, ORCA, PredictiveSteering, SteeringMechanism
-from selforg.mechanisms.kernels.others import OTHER_COLUMNS, note_others
+from selforg.mechanisms.steering.base import OTHER_COLUMNS, note_others
 from selforg.space import Torus
 from tests.selforg.worlds import directions, make_world
 

@@ -64,6 +64,13 @@ def test_without_an_unfinished_mission_there_are_no_other_limits():
     assert not any("limit" in columns.heads[0] for columns in family_tables(found)[1].columns)
 
 
+def test_a_single_fixed_option_is_not_called_the_best():
+    _, gaps, _ = family_tables(report({}, fixed=("fixed:a",), conditions=("fixed:a", "Random")))
+    assert gaps.title == "excess cost beside fixed:a"
+    assert "ratio to fixed:a" in [columns.heads[0] for columns in gaps.columns]
+    assert "only fixed option that ran" in gaps.notes[0]
+
+
 @pytest.fixture
 def drawn(monkeypatch):
     """Draw the figure of a report; return its axes, and the picture."""

@@ -31,7 +31,7 @@ import json
 from clean_swarm_env.learning.observation.config import TERMS
 from clean_swarm_env.scenes import goals
 from selector.strategies.registry import STRATEGIES
-from selforg.mechanisms.registry import MECHANISMS
+from selforg.mechanisms import MECHANISMS
 names = {"strategies": STRATEGIES.names(), "mechanisms": MECHANISMS.names()}
 print(json.dumps(names | {"goals": sorted(goals()), "terms": sorted(TERMS.names())}))
 """

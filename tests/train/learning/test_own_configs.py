@@ -6,6 +6,7 @@ import pytest
 import yaml
 from rich.console import Console
 
+from clean_swarm_env.learning import warm_up
 from selector.documents.errors import DocumentError
 from selector.documents.find import find_file
 from selector.strategies.policy_file import find_policy
@@ -40,9 +41,12 @@ def own(tmp_path):
     return directory
 
 
-def test_a_training_of_ones_own_is_done(own, tmp_path):
+def test_a_training_of_ones_own_is_done_and_says_once_that_it_compiles(own, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(warm_up, "folder_for", lambda file: tmp_path / "nothing compiled")
+    monkeypatch.setattr(warm_up, "_checked", [])
     request = session.TrainingRequest("bandit", "mine", 1, tmp_path / "t", False, directories=(own,))
     assert session.run_training(request, BanditTraining, Console(quiet=True)) == session.FINISHED
+    assert capsys.readouterr().err.count(warm_up.COMPILING) == 1
     assert (tmp_path / "t" / "strategy.safetensors").is_file()
     with pytest.raises(DocumentError, match="unknown training 'mine'"):
         load_training("mine", "bandit")

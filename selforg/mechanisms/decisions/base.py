@@ -9,8 +9,7 @@ import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.gradients.buffer import SoBuffer
-from selforg.mechanisms.base import Mechanism
-from selforg.mechanisms.options import LookOptions
+from selforg.mechanisms.base import LookOptions, Mechanism
 from selforg.mechanisms.spreading import Carried, Spreader
 
 

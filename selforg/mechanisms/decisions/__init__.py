@@ -1,0 +1,1 @@
+"""Decision mechanisms, which give rows a value and a state."""
