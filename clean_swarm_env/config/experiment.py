@@ -10,7 +10,7 @@ from clean_swarm_env.config.types import Scenarios
 from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Label, Name, Number
-from selector.documents.trust import FILED_KINDS, FOREIGN_ENDINGS, check_trust
+from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
 from selector.strategies.registry import StrategySpec, spec_from_text
 
 ConditionScores = dict[str, dict[str, Number]]
@@ -21,6 +21,8 @@ def _strategy_of(given: object) -> object:
     if not isinstance(given, str):
         return given
     kind, _, name = given.partition(":")
+    if given == BASELINE:
+        return given
     if kind not in FILED_KINDS:
         return spec_from_text(given)
     if kind == "velocity" or Path(name).suffix in FOREIGN_ENDINGS:

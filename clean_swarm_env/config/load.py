@@ -1,5 +1,6 @@
 """Read missions, families and experiments from YAML files, by name or by path; see `selector.documents.find`.
 
+A task's name is the name of its own mission, unless a file has it, and of the random starts of that mission.
 Every mistake raises ConfigurationError: one line with file, key, expected and given. Files may ask for code and
 databases only with `trust` (docs/trust.md).
 """
@@ -8,14 +9,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, RobustnessConfig
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import task_names
 from selector.documents.errors import shown, validated
 from selector.documents.fields import checked_name
-from selector.documents.find import files_of, find_file, load_file
+from selector.documents.find import KINDS, files_of, find_file, is_path
 from selector.documents.reading import read_mapping
 from selector.documents.trust import reading_files
+from selforg.registry import unknown
 
 
 def load_experiment(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> ExperimentConfig:
@@ -42,26 +46,52 @@ def load_robustness(name_or_path: str, directories: Sequence[Path] = ()) -> Robu
 def load_family(name_or_path: str, directories: Sequence[Path] = (), *, trust: bool = False) -> FamilyConfig:
     """Return the family of a name or of a path to a YAML file, its mission and start configurations resolved.
 
-    The name of a mission is that of its family, too: its random starts.
+    The name of a mission or of a task is that of its family, too: its random starts.
     """
-    alone = name_or_path in files_of("missions", directories)
-    if alone and name_or_path not in files_of("families", directories):
-        mission = load_mission(name_or_path, directories, trust=trust)
-        robots, garbage = mission.robots.count, mission.garbage
-        counts = {"robots": (robots,) * 2, "items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
-        content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission, **counts}
-        return validated(FamilyConfig, content, name_or_path)
-    path = find_file("families", name_or_path, directories)
+    if (path := named_file("families", name_or_path, directories)) is None:
+        return random_starts(load_mission(name_or_path, directories, trust=trust))
     with reading_files(trust=trust):
         return validated(FamilyConfig, _resolved(path, directories), shown(path))
+
+
+def random_starts(mission: MissionConfig) -> FamilyConfig:
+    """Return a mission from random starts as a family of its name."""
+    robots, garbage = mission.robots.count, mission.garbage
+    counts = {"robots": (robots,) * 2, "items": (garbage.count,) * 2, "respawn": (garbage.respawn,) * 2}
+    content = {"name": mission.name, "description": "The mission from random starts.", "mission": mission, **counts}
+    return validated(FamilyConfig, content, mission.name)
 
 
 def load_mission(
     name_or_path: str, directories: Sequence[Path] = (), where: str = "", *, trust: bool = False
 ) -> MissionConfig:
     """Return the mission of a name or of a path to a YAML file; `where` starts the line of an unknown one."""
+    if (path := named_file("missions", name_or_path, directories, where)) is None:
+        return own_mission(name_or_path)
     with reading_files(trust=trust):
-        return load_file("missions", name_or_path, MissionConfig, directories, where)
+        return validated(MissionConfig, read_mapping(path), shown(path))
+
+
+def own_mission(task: str) -> MissionConfig:
+    """Return the mission that a task has of its own."""
+    return validated(MissionConfig, {"name": task, "task": task}, f"task {task}")
+
+
+def named_file(kind: str, name_or_path: str, directories: Sequence[Path] = (), where: str = "") -> Path | None:
+    """Return the file of a mission or a family; None where only a task has the name, or a mission that of a family.
+
+    Raises:
+        DocumentError: nothing has the name; `where` starts the line, which lists the known names.
+
+    """
+    found = files_of(kind, directories)
+    if name_or_path in found or is_path(kind, name_or_path):
+        return find_file(kind, name_or_path, directories, where)
+    missions = files_of("missions", directories)
+    if name_or_path in missions or name_or_path in task_names():
+        return None
+    known = dict.fromkeys((*found, *missions, *task_names()))
+    raise ConfigurationError(where + unknown(f"{KINDS[kind].called} or task", name_or_path, tuple(known)))
 
 
 def with_changes(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,21 +1,29 @@
 """The tasks of missions by name, and their settings: the key `task:` of a mission.
 
 Cleaning is the task of missions that name none. The tasks themselves are in `clean_swarm_env.tasks`, which is imported
-as soon as a mission names another one.
+as soon as a mission names another one, and in files of the user's own, which `import_tasks` reads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ast
+import os
+from collections.abc import Iterable, Mapping
+from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Final, Protocol, TypeVar
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
+from selector.documents.imported import module_of_file
+from selector.documents.reading import read_text
 from selforg.registry import Registry, UnknownNameError
 
 CLEANING: Final = "Cleaning"
 """Name of the task of missions that name none."""
+OWN_FILES: Final = "CLEAN_SWARM_IMPORT"
+"""Environment variable with the files of the user's own tasks, which worker processes read, too."""
 TaskClass = TypeVar("TaskClass", bound="type[Any]")
 
 
@@ -24,6 +32,10 @@ class TaskSettings(Closed):
 
     name: Name = CLEANING
     """Name of the task, as it is registered."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the keys: a process that unpickles them finds the class by the name of the task."""
+        return settings_from, (self.model_dump(),)
 
 
 class TaskKind(Protocol):
@@ -35,6 +47,8 @@ class TaskKind(Protocol):
     """The settings of the task."""
     mission: Mapping[str, Any]
     """Keys of a mission that names the task, unless they are given."""
+    story: str
+    """One sentence: the robots, their place and their task."""
 
 
 TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name)
@@ -43,17 +57,69 @@ TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name)
 
 def find_task(name: str) -> type[TaskKind]:
     """Return the class of a task; DocumentError for an unknown one lists the known ones."""
-    import_module("clean_swarm_env.tasks")  # which registers ours
     try:
-        return TASKS.find(name)
+        return _registered().find(name)
     except UnknownNameError as error:
         raise DocumentError(str(error)) from error
 
 
-def is_task(name: str) -> bool:
-    """Return whether a task has this name."""
-    import_module("clean_swarm_env.tasks")
-    return name in TASKS
+def task_stories() -> dict[str, str]:
+    """Return the stories of all tasks by name; their sources are read, not run: imports of tasks take a second."""
+    here = Path(__file__).parents[1]
+    stories: dict[str, str] = {}
+    for file in (here / "world" / "cleaning.py", *sorted(here.glob("tasks/*.py")), *map(Path, own_files())):
+        stories |= _declared(file)
+    return dict(sorted(stories.items()))
+
+
+@cache
+def _declared(file: Path) -> dict[str, str]:
+    """Return the stories of the tasks that a file of Python code registers."""
+    found = {}
+    for node in ast.parse(read_text(file)).body:
+        if isinstance(node, ast.ClassDef) and "TASKS.register" in map(ast.unparse, node.decorator_list):
+            given = {
+                ast.unparse(part.targets[0]): part.value.value
+                for part in node.body
+                if isinstance(part, ast.Assign) and isinstance(part.value, ast.Constant)
+            }
+            found[str(given.get("name", node.name))] = str(given.get("story", ""))
+    return found
+
+
+def task_names() -> tuple[str, ...]:
+    """Return the names of all tasks, those included that a program has registered itself."""
+    return tuple(sorted({*task_stories(), *TASKS.names()}))
+
+
+def import_tasks(files: Iterable[str | os.PathLike[str]]) -> None:
+    """Register the tasks in Python files of the user's own, in this process and in its workers.
+
+    Raises:
+        DocumentError: there is no such file, or it does not end with `.py`.
+
+    """
+    given = [os.path.abspath(file) for file in files]
+    for file in given:
+        if not (file.endswith(".py") and Path(file).is_file()):
+            raise DocumentError(f"{file}: expected a file of Python code with a task")
+    known = own_files()
+    if given:
+        os.environ[OWN_FILES] = os.pathsep.join(dict.fromkeys((*known, *given)))
+        _registered()
+
+
+def own_files() -> tuple[str, ...]:
+    """Return the files of the user's own tasks that have been read, or that a worker is to read."""
+    return tuple(filter(None, os.environ.get(OWN_FILES, "").split(os.pathsep)))
+
+
+def _registered() -> Registry[TaskKind]:
+    """Return the tasks, once all files with tasks are imported."""
+    import_module("clean_swarm_env.tasks")  # which registers ours
+    for file in own_files():
+        module_of_file(Path(file))
+    return TASKS
 
 
 def settings_from(given: object) -> object:

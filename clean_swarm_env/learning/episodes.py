@@ -15,6 +15,7 @@ import numpy as np
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.config.tasks import import_tasks
 from clean_swarm_env.learning.given import (
     GivenFamily,
     GivenMission,
@@ -102,6 +103,8 @@ class EpisodeSettings(TypedDict, total=False):
     learner that does nothing yet."""
     directories: Named | Iterable[Named]
     """The user's configurations, knowledge and robots, searched before the shipped ones."""
+    imports: Iterable[Named]
+    """Python files with tasks of the user's own, which a mission may then name."""
     trust: bool
     """Whether the files of the mission or the family may ask for code and databases; by default not (docs/trust.md)."""
 
@@ -130,6 +133,7 @@ class BatchSettings(WorldSettings, total=False):
 def episodes_of(mission: GivenMission | None = None, settings: EpisodeSettings | None = None) -> Episodes:
     """Return the episodes of a mission, "table1" unless given, or of the family that the settings name."""
     chosen = settings or {}
+    import_tasks(chosen.get("imports", ()))
     if chosen.get("trust"):
         with reading_files(trust=True):
             return episodes_of(mission, {**chosen, "trust": False})

@@ -51,6 +51,7 @@ class Cleaning(Task[TaskSettings, TaskState]):
 
     story = "robots find garbage, carry it to the recycling station and what is left to the dump, and keep clear"
     measures = (Measure("duration", "s", "lower", 600.0, "a minute an item"),)
+    baseline = ""
     thinks_when_driven = False
     handling = ("PickGarbage", "Recycle", "Dump")
     transport = ("MoveToRecycling", "MoveToDump")

@@ -15,7 +15,7 @@ import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.tasks import TaskSettings
+from clean_swarm_env.config.tasks import TaskSettings, find_task
 from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.view import World
@@ -159,7 +159,7 @@ class Task(ABC, Generic[S, T]):
         name: that of the class, unless given.
         story: one sentence: the robots, their place and their task.
         measures: figures of success; the first one that is no guard is the one that counts.
-        baseline: what the mechanisms are compared with, in words; see `lead`.
+        baseline: what the mechanisms are compared with, in words; see `lead`. Empty: nothing.
         baseline_option: the option of the goal that is the baseline, where one is.
         goal: the goal in the knowledge whose options serve the task: the one of its own name unless given.
         mission: keys of a mission that names the task, unless they are given: the task's own mission.
@@ -356,3 +356,10 @@ class Task(ABC, Generic[S, T]):
         for measure in self.measures:
             met &= np.array([measure.met(value) for value in values[measure.name].tolist()])
         return met
+
+
+def measures_of(mission: MissionConfig) -> tuple[Measure, ...]:
+    """Return the measures that results of a mission have; none where the task is cleaning, which has other figures."""
+    kind: Any = None if mission.cleans else find_task(mission.task.name)
+    measures: tuple[Measure, ...] = () if kind is None else kind.measures
+    return measures

@@ -1,15 +1,15 @@
 """Writes docs/original.md, the original's options beside ours: `python -m docs.figures.write_original [FILE]`.
 
-Every goal runs on its scene by the option of `configs/knowledge/original.yaml` and by the library's, with the same
-seeds. Takes some minutes.
+Every task runs by the option of `configs/knowledge/original.yaml` and by the library's, from the same starts. Takes a
+minute.
 """
 
 import sys
 from pathlib import Path
 
-from clean_swarm_env.scenes import goals
 from train.analysis.statistics import Summary
-from train.goals.scene_runs import GoalOutcome, GoalRequest, MeasureComparison, run_goal
+from train.analysis.task_report import MeasuredStrategy
+from train.evaluation.task_run import TaskOutcome, TaskRun, run_task, tasks_to_run
 
 FILE = Path(__file__).parents[1] / "original.md"
 KNOWLEDGE, RUNS = "original", 20
@@ -17,11 +17,11 @@ PAGE = """# The original's options beside ours
 
 `configs/knowledge/original.yaml` holds what serves each goal in the original implementation: the choices and numbers
 of its published expert knowledge (package so_coordinator), made of our components. The file names the source and says
-where it differs. Each goal ran {runs} times on its scene (`clean_swarm_env/scenes`, seeds 0 to {last}) by that option
-and, on the same starts, by the option of the highest score of our library. Means with Student's 95 % intervals; *met*:
-the mean reaches the target of the scene.
+where it differs. Each goal was served {runs} times in its task (`clean_swarm_env/tasks`, seed 0) by that option and,
+from the same starts, by the option of the highest score of our library. Means with Student's 95 % intervals; *met*: the
+mean reaches the target of the task.
 
-- The scenes are ours, and made for our library: they say how the options compare there, not how good the original was.
+- The tasks are ours, and made for our library: they say how the options compare there, not how good the original was.
 - Both run on our mechanisms and networks, which deviate from the original by number ([quirks.md](quirks.md)).
 
 {table}
@@ -30,9 +30,9 @@ the mean reaches the target of the scene.
 
 Where the original's options miss targets:
 
-- *CircleFormation*: robots gather around the one that they elect, in any place up to 2.5 m from it. The scene has a
+- *CircleFormation*: robots gather around the one that they elect, in any place up to 2.5 m from it. The task has a
   beacon, and asks for a ring.
-- *CollectiveExploration*: a flock draws a robot only where it sees neighbours, and the scene has nothing else to
+- *CollectiveExploration*: a flock draws a robot only where it sees neighbours, and the task has nothing else to
   follow. Most robots stay where they start.
 - *FollowMaxPotential*: the movement away from robots is added, and some stay out of the crowd at the source. Without it
   all arrive (1.0).
@@ -48,10 +48,10 @@ Written by `python -m docs.figures.write_original`. One goal: `clean-swarm run R
 """
 
 
-def rows(goal: str, ours: GoalOutcome, theirs: GoalOutcome) -> list[str]:
+def rows(goal: str, ours: TaskOutcome, theirs: TaskOutcome) -> list[str]:
     """Return the lines of the table for a goal, one for each measure."""
     lines = []
-    for index, (mine, other) in enumerate(zip(ours.comparisons, theirs.comparisons, strict=True)):
+    for index, (mine, other) in enumerate(zip(ours.measured, theirs.measured, strict=True)):
         first = (goal, theirs.option, ours.option) if index == 0 else ("", "", "")
         unit = "" if mine.measure.unit == "-" else f" [{mine.measure.unit}]"
         sign = "≤" if mine.measure.better == "lower" else "≥"
@@ -60,9 +60,9 @@ def rows(goal: str, ours: GoalOutcome, theirs: GoalOutcome) -> list[str]:
     return lines
 
 
-def reached(comparison: MeasureComparison) -> str:
+def reached(one: MeasuredStrategy) -> str:
     """Return the mean with its interval, and whether the target is met."""
-    return f"{interval(comparison.mechanism)}, {'met' if comparison.met else 'not met'}"
+    return f"{interval(one.own)}, {'met' if one.met else 'not met'}"
 
 
 def interval(summary: Summary) -> str:
@@ -76,20 +76,19 @@ def page(runs: int) -> str:
     head = ("goal", "original's option", "library's option", "measure", "target", "original", "library")
     table = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     met = {"original": 0, "library": 0}
-    for goal in goals():
-        print(goal, flush=True)
-        ours, theirs = (
-            run_goal(GoalRequest(goal, runs=runs)),
-            run_goal(GoalRequest(goal, runs=runs, knowledge=KNOWLEDGE)),
-        )
-        table += rows(goal, ours, theirs)
-        for name, outcome in (("original", theirs), ("library", ours)):
-            met[name] += all(c.met for c in outcome.comparisons)
+    tasks = tasks_to_run()
+    for name in tasks:
+        print(name, flush=True)
+        ours = run_task(TaskRun(name, scenarios=runs))
+        theirs = run_task(TaskRun(name, scenarios=runs, knowledge=KNOWLEDGE))
+        table += rows(name, ours, theirs)
+        for source, outcome in (("original", theirs), ("library", ours)):
+            met[source] += all(one.met for one in outcome.measured)
     summary = (
-        f"Of the {len(goals())} goals the original's options meet all targets of {met['original']}, "
+        f"Of the {len(tasks)} goals the original's options meet all targets of {met['original']}, "
         f"the library's of {met['library']}."
     )
-    return PAGE.format(runs=runs, last=runs - 1, table="\n".join(table), summary=summary)
+    return PAGE.format(runs=runs, table="\n".join(table), summary=summary)
 
 
 def main() -> None:

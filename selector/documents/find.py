@@ -112,6 +112,11 @@ def _is_file(path: Path) -> bool:
         return False
 
 
+def is_path(kind: str, name: str) -> bool:
+    """Return whether `name` is the path of a file of a kind, rather than its name."""
+    return _path(kind, name) is not None
+
+
 def _path(kind: str, name: str) -> Path | None:
     """Return `name` as a path; None if `name` is not a path but the name of a file in the folder of its kind."""
     ending = KINDS[kind].ending

@@ -45,7 +45,7 @@ def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user'
     if not place.endswith(".py") and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
     try:
-        module = _of_file(Path(place)) if place.endswith(".py") else import_module(place)
+        module = module_of_file(Path(place)) if place.endswith(".py") else import_module(place)
     except (ImportError, FileNotFoundError) as error:
         raise DocumentError(f"{where}: {place}: {error}") from error
     if not hasattr(module, name):
@@ -71,14 +71,20 @@ def source_of(text: str, where: str) -> Path:
     return found
 
 
-def _of_file(path: Path) -> Any:  # noqa: ANN401  (a module)
-    """Return the module of a file, executed once in a process."""
+def module_of_file(path: Path) -> Any:  # noqa: ANN401  (a module)
+    """Return the module of a file, executed once in a process.
+
+    While it is executed it is among the modules, where Python looks for the names in its annotations.
+    """
     name = f"file {path.resolve()}"
     if name not in sys.modules:
         spec = spec_from_file_location(name, path)
         assert spec is not None
         assert spec.loader is not None
-        module = module_from_spec(spec)
-        spec.loader.exec_module(module)
-        sys.modules[name] = module
+        module = sys.modules[name] = module_from_spec(spec)
+        try:
+            spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
     return sys.modules[name]

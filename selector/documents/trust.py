@@ -17,7 +17,8 @@ from selector.documents.plain import DocumentError
 FILED_KINDS = ("fixed", "policy", "learned", "fsm", "velocity")
 """Kinds of strategies whose names follow a colon; such a text is no `module:Class`."""
 
-
+BASELINE = "baseline"
+"""Kind of decider that has no name: the baseline of the task."""
 FOREIGN_ENDINGS = (".zip", ".pt", ".onnx")
 """Endings of models of other libraries."""
 

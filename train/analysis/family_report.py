@@ -17,11 +17,14 @@ from clean_swarm_env.config.families import FamilyConfig, scenario_name
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.mission_end import left_cost
+from clean_swarm_env.world.task import measures_of
+from selector.documents.trust import BASELINE
 from selforg.arrays import Floats
 from train.analysis.front import PRICES, Front, priced_excess
 from train.analysis.spread import Ratio
 from train.analysis.statistics import Summary, summarise
 from train.analysis.strategy_comparison import BestFixed, StrategyComparison, compare_strategies
+from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_strategies
 from train.running.runs import RunRecord
 
 LIMITS = (0.5, 2.0)
@@ -78,7 +81,10 @@ class FamilyReport:
     """None without fixed options to compare with."""
     limits: Mapping[str, tuple[Ratio, ...]]
     """Label -> ratio to the best fixed option at each of LIMITS; empty if no item was left."""
-    front: Front
+    front: Front | None
+    """Costs over prices of a collision; None for tasks other than cleaning, whose costs are their measures."""
+    measured: Sequence[MeasuredStrategy]
+    """Measures of the task under each strategy; empty for cleaning."""
 
     @cached_property
     def left(self) -> dict[str, Floats]:
@@ -99,11 +105,24 @@ def family_report_of(runs: FamilyRuns) -> FamilyReport:
     }
     comparison = compare_strategies(excesses_of(runs), runs.fixed) if runs.fixed else None
     limits = {} if comparison is None else limit_ratios(runs, comparison.best_fixed)
-    return FamilyReport(runs, summaries, comparison, limits, _front(runs, summaries))
+    measures = measures_of(runs.family.mission)
+    front = None if measures else _front(runs, summaries)
+    measured = measured_strategies(measures, _measures(runs, [measure.name for measure in measures]), BASELINE)
+    return FamilyReport(runs, summaries, comparison, limits, front, measured)
+
+
+def _measures(runs: FamilyRuns, names: Sequence[str]) -> dict[str, dict[str, Floats]]:
+    """Return label -> measure -> its values (K,), the means of members and worlds."""
+
+    def values(results: list[list[list[MissionResult]]], name: str) -> Floats:
+        table: Floats = _table(results, lambda result: result.measures[name]).mean(axis=(0, 2))
+        return table
+
+    return {label: {name: values(own, name) for name in names} for label, own in runs.results().items()}
 
 
 def unfinished(mission: MissionConfig, results: Sequence[MissionResult]) -> float | None:
-    """Return the share of missions that were not completed; None where garbage keeps coming."""
+    """Return the share of missions that were not completed, or missed a target; None where garbage keeps coming."""
     return None if mission.continuous else 1.0 - float(np.mean([result.completed for result in results]))
 
 
@@ -154,8 +173,11 @@ def family_summary_json(report: FamilyReport) -> str:
         "strategies": {
             label: {name: asdict(summary) for name, summary in own.items()} for label, own in report.summaries.items()
         },
-        "front": {"prices_s": PRICES, "excess_s": report.front.excesses, "undominated": report.front.undominated},
     }
+    if report.front is not None:
+        front = {"prices_s": PRICES, "excess_s": report.front.excesses, "undominated": report.front.undominated}
+        content["front"] = front
+    content |= by_strategy(report.measured)
     if comparison is not None:
         content["best_fixed"] = comparison.best_fixed.labels
         content["limits"] = {label: [one.content for one in own] for label, own in report.limits.items()}

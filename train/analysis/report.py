@@ -14,9 +14,12 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
+from clean_swarm_env.world.task import measures_of
+from selector.documents.trust import BASELINE
 from selforg.arrays import Flags, Floats
 from train.analysis.spread import Interval, Ratio
 from train.analysis.statistics import (
+    COST,
     METRICS,
     Figures,
     Summary,
@@ -24,6 +27,7 @@ from train.analysis.statistics import (
     figures_of,
     summarise,
 )
+from train.analysis.task_report import MeasuredStrategy, by_strategy, measured_conditions
 from train.running.runs import RunRecord
 
 Measured = Mapping[str, Mapping[str, Mapping[str, float | None]]]
@@ -91,6 +95,8 @@ class Report:
     measured: Measured
     own_starts: bool
     """Whether the scenarios are those of the experiment, for each of which figures may have been published."""
+    measured_by_task: Sequence[MeasuredStrategy]
+    """Measures of the task under each condition; empty for cleaning."""
 
 
 def report_of(
@@ -100,24 +106,35 @@ def report_of(
     conditions = [condition.name for condition in experiment.conditions]
     distances = experiment.mission.collision_distances
     figures = figures_of(records, conditions, [start.id for start in experiment.starts], distances)
+    measures = measures_of(experiment.mission)
+    compared = (COST,) if measures else METRICS
+    summarised = (*METRICS, *((COST, *(measure.name for measure in measures)) if measures else ()))
     summaries = {
-        name: {metric: summarise(figures.values[metric][c]) for metric in METRICS} for c, name in enumerate(conditions)
+        name: {metric: summarise(figures.values[metric][c]) for metric in summarised}
+        for c, name in enumerate(conditions)
     }
     comparisons = tuple(
         ConditionRatio(conditions[a], conditions[b], metric, Ratio.of(*figures.values[metric][[a, b]]))
         for a, b in itertools.combinations(range(len(conditions)), 2)
-        for metric in METRICS
+        for metric in compared
     )
     reference = compare_with_measured(
         figures, measured, experiment.conditions, ["duration_s", *distance_metrics(distances)]
     )
-    return Report(experiment, seed, figures, summaries, comparisons, reference, measured, own_starts)
+    of_task = measured_conditions(measures, figures, _baseline(experiment))
+    return Report(experiment, seed, figures, summaries, comparisons, reference, measured, own_starts, of_task)
+
+
+def _baseline(experiment: ExperimentConfig) -> str:
+    """Return the name of the condition that is the baseline of the task; empty without one."""
+    return next((each.name for each in experiment.conditions if each.strategy == BASELINE), "")
 
 
 def summary_json(report: Report) -> str:
     """Return the content of `summary.json`; a missing figure is null."""
     figures = report.figures
     content: dict[str, Any] = {
+        **by_strategy(report.measured_by_task),
         "experiment": report.experiment.name,
         "seed": report.seed,
         "scenarios": len(figures.scenarios),

@@ -15,6 +15,9 @@ from train.analysis.spread import Interval, MeanError
 from train.running.runs import RunRecord
 
 METRICS = ("duration_s", "collision_samples_per_s", "collision_events_per_s")
+"""Figures of cleaning that are compared between conditions."""
+COST = "cost_s"
+"""That of other tasks."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Figures:
     completed: Flags
     """(C, K) whether the mission was completed."""
     values: dict[str, Floats]
-    """Metric -> (C, K); the metrics of METRICS, and those of `distance_metrics`."""
+    """Metric -> (C, K); the metrics of METRICS, those of `distance_metrics`, the cost, and the measures of a task."""
 
 
 def distance_metrics(distances: Sequence[float]) -> list[str]:
@@ -56,6 +59,8 @@ def figures_of(
     values |= {"collision_samples_per_s": samples[..., 0], "collision_events_per_s": events[..., 0]}
     each_distance = np.moveaxis(np.concatenate([samples, events], axis=-1), -1, 0)
     values |= dict(zip(distance_metrics(distances), each_distance, strict=True))
+    values[COST] = np.array([[r.cost_s for r in row] for row in rows])
+    values |= {name: np.array([[r.measures[name] for r in row] for row in rows]) for name in rows[0][0].measures}
     completed = np.array([[r.completed for r in row] for row in rows])
     return Figures(tuple(conditions), tuple(scenarios), completed, values)
 

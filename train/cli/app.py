@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperGroup
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.tasks import import_tasks, task_stories
 from selector.documents.find import KINDS, SHIPPED, files_of
 from selector.documents.plain import plain
 from selector.documents.reading import read_mapping
@@ -41,15 +42,14 @@ from train.cli.options import Configs, error_console, print_error
 from train.cli.showing import picture, report, video
 from train.running.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
-TRUST = "--trust"
-"""Option of all commands that lets files name code."""
+TRUST, IMPORT = "--trust", "--import"
+"""Options of all commands: to let files name code, and to read tasks of the user's own from a file."""
 DECLARED = {
     "strategies by name": ("selector/strategies", r"@STRATEGIES\.register\nclass (\w+)"),
     "mechanisms by name": (
         "selforg/mechanisms",
         r"(?m)^(?:@MECHANISMS\.register\nclass |\w+ = \w+\.variant\(\s*\")(\w+)",
     ),
-    "goals with a scene": ("clean_swarm_env/scenes", r"@SCENES\.register\nclass (?:.*\n)*?    goal = \"(\w+)\""),
     "terms of observations": (
         "clean_swarm_env/learning/observation",
         r"(?m)^(?:    name = |@compiled_term\(\s*)\"(\w+)\"",
@@ -170,11 +170,15 @@ def run_app() -> None:
     """Run the command line and exit with its code."""
     for name in THREAD_LIMITS:  # runs are parallel in processes, which inherit this limit
         os.environ.setdefault(name, "1")
-    # --trust may stand anywhere; in the command of a job array it stays where it is
-    words = sorted(sys.argv[1:], key=lambda word: word != TRUST and sys.argv[1:3] != ["machine", "slurm"])
+    # --trust and --import may stand anywhere; in the command of a job array they stay where they are
+    array = sys.argv[1:3] == ["machine", "slurm"]
+    words, files = (sys.argv[1:], []) if array else _imports(sys.argv[1:])
+    words = sorted(words, key=lambda word: word != TRUST and not array)
     try:
         given = [*words, *(value for name, value in os.environ.items() if name.startswith("CLEAN_SWARM_"))]
         with permitting(permission_of(given, trusted=words[:1] == [TRUST])):
+            if files:
+                import_tasks(files)
             app(words)
     except ConfigurationError as error:
         print_error(str(error))
@@ -184,6 +188,19 @@ def run_app() -> None:
             raise
         print_error(f"{error.filename or 'the disk'}: cannot be written ({error.strerror}); what was done before stays")
         sys.exit(FAILED)
+
+
+def _imports(words: list[str]) -> tuple[list[str], list[str]]:
+    """Return the words of a command without `--import FILE`, and the files."""
+    rest, files, following = [], [], False
+    for word in words:
+        option, equals, file = word.partition("=")
+        if following or (option == IMPORT and equals):
+            files.append(word if following else file)
+        elif word != IMPORT:
+            rest.append(word)
+        following = word == IMPORT and not following
+    return rest, files
 
 
 def _version(wanted: bool) -> None:
@@ -199,6 +216,10 @@ def _common(
         bool,
         typer.Option(TRUST, help="Run code and open databases that files name (docs/trust.md); stands anywhere."),
     ] = False,
+    ___: Annotated[
+        str | None,
+        typer.Option(IMPORT, help="Read tasks from a Python file of your own; stands anywhere.", metavar="FILE.py"),
+    ] = None,
 ) -> None:
     """Compare and learn the selection of self-organisation mechanisms by robots that clean a torus."""
 
@@ -223,6 +244,9 @@ def list_everything(configs: Configs = None) -> None:
     for kind in sorted(KINDS.keys() - {"experiments", "families"}):
         if names := files_of(kind, directories):
             typer.echo(f"{kind}: {plain(', '.join(names))}")
+    typer.echo("tasks, whose names are those of missions and families, too:")
+    for name, story in task_stories().items():
+        typer.echo(f"  {name}: {story}")
     for what, (folder, pattern) in DECLARED.items():
         texts = [path.read_text(encoding="utf-8") for path in (SHIPPED.parent / folder).rglob("*.py")]
         typer.echo(f"{what}: {', '.join(sorted(name for text in texts for name in re.findall(pattern, text)))}")

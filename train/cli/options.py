@@ -16,7 +16,8 @@ import typer
 from rich.console import Console
 
 from clean_swarm_env.config.errors import ConfigurationError
-from selector.documents.find import files_of, find_file
+from clean_swarm_env.config.load import named_file
+from selector.documents.find import find_file
 from selector.documents.plain import short
 from selector.documents.trust import FOREIGN_ENDINGS
 from train.running.run_folder import RECORDINGS
@@ -218,7 +219,9 @@ def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None
     """Raise the error of a name that no file has, before libraries are imported that take seconds; kind -> name."""
     directories = tuple(configs or ())
     for kind, name in given.items():
-        if name is not None and (kind != "families" or name not in files_of("missions", directories)):
+        if name is not None and kind == "families":
+            named_file(kind, name, directories)
+        elif name is not None:
             find_file(kind, name, directories)
     for text in strategies or ():
         kind, _, names = (text if ":" in text.partition("=")[0] else text.partition("=")[2] or text).partition(":")

@@ -10,6 +10,7 @@ O options.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -21,6 +22,7 @@ from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.cleaning_robot import GOAL
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
+from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
@@ -40,6 +42,7 @@ class DecidedGoal:
         parts: (G,) for each of the goals that are decided, its options.
         goals: C.
         columns: (G,) the goals that are decided among those that the mission coordinates.
+        worlds: the worlds of the batch.
 
     Raises:
         DocumentError: the mission does not coordinate the goal, or has several goals of which none is named.
@@ -54,7 +57,7 @@ class DecidedGoal:
         self._goals, self.columns = names, [list(models).index(name) for name in names]
         self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder, self._mode = batch.choices.default, batch.recorder, batch.action.mode
-        self.goals = len(self._default)
+        self.goals, self.worlds = len(self._default), batch.worlds
         self.problem = models[names[0]].problem(batch.observer.names)
         if len(names) > 1:
             options = tuple(JOINT.join(each) for each in product(*self.parts))
@@ -64,12 +67,28 @@ class DecidedGoal:
     def decide(self, decider: Decider, observations: Observations) -> NDArray[Any]:
         """Return the actions of a batch whose decider sees `observations` (R, F); a recording notes its opinions."""
         options, vectors = decider.decide(observations)
+        self.worlds.lead(decider.leads)
         if self._mode == "velocity":
             return vectors
+        if decider.leads:
+            options = np.full(len(options), self._baseline)
         if self._recorder is not None:
-            self.think(decider.opinions())
+            self.think(np.eye(len(self.problem.options))[options] if decider.leads else decider.opinions())
         actions = self.actions(options)
         return actions if self._mode == "option" else np.hstack([actions, vectors])
+
+    @cached_property
+    def _baseline(self) -> int:
+        """The option that is the baseline of the task; the first one where the task itself leads."""
+        name = self.worlds.task.baseline_option
+        return self.problem.options.index(option_named(self.problem, name)) if name else 0
+
+    def check(self, decider: Decider) -> None:
+        """Raise DocumentError for a decider that lets a baseline lead where the task or the knowledge has none."""
+        if decider.leads and not self.worlds.task.baseline:
+            raise DocumentError(f"{BASELINE}: the task {self.worlds.mission.task.name} has none")
+        if decider.leads:
+            _ = self._baseline
 
     def actions(self, options: Ints) -> Ints:
         """Return the actions (R, C) of a batch in which `options` (R,) serve the goal."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple, final
+from typing import ClassVar, NamedTuple, final
 
 import numpy as np
 
@@ -44,7 +44,12 @@ class Decider(ABC):
     Args:
         problem: goal and options; its features are all components of the observation.
 
+    Attributes:
+        leads: whether the baseline of the task commands the robots, in place of what the decider says.
+
     """
+
+    leads: ClassVar[bool] = False
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -76,6 +81,15 @@ class OptionDecider(Decider):
     @abstractmethod
     def _choose(self, observations: Observations) -> Ints:
         """Return the option (R,) of each row."""
+
+
+class BaselineDecider(OptionDecider):
+    """Lets the baseline of the task command the robots: `DecidedGoal` carries it out."""
+
+    leads = True
+
+    def _choose(self, observations: Observations) -> Ints:
+        return np.zeros(len(observations), dtype=np.int64)
 
 
 DeciderMaker = Callable[[Problem, Ints], Decider]

@@ -1,7 +1,8 @@
-"""How a text names a decider: `fixed:OPTION`, `fsm:NAME`, `policy:NAME`, `learned:NAME`, `velocity:FILE`, a strategy.
+"""How a text names a decider: `fixed:OPTION`, `fsm:NAME`, `policy:NAME`, `learned:NAME`, `velocity:FILE`, ...
 
-A kind knows all that can be known of a decider before there are robots: what it sees and gives, for what it was
-trained, what it would do. `policy:` and `velocity:` take files of other libraries, too.
+Alone stand the names of strategies, and `baseline`. A kind knows all that can be known of a decider before there are
+robots: what it sees and gives, for what it was trained, what it would do. `policy:` and `velocity:` take files of other
+libraries, too.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
 from selector.documents.find import find_file
 from selector.documents.imported import is_import, source_of
-from selector.documents.trust import FILED_KINDS
+from selector.documents.trust import BASELINE, FILED_KINDS
 from selector.strategies.learned_file import LearnedDescription, description_of, load_strategy
 from selector.strategies.machine_file import load_machine
 from selector.strategies.policy_file import find_policy, load_policy
@@ -31,7 +32,7 @@ from selector.strategies.registry import StrategySpec, named, named_in, spec_fro
 from selector.strategies.streams import row_keys
 from selforg.arrays import Ints
 from train.deciders.decided_goal import option_named
-from train.deciders.decider import Decider, columns_of, mode_of
+from train.deciders.decider import BaselineDecider, Decider, columns_of, mode_of
 from train.deciders.machine import MachineDecider
 from train.deciders.models import LOADERS, ModelDecider, remembered
 from train.deciders.policy import PolicyDecider
@@ -230,14 +231,27 @@ class NamedModel(NamedDecider):
         return ModelDecider(self._path, problem, self.mode)
 
 
+class NamedBaseline(NamedDecider):
+    """The baseline of the task, with which its mechanisms are compared."""
+
+    def spec(self) -> StrategySpec:
+        """Raise ConfigurationError: a baseline has nothing to learn."""
+        raise ConfigurationError(f"--learn: {BASELINE}: expected a strategy that chooses once in a mission")
+
+    def build(self, problem: Problem, teams: Ints) -> Decider:
+        """Return the decider; see `NamedDecider`."""
+        return BaselineDecider(problem)
+
+
 DECIDER_KINDS: dict[str, type[NamedDecider]] = {
+    BASELINE: NamedBaseline,
     FIXED: NamedOption,
     LEARNED: NamedLearned,
     MACHINE: NamedMachine,
     POLICY: NamedPolicy,
     VELOCITY: NamedModel,
 }
-"""Kind, which stands before a colon -> class; anything else is a strategy."""
+"""Kind, which stands before a colon, or alone -> class; anything else is a strategy."""
 
 
 def decider_named(text: str, directories: Sequence[Path] = ()) -> NamedDecider:

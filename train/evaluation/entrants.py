@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observer
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
+from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
 from train.deciders.decided_goal import DecidedGoal
 from train.deciders.named import FILED, FIXED, decider_named
@@ -20,7 +24,7 @@ from train.deciders.named import FILED, FIXED, decider_named
 UNTAUGHT = "has learned nothing and learns nothing; --learn or `clean-swarm train bandit` teach it"
 """What is said of a strategy that could learn."""
 NEVER_AVOIDING, RANDOM = f"{FIXED}:Off", "Random"
-"""What every strategy has to beat: never to avoid, and any option in each decision period."""
+"""What every strategy has to beat at avoiding collisions: never to avoid, and any option in each decision period."""
 
 
 @dataclass(frozen=True)
@@ -75,21 +79,28 @@ def check_fit(entrants: Sequence[Entrant], batch: Batch, problem: Problem, direc
         for member in entrant.members:
             try:
                 named = decider_named(member, directories)
-                own = DecidedGoal(batch, named.goal or problem.goal).problem
+                decided = DecidedGoal(batch, named.goal or problem.goal)
                 seen = Observer(batch.worlds, batch.progress, named.observation(terms)).names
-                named.build(replace(own, features=seen), teams)
+                decided.check(named.build(replace(decided.problem, features=seen), teams))
             except DocumentError as error:
                 raise DocumentError(f"--strategy {entrant.label}: {error}") from error
 
 
-def with_baselines(entrants: Sequence[Entrant], options: Sequence[str]) -> list[Entrant]:
-    """Return the entrants, and after them those of `NEVER_AVOIDING` and `RANDOM` that are not among them and exist."""
+def with_baselines(
+    entrants: Sequence[Entrant], options: Sequence[str], mission: MissionConfig | None = None
+) -> list[Entrant]:
+    """Return the entrants, and after them those of the baselines that are not among them and exist.
+
+    The baselines of cleaning are `NEVER_AVOIDING` and `RANDOM`; another task has its own, or none.
+    """
     taken = {member for entrant in entrants for member in entrant.members}
-    exist = [RANDOM, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
-    return [
-        *entrants,
-        *(Entrant(name, (name,)) for name in (NEVER_AVOIDING, RANDOM) if name in exist and name not in taken),
-    ]
+    kind: Any = None if mission is None or mission.cleans else find_task(mission.task.name)
+    names: tuple[str, ...] = (NEVER_AVOIDING, RANDOM)
+    if kind is not None:
+        exists = kind.baseline and (not kind.baseline_option or kind.baseline_option in options)
+        names = (BASELINE,) if exists else ()
+    exist = [RANDOM, BASELINE, *(f"{FIXED}:{name}" for option in options for name in option.split(JOINT))]
+    return [*entrants, *(Entrant(name, (name,)) for name in names if name in exist and name not in taken)]
 
 
 def remarks_on(entrants: Sequence[Entrant], options: Sequence[str], directories: Sequence[Path] = ()) -> list[str]:

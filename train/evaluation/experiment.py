@@ -13,11 +13,9 @@ from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import load_starts, random_start
-from clean_swarm_env.world.cleaning_robot import coordinators_of, robot_network
+from clean_swarm_env.world.cleaning_robot import coordinators_of, goals_of, robot_network
 from selector.configurations.library import library_of
-from selector.coordination.robot_document import coordinated_goals
 from selector.documents.errors import shown, within
-from selector.documents.find import find_file
 from selector.knowledge import load_knowledge
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named
@@ -117,7 +115,7 @@ class ExperimentEvaluation(Evaluation):
 
     def choosers(self) -> dict[str, Choosers]:
         """Return the strategy of each condition, once for each goal."""
-        goals = coordinated_goals(find_file("robots", self.mission.network.robot, self.directories))
+        goals = goals_of(self.mission, self.directories)
         knowledge, alone = knowledge_of(self.mission, self.directories), np.zeros(1, dtype=np.int64)
         return {
             condition.name: {
@@ -178,7 +176,7 @@ def by_option(
     knowledge = knowledge_of(mission, directories)
     served = {
         f"{goal} - {option.name}": {goal: option.name}
-        for goal in coordinated_goals(find_file("robots", mission.network.robot, directories))
+        for goal in goals_of(mission, directories)
         for option in knowledge.options(goal)
     }
     conditions = tuple(ConditionConfig(name=name, scores=forcing(options)) for name, options in served.items())
@@ -201,7 +199,9 @@ def check_mission(experiment: ExperimentConfig, directories: tuple[Path, ...], w
         knowledge = load_knowledge(experiment.mission.knowledge, directories)
         library.check(knowledge)
     with within(where):
-        robot_network(network, coordinators_of(experiment.mission, knowledge, library, directories), directories)
+        models = coordinators_of(experiment.mission, knowledge, library, directories)
+        if experiment.mission.cleans:
+            robot_network(network, models, directories)
     for condition in experiment.conditions:
         try:
             knowledge.with_scores(condition.scores)

@@ -57,7 +57,7 @@ class FamilyEvaluation(Evaluation):
         self.goal, self.options = self.problem.goal, self.problem.options
         self.entrants = entrants_of(request.strategies, self.options)
         if self.beside_baselines and not (request.scoring or request.store.learn):
-            self.entrants = with_baselines(self.entrants, self.options)
+            self.entrants = with_baselines(self.entrants, self.options, self.mission)
         check_fit(self.entrants, self.batch, self.problem, request.directories)
         indices = range(request.scenarios or self.family.scenarios)
         self.scenarios = [scenario_name("test", k, world) for k in indices for world in range(request.worlds)]

@@ -14,6 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import FamilyConfig, Scenario, Split, scenario_name
+from clean_swarm_env.config.load import random_starts
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.learning.actions import ActionConfig
@@ -176,7 +177,8 @@ class StartTask(TrialTask):
         batch = Batch(
             self.mission, directories=self.directories, observation=settings.observation, action=settings.action
         )
-        self.decider(DecidedGoal(batch, settings.goal).problem, np.zeros(batch.rows, dtype=np.int64))
+        decided = DecidedGoal(batch, settings.goal)
+        decided.check(self.decider(decided.problem, np.zeros(batch.rows, dtype=np.int64)))
 
 
 def experiment_tasks(
@@ -188,7 +190,8 @@ def experiment_tasks(
     def task(run: RunTask) -> RunTask | TrialTask:
         if run.condition not in members:
             return run
-        family = FamilyConfig(name=experiment.name, description=experiment.description, mission=run.mission)
+        named = {"name": experiment.name, "description": experiment.description}
+        family = random_starts(run.mission).model_copy(update=named)
         member = members[run.condition]
         return StartTask(family, seed, ((0, 0),), run.condition, member, "", directories, given=run.start)
 

@@ -11,16 +11,18 @@ import numpy as np
 from selforg.arrays import Floats
 from train.analysis.report import Report
 from train.analysis.spread import Interval, too_few
-from train.analysis.statistics import distance_metrics, share_cell
+from train.analysis.statistics import COST, distance_metrics, share_cell
+from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Columns, Grid, Row, flat
 
 TITLES = {
     "duration_s": "duration",
     "collision_samples_per_s": "collision samples per s",
     "collision_events_per_s": "collision events per s",
+    COST: "cost",
 }
-SHOWN = ("duration_s", "collision_samples_per_s")
-"""Metrics of Table 1."""
+SHOWN = {"duration_s": "time s", "collision_samples_per_s": "coll/s"}
+"""Metric of Table 1 -> head of its column."""
 SUMMARIES: dict[str, Callable[[Floats], float]] = {
     "mean": lambda values: float(np.mean(values)),
     "median": lambda values: float(np.median(values)),
@@ -38,18 +40,19 @@ class _Column:
 
 def all_tables(report: Report) -> list[Grid]:
     """Return the tables in the order of the report."""
-    return [
-        grid for grid in (table_1(report), ratios(report), measured_means(report), measured_ratios(report)) if grid.rows
-    ]
+    of_task = measures_grids(report.experiment.name, report.measured_by_task)
+    tables = (*of_task, table_1(report), ratios(report), measured_means(report), measured_ratios(report))
+    return [grid for grid in tables if grid.rows]
 
 
 def table_1(report: Report) -> Grid:
     """Return duration and collision samples of every scenario under every condition, and their summaries."""
     names, source = report.figures.conditions, "measured" if report.reference.means else "paper"
-    ours = [[_ours(report, c, metric) for metric in SHOWN] for c in range(len(names))]
+    shown = {COST: "cost s"} if report.measured_by_task else SHOWN
+    ours = [[_ours(report, c, metric) for metric in shown] for c in range(len(names))]
     theirs = [_beside(report, name) for name in names]
     groups = [mine + others for mine, others in zip(ours, theirs, strict=True)]
-    heads = ("time s", "coll/s")
+    heads = tuple(shown.values())
     columns = [
         Columns(name, heads + ((f"{source} s", "coll/s") if beside else ()))
         for name, beside in zip(names, theirs, strict=True)
@@ -63,7 +66,12 @@ def table_1(report: Report) -> Grid:
         for what, take in SUMMARIES.items()
     ]
     done = [f"{row.sum()}/{row.size}" for row in report.figures.completed]
-    summary.append(Row("completed", tuple((d, *[""] * (len(g) - 1)) for d, g in zip(done, groups, strict=True))))
+    summary.append(
+        Row(
+            "targets met" if report.measured_by_task else "completed",
+            tuple((d, *[""] * (len(g) - 1)) for d, g in zip(done, groups, strict=True)),
+        )
+    )
     title = f"{report.experiment.name}, seed {report.seed}"
     return Grid(title, "scenario", tuple(columns), tuple(rows), tuple(summary), _notes(report))
 
@@ -140,6 +148,8 @@ def _measured(report: Report, condition: str, metric: str) -> _Column:
 
 def _notes(report: Report) -> tuple[str, ...]:
     mission = report.experiment.mission
+    if report.measured_by_task:
+        return (f"cost: {mission.time_limit:g} s times the measure that is worst by its target.",)
     notes = [
         f"coll/s: pairs closer than {mission.collision_distances[0]:g} m, counted {mission.world.physics_rate:g} times"
         " per second; std is that of the population."

@@ -18,9 +18,11 @@ BOTTOM, BEYOND = -0.25, 1.6
 """Lower end of the axis of collision events; factor by which axes reach beyond the farthest point."""
 
 
-def draw_front(report: FamilyReport) -> bytes:
-    """Return the figure as a PNG."""
+def draw_front(report: FamilyReport) -> bytes | None:
+    """Return the figure as a PNG; None where costs have no price of collisions."""
     front, runs = report.front, report.runs
+    if front is None:
+        return None
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(11.0, 4.8), layout="constrained")
         left, right = figure.subplots(1, 2)

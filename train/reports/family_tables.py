@@ -1,38 +1,57 @@
-"""The tables of an evaluation on a family: means, comparison with fixed options, and costs over prices."""
+"""The tables of an evaluation on a family: measures of the task, means, comparison with fixed options, and prices."""
 
 from dataclasses import replace
 
 from clean_swarm_env.world.mission_end import LEFT_LIMITS
 from train.analysis.family_report import LIMITS, FamilyReport
-from train.analysis.front import PRICES
+from train.analysis.front import PRICES, Front
 from train.analysis.spread import too_few
 from train.analysis.statistics import share_cell
 from train.analysis.strategy_comparison import ORACLE, StrategyComparison, StrategyStanding
+from train.reports.task_tables import measures_grids
 from train.reports.text_table import EMPTY_CELL, Grid, flat, interval_cell
 
-MEANS = ("items", "duration_s", "events", "contact_s", "cost_s", "excess_s")
+MEANS = {
+    "items": "items",
+    "duration_s": "duration s",
+    "events": "events",
+    "contact_s": "contact s",
+    "cost_s": "cost s",
+    "excess_s": "excess s",
+}
+"""Figure -> head of its column."""
+OF_CLEANING = ("items", "excess_s")
+"""Those of cleaning alone."""
 
 
 def family_tables(report: FamilyReport) -> list[Grid]:
     """Return the tables in the order of the report."""
     compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
-    return [_means(report), *compared, _prices(report)]
+    prices = [] if report.front is None else [_prices(report, report.front)]
+    return [*measures_grids(report.runs.family.name, report.measured), _means(report), *compared, *prices]
 
 
 def _means(report: FamilyReport) -> Grid:
-    family = report.runs.family
+    family, mission = report.runs.family, report.runs.missions[0]
+    shown = [name for name in MEANS if mission.cleans or name not in OF_CLEANING]
     rows = []
     for label, own in report.summaries.items():
-        figures = [f"{own[name].mean:.1f}" for name in MEANS]
-        row = (label, share_cell(report.unfinished(label)), *figures, interval_cell(own["excess_s"].ci95, 1))
+        figures = [f"{own[name].mean:.1f}" for name in shown]
+        row = (label, share_cell(report.unfinished(label)), *figures, interval_cell(own[shown[-1]].ci95, 1))
         rows.append(row)
-    mission = report.runs.missions[0]
     every = "for each item done, " if mission.continuous else ""
     contact = f" + {mission.contact_cost:g} s a second in contact" if mission.contact_cost else ""
     left = "" if mission.continuous else f" + {LEFT_LIMITS * mission.time_limit:g} s an item left"
-    title = f"{family.name}: means; cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
-    heads = ("unfinished", "items", "duration s", "events", "contact s", "cost s", "excess s", "95 %")
-    return flat(title, "strategy", heads, rows)
+    cost = f"cost = {every}seconds + {mission.collision_cost:g} s an event{contact}{left}"
+    if not mission.cleans:
+        cost = f"cost = {mission.time_limit:g} s times the measure that is worst by its target"
+    heads = (_unfinished(report), *(MEANS[name] for name in shown), "95 %")
+    return flat(f"{family.name}: means; {cost}", "strategy", heads, rows)
+
+
+def _unfinished(report: FamilyReport) -> str:
+    """Return the head of the column of missions that were not completed."""
+    return "missed" if report.measured else "unfinished"
 
 
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
@@ -54,7 +73,7 @@ def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:
     if report.limits:
         notes.append("limit / 2, limit x 2: the ratio with items left priced by half and twice the time limit.")
     priced = ("limit / 2", "limit x 2") if report.limits else ()
-    heads = ("unfinished", "excess s", f"ratio to {yardstick}", "95 %", "p", *priced, "share of the gap", "95 %")
+    heads = (_unfinished(report), "excess s", f"ratio to {yardstick}", "95 %", "p", *priced, "share of the gap", "95 %")
     return replace(flat(title, "strategy", heads, rows), notes=tuple(notes))
 
 
@@ -76,8 +95,7 @@ def _gap_row(standing: StrategyStanding, report: FamilyReport, comparison: Strat
     )
 
 
-def _prices(report: FamilyReport) -> Grid:
-    front = report.front
+def _prices(report: FamilyReport, front: Front) -> Grid:
     best = [front.best_at(price) for price in PRICES]
     rows = [
         (

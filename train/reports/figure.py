@@ -10,7 +10,7 @@ from matplotlib.ticker import LogFormatter
 
 from selforg.arrays import Flags, Floats
 from train.analysis.report import Report
-from train.analysis.statistics import Summary
+from train.analysis.statistics import COST, Summary
 
 COLOURS = ("#c44e52", "#4c72b0", "#55a868", "#dd8452", "#8172b3", "#937860")
 """Colours of the conditions, in order."""
@@ -25,7 +25,8 @@ def draw(report: Report) -> bytes:
         figure = Figure(figsize=(10.5, 5.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         distance = report.experiment.mission.collision_distances[0]
-        _panel(left, report, "duration_s", "duration [s]")
+        metric = COST if report.measured_by_task else "duration_s"
+        _panel(left, report, metric, "cost [s]" if report.measured_by_task else "duration [s]")
         _panel(right, report, "collision_samples_per_s", f"samples per s of pairs closer than {distance:g} m")
         left.set_yscale("log")
         for choose in (left.yaxis.set_major_formatter, left.yaxis.set_minor_formatter):

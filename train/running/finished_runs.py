@@ -10,7 +10,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from clean_swarm_env.config.errors import ConfigurationError
@@ -18,7 +18,7 @@ from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to
 from train.running.run_folder import RunFolder
-from train.running.runs import RUN_COLUMNS, RunKey, RunRecord
+from train.running.runs import MEASURES, RUN_COLUMNS, TAKEN, RunKey, RunRecord
 
 JOURNAL, RUNS = "runs.jsonl", "runs.csv"
 
@@ -53,6 +53,9 @@ class Results:
     def add(self, record: RunRecord) -> None:
         """Keep a finished run; it is on the disk when the call returns."""
         self.records.append(record)
+        if len(self.records) == 1:  # which tells the measures
+            self._rewrite()
+            return
         for name, text in ((JOURNAL, _line(record)), (RUNS, _row(record))):
             path = self.folder.path / name
             with writing_to(path), path.open("a", encoding="utf-8", newline="") as file:
@@ -67,7 +70,8 @@ class Results:
 
     def _rewrite(self) -> None:
         self.folder.write(JOURNAL, "".join(map(_line, self.records)))
-        self.folder.write(RUNS, ",".join(RUN_COLUMNS) + "\n" + "".join(map(_row, self.records)))
+        measures = tuple(self.records[0].result.measures) if self.records else ()
+        self.folder.write(RUNS, _cells((*RUN_COLUMNS, *measures)) + "".join(map(_row, self.records)))
 
 
 def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "") -> list[RunRecord]:
@@ -117,7 +121,13 @@ def _data(cell: object) -> object:
 
 def _row(record: RunRecord) -> str:
     """Return the line of `runs.csv`, with the collisions at the first distance only."""
-    cells, text = record.as_mapping(), io.StringIO()
-    firsts = [value[0] if isinstance(value, tuple) else value for name, value in cells.items() if name != "taken"]
+    cells = {name: value for name, value in record.as_mapping().items() if name not in (MEASURES, TAKEN)}
+    return _cells((*cells.values(), *record.result.measures.values()))
+
+
+def _cells(values: Iterable[object]) -> str:
+    """Return a line of a table; of several numbers the first one."""
+    text = io.StringIO()
+    firsts = [value[0] if isinstance(value, tuple) else value for value in values]
     csv.writer(text, lineterminator="\n").writerow(map(_data, firsts))
     return text.getvalue()

@@ -16,6 +16,7 @@ from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionResult, MissionRun, run_mission
+from clean_swarm_env.world.task import measures_of
 from selector.coordination.selection import BY_SCORE
 from selector.documents.fields import LARGEST_NUMBER
 from selector.strategies.registry import StrategySpec
@@ -57,22 +58,24 @@ class RunRecord:
         return self.scenario, self.condition
 
     def as_mapping(self) -> dict[str, Any]:
-        """Return the record as a flat mapping with the keys `RUN_COLUMNS`."""
+        """Return the record as a mapping with the keys `RUN_COLUMNS`, and `FURTHER` where there is something."""
+        result = asdict(self.result)
+        further = {MEASURES: result.pop(MEASURES), TAKEN: self.taken}
         own = {name: getattr(self, name) for name in NAMING}
-        taken = {"taken": self.taken} if self.taken else {}
-        return {**own, **asdict(self.result), "wall_s": self.wall_s, **taken}
+        return {**own, **result, "wall_s": self.wall_s, **{name: value for name, value in further.items() if value}}
 
     @classmethod
     def of_mapping(cls, given: Mapping[str, Any]) -> "RunRecord":
         """Return the record of a mapping by `as_mapping`; ValueError for anything else."""
-        if set(given) - {"taken"} != set(RUN_COLUMNS):
+        if set(given) - set(FURTHER) != set(RUN_COLUMNS):
             raise ValueError(f"expected the keys {', '.join(RUN_COLUMNS)}")
         for name, value in given.items():
             for number in value if isinstance(value, list | tuple) else [value]:
                 if isinstance(number, int | float) and not 0.0 <= number <= LARGEST_FIGURE:
                     raise ValueError(f"{name}: expected a number from 0 to {LARGEST_FIGURE:g}, got {number:g}")
-        result = {name: value for name, value in given.items() if name in _RESULT_COLUMNS}
-        own = {name: value for name, value in given.items() if name not in _RESULT_COLUMNS}
+        of_result = (*_RESULT_COLUMNS, MEASURES)
+        result = {name: value for name, value in given.items() if name in of_result}
+        own = {name: value for name, value in given.items() if name not in of_result}
         try:
             return _RECORD.validate_json(json.dumps({**own, "result": result}), strict=True)
         except ValidationError as error:
@@ -83,11 +86,13 @@ class RunRecord:
         """Return how the record shows that it is not of `mission` in an evaluation; empty if nothing shows it."""
         result = self.result
         limit = mission.time_limit * (1.0 + 1e-9)
+        names = {measure.name for measure in measures_of(mission)}
         checks = (
             ("experiment", self.experiment == experiment, experiment, self.experiment),
             ("seed", self.seed == seed, seed, self.seed),
             ("duration_s", result.duration_s <= limit, f"at most {mission.time_limit:g}", result.duration_s),
             ("robots", result.robots <= mission.rows, f"at most {mission.rows}", result.robots),
+            (MEASURES, set(result.measures) == names, ", ".join(sorted(names)) or "none", list(result.measures)),
             *(
                 (
                     name,
@@ -110,10 +115,15 @@ LARGEST_FIGURE = 1e15
 """Largest figure of a run; a long mission in which many items are left costs much."""
 NAMING = ("experiment", "scenario", "seed", "condition")
 """Columns that identify a run."""
-_RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult))
+MEASURES = "measures"
+"""Key of the measures of a task in `runs.jsonl`; in `runs.csv` each has a column of its own name."""
+TAKEN = "taken"
+"""Key of what a run has taken."""
+FURTHER = (MEASURES, TAKEN)
+_RESULT_COLUMNS = tuple(column.name for column in fields(MissionResult) if column.name != MEASURES)
 _RECORD = TypeAdapter(RunRecord)
 RUN_COLUMNS = (*NAMING, *_RESULT_COLUMNS, "wall_s")
-"""Columns of `runs.csv`."""
+"""Columns of `runs.csv`, before those of measures."""
 
 
 def under(variant: str, condition: str) -> str:

@@ -6,18 +6,17 @@ from time import process_time
 
 from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.learning.warm_up import one_process
-from clean_swarm_env.scenes import goals
 from selforg.compiler.cache import cache_directory
 from train.evaluation.experiment import ExperimentEvaluation
 from train.evaluation.family import FamilyEvaluation
-from train.goals.scene_runs import GoalRequest, run_goal
+from train.evaluation.task_run import TaskRun, run_task, tasks_to_run
 from train.request import Request
 from train.running.runs import Task
 
 EXPERIMENT, FAMILY = "table1", "crowded"
 """What is run: the experiment without batches, and the family with all options."""
-SCENE_SECONDS = 5.0
-"""Simulated time of the scene of each goal [s]."""
+TASK_SECONDS = 5.0
+"""Simulated time of each task that is no cleaning [s]."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class CompiledCode:
 
 
 def compile_everything() -> CompiledCode:
-    """Run the beginnings of missions under every option, and of all scenes: whatever they call is compiled and kept.
+    """Run the beginnings of missions under every option, and of all tasks: whatever they call is compiled and kept.
 
     Raises:
         ConfigurationError: nothing can be kept.
@@ -47,9 +46,9 @@ def compile_everything() -> CompiledCode:
         batches = FamilyEvaluation(Request(FAMILY, ("fixed", "fsm:rule"), scenarios=1)).tasks({})
         single = ExperimentEvaluation(Request(EXPERIMENT, scenarios=1)).tasks({})
         tasks: list[Task] = [*batches, *single]
-        for task in tasks:
-            task.beginning().run()
-        for goal in goals():
-            run_goal(GoalRequest(goal, runs=2, seconds=SCENE_SECONDS))
+        for mission in tasks:
+            mission.beginning().run()
+        for task in tasks_to_run():
+            run_task(TaskRun(task, scenarios=2, seconds=TASK_SECONDS))
     size = sum(path.stat().st_size for path in directory.rglob("*") if path.is_file())
     return CompiledCode(directory, size, process_time() - began)

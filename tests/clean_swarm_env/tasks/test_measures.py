@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
-from clean_swarm_env.scenes.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
-from clean_swarm_env.scenes.measures.coverage import UNSEEN, Coverage
-from clean_swarm_env.scenes.measures.encounters import Bumps
-from clean_swarm_env.scenes.measures.field import Field, height
-from clean_swarm_env.scenes.measures.order import (
+from numpy.testing import assert_allclose
+
+from clean_swarm_env.tasks.measures.agreement import connected, in_earshot, rounds_by_calls, rounds_needed
+from clean_swarm_env.tasks.measures.coverage import UNSEEN, area, idleness, mark
+from clean_swarm_env.tasks.measures.field import Field, height
+from clean_swarm_env.tasks.measures.order import (
     barycentre,
     gap_spread,
     nearest_neighbours,
@@ -12,11 +13,10 @@ from clean_swarm_env.scenes.measures.order import (
     radial_spread,
     unevenness,
 )
-from numpy.testing import assert_allclose
+from clean_swarm_env.world.ground import Ground
 
-from clean_swarm_env.scenes.ground import Ground
-
-TORUS, OPEN = Ground("torus", 10.0), Ground("open", 10.0, 5.0)
+TORUS = Ground("torus", np.full(2, 10.0), np.full(2, 10.0))
+OPEN = Ground("open", np.full(2, 10.0), np.full(2, 24.0))
 
 
 def ring(count, radius, centre=(5.0, 5.0)):
@@ -27,29 +27,24 @@ def ring(count, radius, centre=(5.0, 5.0)):
 @pytest.mark.parametrize("closed", [True, False])
 def test_coverage_is_that_of_a_naive_search_of_all_cells(closed):
     rng = np.random.default_rng(3)
-    coverage = Coverage(np.array([0, 0, 1]), 10.0, 0.0, 1.3, 0.5, closed)
+    maps, seen = np.array([0, 0, 1]), np.full((2, 20, 20), UNSEEN)
     middles = np.stack(np.meshgrid(*2 * [np.arange(20) * 0.5 + 0.25], indexing="xy"), axis=-1)
-    expected = np.full((2, 20, 20), UNSEEN)
+    expected = seen.copy()
     for now in (1.0, 2.0, 3.0):
         positions = rng.uniform(0.0, 10.0, size=(3, 2))
-        coverage.look(positions, now)
+        mark(positions, maps, np.full(3, now), np.zeros(2), 1.3, 0.5, closed, seen)
         for row, place in enumerate(positions):
             away = np.abs(middles - place)
             away = np.minimum(away, 10.0 - away) if closed else away
             expected[row // 2][np.hypot(*np.moveaxis(away, -1, 0)) <= 1.3] = now
-    assert_allclose(coverage.seen, expected)
-    assert_allclose(coverage.area, (expected > UNSEEN).sum(axis=(1, 2)) * 0.25)
+    assert_allclose(seen, expected)
+    assert_allclose(area(seen, 0.5), (expected > UNSEEN).sum(axis=(1, 2)) * 0.25)
 
 
 def test_idleness_grows_where_nobody_looks():
-    coverage = Coverage(np.array([0]), 2.0, 0.0, 0.2, 1.0, True)
-    coverage.look(np.array([[0.5, 0.5]]), 8.0)
-    assert_allclose(coverage.idleness(10.0), (2.0 + 3 * 10.0) / 4)
-
-
-def test_coverage_refuses_cells_that_do_not_fit():
-    with pytest.raises(ValueError, match="whole number of cells"):
-        Coverage(np.array([0]), 10.0, 0.0, 0.5, 0.3, True)
+    seen = np.full((1, 2, 2), UNSEEN)
+    mark(np.array([[0.5, 0.5]]), np.array([0]), np.array([8.0]), np.zeros(2), 0.2, 1.0, True, seen)
+    assert_allclose(idleness(seen, np.array([10.0])), (2.0 + 3 * 10.0) / 4)
 
 
 def test_polarisation_of_equal_opposite_and_random_headings():
@@ -101,13 +96,6 @@ def test_height_is_the_integral_of_the_forces():
     assert at(0.3) == 0.0  # inside the goal area, out of reach of the hill
 
 
-def test_bumps_count_entries_only():
-    bumps = Bumps(np.array([[[5.0, 5.0]]]), 1.0, TORUS)
-    for x in (4.5, 3.0, 4.5, 4.6, 7.0, 5.5):  # touching at first, away, in, still in, away, in
-        bumps.look(np.array([[[x, 5.0], [0.0, 0.0]]]))
-    assert bumps.events.tolist() == [2]
-
-
 def test_rounds_on_a_line_of_robots():
     line = np.stack([np.arange(5) * 1.0, np.zeros(5)], axis=1)[None]
     hears = in_earshot(line, 1.1, OPEN)[0]
@@ -123,10 +111,7 @@ def test_rounds_on_a_line_of_robots():
 
 
 def test_open_land_is_never_left():
-    assert OPEN.side == pytest.approx(24.0)
     assert_allclose(OPEN.centre, [12.0, 12.0])
+    assert_allclose(OPEN.corner, [7.0, 7.0])
     assert_allclose(OPEN.offsets(np.array([1.0, 1.0]), np.array([23.0, 1.0])), [22.0, 0.0])
-    assert (TORUS.side, TORUS.corner) == (10.0, 0.0)
-    wide = Ground("torus", 4.0, torus_side=10.0)
-    assert (wide.side, wide.corner, wide.centre.tolist()) == (10.0, 3.0, [5.0, 5.0])
     assert_allclose(TORUS.distances(np.array([1.0, 1.0]), np.array([9.0, 1.0])), 2.0)

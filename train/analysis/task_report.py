@@ -1,0 +1,99 @@
+"""The measures of a task under each strategy, beside the targets and beside the baseline of the task.
+
+Shapes: K scenarios.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from clean_swarm_env.world.task import Measure
+from selforg.arrays import Floats
+from train.analysis.statistics import Figures, Summary, summarise
+
+
+@dataclass(frozen=True)
+class MeasuredStrategy:
+    """One measure under one strategy."""
+
+    strategy: str
+    measure: Measure
+    own: Summary
+    """Over the scenarios."""
+    baseline: Summary | None
+    """The same measure of the baseline; None without one, or for the baseline itself."""
+    difference: Summary | None
+    """Own minus baseline, scenario by scenario."""
+
+    @property
+    def met(self) -> bool:
+        """Whether the mean reaches the target."""
+        return self.measure.met(self.own.mean)
+
+    @property
+    def beats(self) -> bool | None:
+        """Whether the 95 % interval of the difference is on the better side of zero; None where there is none."""
+        if self.difference is None or self.difference.ci95 is None or self.measure.guard:
+            return None
+        low, high = self.difference.ci95
+        return high < 0.0 if self.measure.better == "lower" else low > 0.0
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        measure = self.measure
+        return {
+            "name": measure.name,
+            "unit": measure.unit,
+            "better": measure.better,
+            "target": measure.target,
+            "target_from": measure.reason,
+            "target_met": self.met,
+            "beats_baseline": self.beats,
+            "own": asdict(self.own),
+            "baseline": None if self.baseline is None else asdict(self.baseline),
+            "difference": None if self.difference is None else asdict(self.difference),
+        }
+
+
+def reached(measured: Sequence[MeasuredStrategy]) -> bool:
+    """Return whether every target is met, and every baseline that is to be beaten is."""
+    return all(one.met and one.beats is not False for one in measured)
+
+
+def measured_strategies(
+    measures: Sequence[Measure], values: Mapping[str, Mapping[str, Floats]], baseline: str
+) -> list[MeasuredStrategy]:
+    """Return every measure under every strategy.
+
+    Args:
+        measures: measures of the task.
+        values: strategy -> measure -> its values on the scenarios (K,).
+        baseline: the strategy with which the others are compared, if it is among them.
+
+    """
+    found = []
+    for strategy, own in values.items():
+        rival = values.get(baseline) if strategy != baseline else None
+        for measure in measures:
+            name = measure.name
+            beside = None if rival is None else (summarise(rival[name]), summarise(own[name] - rival[name]))
+            found.append(MeasuredStrategy(strategy, measure, summarise(own[name]), *(beside or (None, None))))
+    return found
+
+
+def measured_conditions(measures: Sequence[Measure], figures: Figures, baseline: str) -> list[MeasuredStrategy]:
+    """Return every measure under every condition of an experiment; `baseline` is the condition to compare with."""
+    names = [measure.name for measure in measures]
+    values = {own: {name: figures.values[name][c] for name in names} for c, own in enumerate(figures.conditions)}
+    return measured_strategies(measures, values, baseline)
+
+
+def by_strategy(measured: Sequence[MeasuredStrategy]) -> dict[str, Any]:
+    """Return plain data for JSON under the key `measures`; nothing without measures."""
+    found: dict[str, list[Any]] = {}
+    for one in measured:
+        found.setdefault(one.strategy, []).append(one.content)
+    return {"measures": found} if found else {}

@@ -1,0 +1,194 @@
+"""`clean-swarm run`: a task by one option and by its baseline from the same starts; an evaluation without files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.families import FamilyConfig
+from clean_swarm_env.config.known import knowledge_of, mission_context
+from clean_swarm_env.config.load import own_mission, random_starts, with_changes
+from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.tasks import find_task, task_names
+from clean_swarm_env.config.world import GroundKind
+from clean_swarm_env.world.cleaning_robot import coordinators_of
+from selector.configurations.library import library_of
+from selector.documents.errors import validated
+from selector.documents.trust import BASELINE
+from selector.knowledge import Knowledge
+from selector.strategies.max_score import MaxScore
+from selforg.registry import unknown
+from train.analysis.family_report import FamilyRuns, family_report_of
+from train.analysis.task_report import MeasuredStrategy, reached
+from train.deciders.named import FIXED
+from train.evaluation.family import FamilyEvaluation
+from train.evaluation.pipeline import mission_score
+from train.evaluation.trial_task import TrialTask
+from train.knowledge_store import as_plain
+from train.request import Request
+from train.running.engine import in_turn
+
+USUAL_RUNS = 20
+"""Runs of a task, unless a number is given."""
+
+
+@dataclass(frozen=True)
+class TaskRun(Request):
+    """The request of a task beside its baseline; where a field is None, the task's own mission has the value."""
+
+    option: str | None = None
+    """Name of the option that serves its goal; the one of the highest score unless given."""
+    robots: int | None = None
+    """Number of robots."""
+    seconds: float | None = None
+    """Simulated time [s]."""
+    ground: GroundKind | None = None
+    """Kind of ground."""
+
+    @property
+    def runs(self) -> int:
+        """Number of runs, each from a start of its own."""
+        return self.scenarios or USUAL_RUNS
+
+    @cached_property
+    def own_mission(self) -> MissionConfig:
+        """The mission for which the targets are stated."""
+        return own_mission(self.name)
+
+    @cached_property
+    def mission(self) -> MissionConfig:
+        """The mission with the changes of the request."""
+        given = {
+            "robots": {"count": self.robots},
+            "world": {"ground": self.ground},
+            "time_limit": self.seconds,
+            "knowledge": self.knowledge,
+        }
+        own = self.own_mission.model_dump()
+        return validated(MissionConfig, with_changes(own, _without_none(given)), self.name, own=True)
+
+    @property
+    def of_baseline(self) -> MissionConfig:
+        """The same mission with the task's own knowledge, which has the baseline."""
+        return self.mission.model_copy(update={"knowledge": self.own_mission.knowledge})
+
+
+def _without_none(given: dict[str, Any]) -> dict[str, Any]:
+    parts = {key: _without_none(value) if isinstance(value, dict) else value for key, value in given.items()}
+    return {key: value for key, value in parts.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class TaskOutcome:
+    """The result of running a task."""
+
+    request: TaskRun
+    option: str
+    measured: Sequence[MeasuredStrategy]
+    """Measures of the option."""
+    known: Knowledge | None = None
+    """What a knowledge store knew of the options at the beginning."""
+
+    @property
+    def task(self) -> Any:  # noqa: ANN401  (a class of tasks)
+        """The task."""
+        return find_task(self.request.name)
+
+    @property
+    def own_setting(self) -> bool:
+        """Whether the mission is the one for which the targets are stated."""
+        return setting_of(self.request.mission) == setting_of(self.request.own_mission)
+
+    @property
+    def reached(self) -> bool:
+        """Whether every target is met and every baseline that is to be beaten is."""
+        return reached(self.measured)
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        mission = self.request.mission
+        return {
+            "task": self.request.name,
+            "option": self.option,
+            "story": self.task.story,
+            "baseline": self.task.baseline,
+            "robots": mission.robots.count,
+            "seconds": mission.time_limit,
+            "ground": mission.world.ground,
+            "seed": self.request.seed,
+            "runs": self.request.runs,
+            "targets_are_for_this_setting": self.own_setting,
+            "reached": self.reached,
+            "known": as_plain(self.known.learned) if self.known is not None else None,
+            "measures": [one.content for one in self.measured],
+        }
+
+
+def setting_of(mission: MissionConfig) -> str:
+    """Return what users choose of a mission, in words."""
+    return f"{mission.robots.count} robots, {mission.time_limit:g} s, {mission.world.ground}"
+
+
+def tasks_to_run() -> list[str]:
+    """Return the names of all tasks that have a baseline."""
+    kinds: dict[str, Any] = {name: find_task(name) for name in task_names()}
+    return [name for name, kind in kinds.items() if kind.baseline]
+
+
+def run_task(request: TaskRun) -> TaskOutcome:
+    """Run a task by an option and by its baseline.
+
+    Raises:
+        ConfigurationError: task, option or setting do not exist or fit.
+
+    """
+    if request.name not in tasks_to_run():
+        raise ConfigurationError(unknown("task with a baseline", request.name, tasks_to_run()))
+    mission = request.mission
+    expert = knowledge_of(mission, request.directories)
+    changed = "" if setting_of(mission) == setting_of(request.own_mission) else f", {setting_of(mission)}"
+    context = mission_context(request.name + changed)
+    memory = request.store.memory(expert, context, f"task {request.name}, seed {request.seed}, {request.runs} runs")
+    known = expert if memory is None else memory.knowledge
+    goal, option = _taken(request, mission, known)
+    if memory is not None:
+        memory.check_new([option])
+    family, names = random_starts(mission), (f"{FIXED}:{option}", BASELINE)
+    tasks = _tasks(request, family, names[0]) + _tasks(request, random_starts(request.of_baseline), BASELINE)
+    if request.record is not None:
+        tasks = [task.recorded(request.record) for task in tasks]
+    records = list(in_turn(tasks))
+    if memory is not None:
+        if memory.learns:
+            costs = [record.result.cost_s for record in records if record.condition == names[0]]
+            memory.give((goal, option, mission_score(mission, cost)) for cost in costs)
+        memory.close()
+    conditions = {name: (name,) for name in names}
+    report = family_report_of(FamilyRuns(family, goal, request.seed, request.runs, 1, conditions, (), records))
+    measured = [one for one in report.measured if one.strategy != BASELINE]
+    return TaskOutcome(request, option, measured, None if memory is None else known)
+
+
+def _tasks(request: TaskRun, family: FamilyConfig, strategy: str) -> list[TrialTask]:
+    """Return the runs of a strategy."""
+    asked = Request(
+        request.name, (strategy,), request.seed, request.runs, directories=request.directories, scoring=True
+    )
+    return FamilyEvaluation(asked, family).tasks({})
+
+
+def _taken(request: TaskRun, mission: MissionConfig, known: Knowledge) -> tuple[str, str]:
+    """Return the goal of the task, and the option that serves it: the given one, or that of the highest score."""
+    model = coordinators_of(mission, known, library_of(request.directories), request.directories)[0]
+    if request.option is None:
+        best = MaxScore(model.problem(), np.zeros(1, dtype=np.uint64)).select(np.zeros((1, 0)))[0]
+        return model.goal, model.options[best]
+    if request.option not in model.options:
+        raise ConfigurationError(f"goal {model.goal}: {unknown('option', request.option, model.options)}")
+    return model.goal, request.option

@@ -1,1 +1,0 @@
-"""Runs of the goals of the library in their scenes."""
