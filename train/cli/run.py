@@ -63,10 +63,20 @@ def run_command(
         for name in tasks_to_run() if every else (str(task),):
             status.update(f"running {name}")
             ground: Any = arena  # which has been checked
-            given = {"seed": seed, "scenarios": runs, "knowledge": knowledge, "directories": directories}
-            kept = {"store": StoreRequest(store, learn), "record": record and RecordSettings(record.resolve())}
-            changed = {"option": option, "robots": robots, "seconds": seconds, "ground": ground}
-            outcomes.append(run_task(TaskRun(name, **given, **kept, **changed)))
+            asked = TaskRun(
+                name,
+                seed=seed,
+                scenarios=runs,
+                knowledge=knowledge,
+                directories=directories,
+                store=StoreRequest(store, learn),
+                record=record and RecordSettings(record.resolve()),
+                option=option,
+                robots=robots,
+                seconds=seconds,
+                ground=ground,
+            )
+            outcomes.append(run_task(asked))
     if json:
         plain = [outcome.content for outcome in outcomes]
         typer.echo(json_format.dumps(plain if every else plain[0], indent=2))
