@@ -54,6 +54,12 @@ def is_task(name: str) -> bool:
     return name in TASKS
 
 
+def task_names() -> tuple[str, ...]:
+    """Return the names of all tasks, sorted."""
+    import_module("clean_swarm_env.tasks")
+    return TASKS.names()
+
+
 def settings_from(given: object) -> object:
     """Return the settings of a task from its name or its keys; anything else is left for pydantic to refuse."""
     content = {"name": given} if isinstance(given, str) else given
