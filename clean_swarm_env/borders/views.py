@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND, Canvas, between
 from clean_swarm_env.drawing.pixels import Pixels, pixels_of
-from clean_swarm_env.drawing.scene_picture import scene_canvas
 from clean_swarm_env.drawing.window import Window
 from clean_swarm_env.drawing.world_picture import canvas_of
-from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.interface import AnyBatch, BatchStep
+from clean_swarm_env.learning.interface import BatchStep
 
 PICTURE: Final = "rgb_array"
 PICTURES: Final = "rgb_array_list"
@@ -30,7 +28,7 @@ class View:
 
     """
 
-    def __init__(self, batch: AnyBatch, mode: str | None) -> None:
+    def __init__(self, batch: Batch, mode: str | None) -> None:
         self._batch, self._mode = batch, mode
         self._window = Window() if mode == WINDOW else None
         self._pictures: list[Pixels] = []
@@ -76,9 +74,6 @@ class View:
             self._window.close()
 
     def _canvas(self, world: int) -> Canvas:
-        if isinstance(self._batch, GoalBatch):
-            return scene_canvas(self._batch.play.scene, self._batch.play.team, world)
-        assert isinstance(self._batch, Batch)
         return canvas_of(self._batch.worlds, world)
 
     def _look(self) -> None:
