@@ -29,7 +29,7 @@ def canvas_of(worlds: Worlds, world: int) -> Canvas:
     trail, diffusions = trail_of(worlds.minds.buffers["pheromones"], int(worlds.rows_of(world)[0]), worlds.now)
     corner, size = shown_part(worlds, worlds.physics.positions[rows])
     width, height = size.tolist()
-    things = [DrawnThing.model_validate(thing) for thing in things_of(worlds.task.around, world)]
+    things = [DrawnThing.model_validate(thing) for thing in things_of(worlds, world)]
     return Canvas(
         worlds.physics.positions[rows] - corner,
         worlds.physics.headings[rows].copy(),

@@ -119,7 +119,7 @@ class MissionRecorder:
         facts |= self._networks
         if not mission.cleans:
             facts["ground"], facts["field"] = mission.world.ground, max(mission.world.width, mission.world.height)
-            facts["things"] = list(things_of(worlds.task.around, world))
+            facts["things"] = list(things_of(worlds, world))
         path = self._path(facts["about"])
         self._running[world] = _Running(RecordingFile(path, facts, self.frames.channels), 0)
         self.frames.start(world)

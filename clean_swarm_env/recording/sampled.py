@@ -5,7 +5,7 @@ Shapes: W worlds, N robots a world, R = W * N rows, M items a world, O options, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,7 +14,6 @@ import numpy as np
 from clean_swarm_env.recording.channels import MILLI, Channel, point_channels, whole_channel
 from clean_swarm_env.recording.taking import Sampled
 from clean_swarm_env.world.garbage import NOTHING
-from clean_swarm_env.world.task import Thing
 from clean_swarm_env.world.view import CARRYING
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator
@@ -90,10 +89,10 @@ def _note_cargo(worlds: Worlds, cargo: Ints) -> None:
     cargo[:] = np.where(worlds.world.carrying, 0, NOTHING)
 
 
-def things_of(around: Sequence[Thing], world: int) -> Iterator[dict[str, Any]]:
-    """Yield the things of a task as plain data; `moves` counts those that move, in the order of their channels."""
+def things_of(worlds: Worlds, world: int) -> Iterator[dict[str, Any]]:
+    """Yield the things of a world as plain data; `moves` counts those that move, in the order of their channels."""
     count = 0
-    for thing in around:
+    for thing in worlds.task.around:
         places = thing.places[world]
         reaches = (np.broadcast_to(reach, len(places)).tolist() for reach in (thing.diffusion, thing.goal_radius))
         for (x, y), diffusion, radius in zip(places.tolist(), *reaches, strict=True):

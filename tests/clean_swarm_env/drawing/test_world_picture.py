@@ -10,7 +10,7 @@ from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.world.garbage import LYING, NOTHING
 from clean_swarm_env.world.mission import Course, MissionRun
 from tests.clean_swarm_env.courses import mission, worlds_at_start
-from tests.clean_swarm_env.shepherding import with_shepherding
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 
 
 def test_the_picture_shows_robots_items_cargo_and_the_trail_of_its_own_world():

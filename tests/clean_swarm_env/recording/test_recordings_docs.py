@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 
-from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.delivery import DeliveryConfig
+from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.world import ConsequencesConfig
@@ -13,7 +13,7 @@ from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionRun
-from tests.clean_swarm_env.shepherding import with_shepherding
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.paths import ROOT
 
 PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")

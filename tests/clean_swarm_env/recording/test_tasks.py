@@ -15,7 +15,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.recording.tables import tables_of
 from clean_swarm_env.world.mission import Course, MissionRun, result_of
-from tests.clean_swarm_env.shepherding import with_shepherding
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from train.replay.page_file import page_of
 
 TASKS = [*(name for name in task_names() if name != CLEANING), "Shepherding"]

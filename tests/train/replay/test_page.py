@@ -13,7 +13,7 @@ from clean_swarm_env.recording.mission_recording import record_mission
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.mission import MissionRun
-from tests.clean_swarm_env.shepherding import with_shepherding
+from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.paths import TRAINED
 from tests.train.commands import run
 from train.replay.page_file import write_page

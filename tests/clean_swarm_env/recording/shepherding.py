@@ -1,6 +1,6 @@
 """A task of a user's own, with things that move: robots drive sheep into a ring."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -29,7 +29,7 @@ class Shepherding(Task[ShepherdingSettings, Flock]):
     story = "6 robots drive sheep into a ring"
     measures = (Measure("sheep in the ring", "-", "higher", 0.9, "nine of ten are a flock"),)
     goal = "CollectiveExploration"
-    mission = {"world": {"width": 8.0, "height": 6.0}, "robots": {"count": 6}, "time_limit": 20.0}
+    mission: ClassVar = {"world": {"width": 8.0, "height": 6.0}, "robots": {"count": 6}, "time_limit": 20.0}
 
     def place(self, start: Start) -> None:
         """Put robots and sheep anywhere."""
