@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
@@ -54,6 +55,11 @@ class MissionResult:
     def excess_s(self) -> float:
         """The part of the cost that is compared [s]."""
         return self.cost_s - self.unavoidable_s
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Return the figures as plain data; of cleaning, which has no measures, without `measures`."""
+        figures = asdict(self)
+        return figures if self.measures else {name: figures[name] for name in figures if name != "measures"}
 
 
 @dataclass(frozen=True)

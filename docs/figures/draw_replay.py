@@ -29,6 +29,7 @@ from train.evaluation.trial_task import TrialTask
 from train.live.chosen import chosen, playable
 from train.live.conductor import Conductor
 from train.live.server import LiveServer
+from train.live.session import Session
 from train.replay.page_file import live_page, write_page
 from train.report_page.page import report_of_results
 from train.report_page.results import results_in
@@ -82,7 +83,7 @@ def chromium() -> Iterator[Browser]:
 @contextmanager
 def played(browser: Browser, output: Path, speed: float) -> Iterator[Page]:
     """Play the mission of `clean-swarm play` at a speed before a page, and record it; give the page."""
-    session = chosen("crowded", 1, 0, None, ()).open(output, minds=True)
+    session = Session(chosen("crowded", 1, 0, None, ()), output)
     conductor = Conductor(dict.fromkeys(("", *playable(())), lambda: session), speed)
     runner = Thread(target=conductor.run)
     with LiveServer() as server:

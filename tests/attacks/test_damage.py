@@ -29,7 +29,7 @@ from train.deciders.models import ModelDecider
 from train.evaluation.gathering import gathered
 from train.evaluation.held import held_evaluation
 from train.evaluation.repeat import record_run
-from train.live.missions import MissionSession
+from train.live.session import Session
 from train.replay.export import export
 from train.request import Request, RunShare
 from train.running import runs
@@ -203,9 +203,9 @@ def test_a_recording_of_a_play_is_whole_after_a_full_disk_and_goes_on_when_there
     """Nothing stays of a block that could not be written, and no file whose head could not be."""
     path = tmp_path / "run.swarm"
     with full_disk(100), pytest.raises(OSError, match=r"run\.swarm"):
-        MissionSession(play_of(SMALL), path)
+        Session(play_of(SMALL), path)
     assert not path.exists()
-    session = MissionSession(play_of(SMALL), path)
+    session = Session(play_of(SMALL), path)
     for _ in range(3):
         session.tick()
     with full_disk(path.stat().st_size + 100), pytest.raises(OSError, match=r"run\.swarm"):

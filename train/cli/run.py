@@ -70,7 +70,7 @@ def run_command(
                 knowledge=knowledge,
                 directories=directories,
                 store=StoreRequest(store, learn),
-                record=record and RecordSettings(record.resolve()),
+                record=None if record is None else RecordSettings(record.resolve()),
                 option=option,
                 robots=robots,
                 seconds=seconds,
