@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.plain import short
 from train.cluster.bits import WorkerBits

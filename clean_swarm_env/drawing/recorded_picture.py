@@ -10,12 +10,12 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from clean_swarm_env.config.cleaning import StationsConfig
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Area, Canvas, between, no_places
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.world.cleaning import PHEROMONES
-from clean_swarm_env.world.garbage import ABSENT, DONE, LYING, NOTHING
+from clean_swarm_env.world.cleaning.cleaning_task import PHEROMONES
+from clean_swarm_env.world.cleaning.garbage import ABSENT, DONE, LYING, NOTHING
 from selector.documents.errors import validated
 from selector.documents.fields import NonNegative, Number, Positive
 from selforg.arrays import Floats

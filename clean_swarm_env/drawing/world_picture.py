@@ -7,7 +7,7 @@ import numpy as np
 from clean_swarm_env.drawing.canvas import GARBAGE, LEFTOVERS, SEARCHING, Canvas, no_places
 from clean_swarm_env.drawing.recorded_picture import EDGE_OF_LAND, TRAILS, DrawnThing, areas_of
 from clean_swarm_env.recording.sampled import things_of
-from clean_swarm_env.world.garbage import LYING, NOTHING
+from clean_swarm_env.world.cleaning.garbage import LYING, NOTHING
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Floats
 from selforg.gradients.buffer import SoBuffer

@@ -12,8 +12,8 @@ import numpy as np
 from pydantic import Field
 
 from clean_swarm_env.config.types import Index
-from clean_swarm_env.world.cleaning import cleaning_of
-from clean_swarm_env.world.garbage import ABSENT, LYING
+from clean_swarm_env.world.cleaning.cleaning_task import cleaning_of
+from clean_swarm_env.world.cleaning.garbage import ABSENT, LYING
 from clean_swarm_env.world.worlds import Worlds
 from selector.documents.fields import Closed, Number, Share
 from selforg.arrays import Floats

@@ -13,7 +13,7 @@ import numpy as np
 
 from clean_swarm_env.recording.channels import MILLI, Channel, point_channels, whole_channel
 from clean_swarm_env.recording.taking import Sampled
-from clean_swarm_env.world.garbage import NOTHING
+from clean_swarm_env.world.cleaning.garbage import NOTHING
 from clean_swarm_env.world.view import CARRYING
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.coordinator import Coordinator

@@ -10,7 +10,7 @@ from typing import Any
 
 from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.world.cleaning_robot import coordinators_of
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of
 from clean_swarm_env.world.explaining import RobotStep, explain_robot
 from clean_swarm_env.world.mission_end import RUNNING, mission_cost, mission_state, tick_limit, unavoidable_cost
 from clean_swarm_env.world.worlds import Worlds

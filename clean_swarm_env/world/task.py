@@ -13,9 +13,9 @@ from typing import Annotated, Any, ClassVar, Final, Generic, Literal, TypeVar, g
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import TaskSettings, find_task
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.world.placing import WorldStart
 from clean_swarm_env.world.reception import Reception
 from clean_swarm_env.world.view import World

@@ -11,8 +11,8 @@ from typing import Annotated, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.physics.clock import Clock
 from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.ground import Ground

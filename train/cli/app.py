@@ -16,8 +16,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.tasks import import_tasks, task_stories
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.find import KINDS, SHIPPED, files_of
 from selector.documents.plain import plain
 from selector.documents.reading import read_mapping

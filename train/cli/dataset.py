@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, GivenOptions, asking, check_whole, error_console
 
 

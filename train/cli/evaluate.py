@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import KEEPING, GivenOptions, asking, check_named, check_whole, wide_console
 
 MOST_WORLD_SEEDS = 100

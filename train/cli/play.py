@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import MOST_SCENARIOS, MOST_SEED, Configs, Seed, check_whole
 
 if TYPE_CHECKING:  # imports Numba

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import MAY_NAME_CODE, error_console
 
 RunDirectory = Annotated[

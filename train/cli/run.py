@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.writing import write_whole
 from train.cli.options import MOST_SEED, Configs, Learn, RunStore, check_whole, wide_console
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import KEEPING, GivenOptions, asking, wide_console
 from train.running.exit_codes import FINISHED
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import KEEPING, GivenOptions, asking, check_named
 
 if TYPE_CHECKING:  # imports Numba

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.plain import short
 from selector.documents.trust import current_permission, permitting
 from train.cluster.bits import WorkerBits, own_bits

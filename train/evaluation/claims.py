@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import place_of
+from clean_swarm_env.config.types import ConfigurationError
 from selforg.registry import unknown
 from train.analysis.claims import Claim, claims_of
 from train.analysis.family_report import FamilyRuns, excesses_of, unfinished_of

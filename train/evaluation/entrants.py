@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import find_task
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observer
 from selector.documents.errors import DocumentError

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ConditionConfig, ExperimentConfig
 from clean_swarm_env.config.known import knowledge_of, mission_context
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import load_starts, random_start
-from clean_swarm_env.world.cleaning_robot import coordinators_of, goals_of, robot_network
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.world.cleaning.cleaning_robot import coordinators_of, goals_of, robot_network
 from selector.configurations.library import library_of
 from selector.documents.errors import shown, within
 from selector.knowledge import load_knowledge

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.evaluation.base import Evaluation
 from train.request import ALL, RunShare
 from train.running.finished_runs import JOURNAL, runs_of

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.experiment import ExperimentConfig
 from clean_swarm_env.config.families import place_of
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.file import SUFFIX, blocks_of
 from clean_swarm_env.recording.reader import NoFrames, RecordedMission, RecordedParts

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.tasks import task_names
-from clean_swarm_env.world.cleaning_robot import goals_of
+from clean_swarm_env.config.types import ConfigurationError
+from clean_swarm_env.world.cleaning.cleaning_robot import goals_of
 from selector.documents.find import files_of
 from selector.documents.reading import read_mapping
 from selforg.registry import unknown

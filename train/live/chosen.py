@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.tasks import task_names
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.by_hand import Change
 from clean_swarm_env.recording.file import SUFFIX
 from clean_swarm_env.recording.reader import RecordedMission

@@ -25,7 +25,7 @@ from time import monotonic, sleep
 from typing import Any, Final
 from urllib.parse import parse_qs
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.reading import json_value
 from train.live.conductor import Conductor
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.actions import ActionConfig, Mode
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.recording.by_hand import AddRobot, ByHand, Change, FollowStrategy, HoldOption

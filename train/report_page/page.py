@@ -11,7 +11,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import OPTION_COLOURS
 from clean_swarm_env.recording.reader import RecordedMission
 from train.report_page.course_charts import learning_curves, selection_by_situation, selection_over_time

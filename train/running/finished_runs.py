@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import shown
 from selector.documents.reading import json_value, read_text
 from selector.documents.writing import writing_to

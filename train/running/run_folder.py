@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.reading import read_json
 from selector.documents.writing import remove_parts, write_whole
 from selector.knowledge import learned_from

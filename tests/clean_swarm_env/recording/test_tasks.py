@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.tasks import CLEANING, task_names
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.recorded_picture import RecordedCourse
 from clean_swarm_env.drawing.world_picture import canvas_of
 from clean_swarm_env.recording.reader import RecordedMission

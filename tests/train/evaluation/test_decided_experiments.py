@@ -5,9 +5,9 @@ import json
 import pytest
 import yaml
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.load import load_experiment
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from tests.train.commands import run
 from train.evaluation.experiment import ExperimentEvaluation

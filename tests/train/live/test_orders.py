@@ -18,7 +18,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from clean_swarm_env.recording.by_hand import AddItem, FollowStrategy
 from clean_swarm_env.recording.file import blocks_in
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, frames_from
-from clean_swarm_env.world.garbage import CARRIED, LYING
+from clean_swarm_env.world.cleaning.garbage import CARRIED, LYING
 from tests.train.live.sessions import SMALL, asked, ordered, play_of, served
 from train.live.chosen import again, chosen
 from train.live.session import Session

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.sessions import SMALL, play_of
 from train.live.chosen import PlayedMission, again

@@ -11,7 +11,7 @@ pytest.importorskip("ribs", reason="pyribs is not installed (extra tune)")
 
 import optuna
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selector.store import KnowledgeStore

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.warm_up import one_process
 from selforg.compiler.cache import cache_directory
 from train.evaluation.experiment import ExperimentEvaluation

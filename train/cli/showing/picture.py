@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clean_swarm_env.config.errors import ConfigurationError
+from clean_swarm_env.config.types import ConfigurationError
 from train.cli.options import MAY_NAME_CODE, check_whole
 from train.cli.repeat import ConditionOption, ScenarioOption, repeating
 

@@ -25,9 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from clean_swarm_env.config.errors import ConfigurationError
 from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.config.types import Seconds
+from clean_swarm_env.config.types import ConfigurationError, Seconds
 from clean_swarm_env.learning.actions import ActionConfig
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
