@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
@@ -32,7 +32,12 @@ open_decision_rule = DECISION_RULE.open
 
 @lean_kernel
 def decide_rows(
-    now: float, rows: Ints, sight: Words[Sight], deciding: Words[DecisionRule], poses: Words[Poses], store: Words[Store]
+    now: float,
+    rows: Ints,
+    sight: Words[Sight],
+    deciding: Words[DecisionRule],
+    poses: Words[Poses],
+    store: Written[Store],
 ) -> int:
     """Write value, state and whether there is a decision for `rows` (R,) into those rows of `deciding`.
 

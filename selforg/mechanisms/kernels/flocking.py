@@ -10,7 +10,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
@@ -70,7 +70,7 @@ def olfati_saber(
 
 
 @kernel
-def separation(count: int, own_goal: float, full: float, row: int, flock: Words[Flock]) -> None:
+def separation(count: int, own_goal: float, full: float, row: int, flock: Written[Flock]) -> None:
     """Add to the sum unit vectors away from each of `count` boids, weighted by 1 / (r * clearance); Reynolds (1987).
 
     Overlapping boids count `full` [m] away (deviation Q12: the original draws from the positive octant).
@@ -114,9 +114,9 @@ def flock_rows(
     places: Ints,
     movements: Words[Movements],
     sight: Words[Sight],
-    flock: Words[Flock],
+    flock: Written[Flock],
     poses: Words[Poses],
-    store: Words[Store],
+    store: Written[Store],
 ) -> int:
     """Write the flocking movement of `rows` (R,) into the rows `places` (R,) of `movements`.
 
@@ -143,7 +143,7 @@ def flock_rows(
 
 
 @kernel
-def move_reynolds(row: int, count: int, flock: Words[Flock], poses: Words[Poses]) -> None:
+def move_reynolds(row: int, count: int, flock: Written[Flock], poses: Words[Poses]) -> None:
     """Add separation + cohesion + alignment to the sum."""
     own = open_poses(poses).own
     own_goal, reach = own[row, 0, c.GOAL_RADIUS], own[row, 0, c.DIFFUSION] + own[row, 0, c.GOAL_RADIUS]

@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.elementary import direction
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
@@ -62,7 +62,7 @@ open_foresight = FORESIGHT.open
 
 @lean_kernel
 def foresee_rows(
-    now: float, rows: Ints, commands: Words[Commanded], foresight: Words[Foresight], poses: Words[Poses]
+    now: float, rows: Ints, commands: Words[Commanded], foresight: Written[Foresight], poses: Words[Poses]
 ) -> None:
     """Change the commands of `rows` (K,) at `now` [s]; rows without a command that moves them keep it."""
     m, f = open_commanded(commands), open_foresight(foresight)
@@ -134,7 +134,7 @@ def threat(other: int, vx: float, vy: float, foresight: Words[Foresight]) -> flo
 
 
 @part
-def is_stuck(row: int, now: float, foresight: Words[Foresight], poses: Words[Poses]) -> bool:
+def is_stuck(row: int, now: float, foresight: Written[Foresight], poses: Words[Poses]) -> bool:
     """Return whether a row dares more, because it has not got on for too long; note whether it gets on."""
     p, f = open_poses(poses), open_foresight(foresight)
     place, times = f.places[row], f.times[row]

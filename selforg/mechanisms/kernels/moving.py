@@ -10,7 +10,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Recording, Words
+from selforg.compiler.records import Recording, Words, Written
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
 from selforg.gradients.store.records import Look, Margins, Poses, Sight, Store, open_poses, open_sight
@@ -75,9 +75,9 @@ def move_row(
     now: float,
     combination: Callable[..., bool],
     sight: Words[Sight],
-    steering: Words[Steering],
+    steering: Written[Steering],
     poses: Words[Poses],
-    store: Words[Store],
+    store: Written[Store],
 ) -> int:
     """Write the movement of a row into the sum; `combination` takes a number, then what a `Combination` takes.
 
@@ -148,7 +148,7 @@ def look_for_one(row: int, now: float, steering: Words[Steering], poses: Words[P
 
 
 @part
-def finish(row: int, own_reach: float, steering: Words[Steering]) -> None:
+def finish(row: int, own_reach: float, steering: Written[Steering]) -> None:
     """Limit the sum: repulsions among robots to the own reach, all others to their speeds."""
     m = open_steering(steering)
     if m.by_own_reach:
@@ -161,7 +161,7 @@ def finish(row: int, own_reach: float, steering: Words[Steering]) -> None:
 
 
 @part
-def add(index: int, length: float, full: float, row: int, sight: Words[Sight], steering: Words[Steering]) -> None:
+def add(index: int, length: float, full: float, row: int, sight: Words[Sight], steering: Written[Steering]) -> None:
     """Add a contribution of `length` along the offset of a pair to the sum; -inf becomes `full` [m] away.
 
     Where the centres coincide there is no offset, and the direction is random.

@@ -15,7 +15,7 @@ import numpy as np
 
 from selforg.arrays import Ints
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Words
+from selforg.compiler.records import Words, Written
 from selforg.gradients.choosing import (
     CHOOSE_FARTHEST,
     CHOOSE_LEAST_REACH,
@@ -107,7 +107,7 @@ def sums(combination: MovementRule, **fields: Any) -> Callable[[Formula], Moveme
 
 
 @combines()
-def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
+def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Written[Steering]) -> bool:
     """Look at no gradient: the sum is a random direction of 1 m/s."""
     s = open_steering(steering)
     s.total[0], s.total[1], s.total[2] = next_direction(s.directions, s.cursor, s.low, row)
@@ -115,7 +115,7 @@ def wander(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[
 
 
 @combines()
-def sum_all(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
+def sum_all(row: int, found: int, own: Own, sight: Words[Sight], steering: Written[Steering]) -> bool:
     """Sum one formula over all pairs."""
     m, pairs = open_steering(steering), open_sight(sight).pairs
     x, y, z = 0.0, 0.0, 0.0
@@ -183,7 +183,7 @@ def exploit(
 
 
 @combines(looks=ATTRACTIVE_IN_VIEW)
-def follow_one(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
+def follow_one(row: int, found: int, own: Own, sight: Words[Sight], steering: Written[Steering]) -> bool:
     """Follow one chosen gradient by the potentials of Balch & Hybinette (2000); False if none is chosen."""
     pairs = open_sight(sight).pairs
     chosen = choose(open_steering(steering).chooses, pairs, found, own.goal_radius)
@@ -206,7 +206,7 @@ follow_most_reach = follow_one._replace(chooses=CHOOSE_MOST_REACH)
 
 
 @combines(looks=ATTRACTIVE_AND_NEAR_REPULSIVE, wakes=BY_REPULSIVE, formula=BALCH, chooses=CHOOSE_NEAREST)
-def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], steering: Words[Steering]) -> bool:
+def chemotaxis_balch(row: int, found: int, own: Own, sight: Words[Sight], steering: Written[Steering]) -> bool:
     """Add attraction to the nearest attractive gradient and all repulsions; False without any.
 
     Potentials of Ge & Cui (2000) for `chemotaxis_ge`, of Balch & Hybinette (2000) else and where there is no goal.
@@ -275,9 +275,9 @@ def move_rows(
     places: Ints,
     movements: Words[Movements],
     sight: Words[Sight],
-    steering: Words[Steering],
+    steering: Written[Steering],
     poses: Words[Poses],
-    store: Words[Store],
+    store: Written[Store],
 ) -> int:
     """Write the movement of `rows` (R,) into the rows `places` (R,) of `movements`.
 
