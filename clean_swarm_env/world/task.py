@@ -5,6 +5,7 @@ Shapes: W worlds of N robots, R = W * N rows (robots).
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -76,6 +77,11 @@ class Measure:
         """Return the scores of values: 1 where the target is just met, 0 as far from it as it is from 0."""
         sign = -1.0 if self.better == "lower" else 1.0
         return 1.0 + sign * (values - self.target) / (abs(self.target) or 1.0)
+
+
+def key_of(measure: str) -> str:
+    """Return the name of a measure as infos and rewards have it: letters, digits and underscores."""
+    return re.sub(r"\W+", "_", measure)
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,8 @@ class Flock(NamedTuple):
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
     boids: Annotated[Floats, "P BOID", SCRATCH]  # room for as many boids as pairs; columns BOID_
     total: Annotated[Floats, "3", SCRATCH]  # room for a sum
-    own: Annotated[Floats, "3", READ]  # room for what boids are compared with
-    change: Annotated[Floats, "3", READ]  # room for a change of the velocity [m/s2]
+    own: Annotated[Floats, "3", SCRATCH]  # room for what boids are compared with
+    change: Annotated[Floats, "3", SCRATCH]  # room for a change of the velocity [m/s2]
 
 
 FLOCK = Recording(Flock)

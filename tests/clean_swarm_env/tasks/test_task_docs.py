@@ -6,8 +6,8 @@ import pytest
 from clean_swarm_env.goals.goal_batch import GoalBatch
 from clean_swarm_env.goals.observer import TERMS_OF_GOALS
 from clean_swarm_env.goals.settings import key_of
-
 from clean_swarm_env.scenes import find, goals
+
 from tests.clean_swarm_env.courses import long_course
 from tests.paths import ROOT
 
