@@ -8,7 +8,7 @@ from __future__ import annotations
 from clean_swarm_env.learning.interface import FigureColumns
 from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.world.mission_end import COMPLETED
-from clean_swarm_env.world.task import key_of
+from clean_swarm_env.world.task_parts import key_of
 from clean_swarm_env.world.worlds import Worlds
 
 TEAM = {
