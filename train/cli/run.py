@@ -76,5 +76,5 @@ def run_command(
         for outcome in outcomes:
             wide_console().print(on_terminal(outcome_grid(outcome)))
             if outcome.known is not None:
-                limit = outcome.request.mission.time_limit
-                wide_console().print(on_terminal(learned_scores(outcome.known, "known at the beginning", limit)))
+                known = learned_scores(outcome.known, "known at the beginning", outcome.request.mission)
+                wide_console().print(on_terminal(known))

@@ -18,6 +18,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.learning.warm_up import compiled_before
 from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.world.mission_end import best_score
 from selector.store.exact_sums import REWARD_LIMIT
 from train.cluster.bits import WorkerBits, noted_bits, noting, own_bits
 from train.evaluation.base import Evaluation
@@ -101,14 +102,14 @@ def _evaluated(evaluation: Evaluation, execution: Execution, results: Results) -
     if folder.learned:
         known = knowledge_of(evaluation.mission, evaluation.directories)
         title = f"known at the beginning in the context {evaluation.context!r}"
-        grids = (*publication.grids, learned_scores(known, title, evaluation.mission.time_limit))
+        grids = (*publication.grids, learned_scores(known, title, evaluation.mission))
         publication = replace(publication, grids=grids)
     publish(publication, folder, execution.console)
     if memory is not None:
         if memory.learns:
             _give_scores(evaluation, memory, results.records)
             title = f"known now in the context {memory.context!r}"
-            execution.console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission.time_limit)))
+            execution.console.print(on_terminal(learned_scores(memory.now(), title, evaluation.mission)))
         memory.close()
     return FINISHED
 
@@ -180,12 +181,11 @@ def _give_scores(evaluation: Evaluation, memory: Memory, records: Sequence[RunRe
 
 
 def mission_score(mission: MissionConfig, cost: float) -> float:
-    """Return the score of a mission by its `cost` [s]: the share of its time limit that is left [-].
+    """Return the score of a mission by its `cost` [s]; see `best_score`.
 
-    1 is the best possible score. A mission with the score 0 costs as much as its time limit. The lowest score is the
-    lowest reward that a store takes.
+    The lowest score is the lowest reward that a store takes.
     """
-    return max(1.0 - cost / mission.time_limit, -REWARD_LIMIT)
+    return max(best_score(mission) - cost / mission.time_limit, -REWARD_LIMIT)
 
 
 def _print_how_to_resume(evaluation: Evaluation, execution: Execution, results: Results, what: str) -> None:
